@@ -13,6 +13,7 @@ from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.kept import LEVELS
@@ -29,8 +30,60 @@ from springpot.rheology.parameters import HasParameters
 
 Bounds = tuple[float, float]
 V = TypeVar("V")
+MOST_TIMES = 60
+"""Of a sum of relaxations: three a decade over twenty decades."""
 EVERY = "*"
 """In the place of a parameter's name."""
+
+
+def times_of(text: str, per_decade: int = 1) -> NDArray[np.float64]:
+    """Relaxation times in s, evenly over the decades of a range such as ``1e-6:1e6``.
+
+    Raises
+    ------
+    OptionError
+        If it is no range, or holds more than a series has.
+
+    Examples
+    --------
+    >>> from springpot.constraints import times_of
+    >>> times_of("1e-2:1e1").round(6)
+    array([ 0.01,  0.1 ,  1.  , 10.  ])
+    """
+    try:
+        low, high = (float(part) for part in text.split(":"))
+    except ValueError:
+        low, high = 0.0, 0.0
+    if not 0.0 < low < high < np.inf:
+        raise OptionError(f"'{text:.40}' is no range of times: write two in s, such as 1e-6:1e6")
+    count = int(np.round(per_decade * np.log10(high / low))) + 1
+    if count > MOST_TIMES:
+        raise OptionError(
+            f"{count} times are more than the {MOST_TIMES} of a series: narrow --times, or fewer a"
+            " decade"
+        )
+    return np.geomspace(low, high, count)
+
+
+def at_times(model: Model, times: NDArray[np.float64]) -> dict[str, float]:
+    """The times of a sum of relaxations, held in the order in which it has them.
+
+    Raises
+    ------
+    OptionError
+        If it has not as many.
+    """
+    names = [
+        parameter.name
+        for parameter in model.material.parameters
+        if (parameter.unit.time, parameter.unit.stiffness) == (1, 0)
+    ]
+    if len(names) != len(times):
+        raise OptionError(
+            f"--times are {len(times)}, and {model.name} has {len(names)}: give a family of sums of"
+            " relaxations, --model prony"
+        )
+    return dict(zip(names, times.tolist(), strict=True))
 
 
 def constrained(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.derived import asking, from_model, quantities, quantity
+from springpot.derived import asking, from_data, from_model, quantities, quantity
 from springpot.derived.from_data import curves
 from springpot.derived.from_model import DECADE, FINE, OfModel
 from springpot.errors import SpringpotError
@@ -196,3 +196,28 @@ def test_a_value_by_its_logarithm_has_its_interval_and_one_without_end_is_open()
 )
 def test_the_energy_of_a_cycle_has_the_unit_of_its_sizes(units, factor, unit):
     assert quantity.energy_unit(springpot.Units(*units)) == (pytest.approx(factor), unit)
+
+
+@pytest.mark.parametrize(("each", "count"), [(5, 2), (4, 1)])
+def test_levels_of_any_column_are_curves_of_their_own_where_each_has_points_enough(each, count):
+    omega = np.tile(np.geomspace(1.0, 10.0, each), 2)
+    data = springpot.Measurement(
+        omega, (3.0 + 1.0j) * omega, conditions={"batch": np.repeat([1.0, 2.0], each)}
+    )
+    groups = list(from_data._groups(data, {"batch": data.conditions["batch"]}))
+    assert [len(rows) for rows in groups] == [2 * each // count] * count
+
+
+def test_a_crossover_is_looked_for_three_decades_beyond_the_data(monkeypatch):
+    """Of a model with a name; a free spectrum ends with what was measured."""
+    asked = []
+    monkeypatch.setattr(asking, "OfModel", lambda *given, **more: asked.append(given[2]) or 1 / 0)
+    for free, beyond in ((False, 3.0 * DECADE), (True, 0.0)):
+        monkeypatch.setattr(asking, "is_material", lambda model, free=free: free)
+        known = SimpleNamespace(
+            covered=SimpleNamespace(rate=(2.0, 50.0), conditions={}), model=None,
+            predict=lambda **at: SimpleNamespace(conditions={}),
+        )  # fmt: skip
+        with pytest.raises(ZeroDivisionError):
+            list(asking._of_fit(None, known, None, {}, []))
+        assert asked.pop() == pytest.approx((np.log(2.0) - beyond, np.log(50.0) + beyond))

@@ -31,7 +31,7 @@ ONE_END = np.where(np.arange(POINTS) < 4, 1.0, 0.01)
 
 
 @pytest.mark.parametrize(
-    ("found", "below"),
+    ("found", "below_if_certain"),
     [
         (fit_of(0.8, EVEN), True),
         (fit_of(0.8, ONE_END), False),
@@ -40,8 +40,14 @@ ONE_END = np.where(np.arange(POINTS) < 4, 1.0, 0.01)
         (fit_of(0.8, EVEN, doubt="the given ones were smaller"), False),
     ],
 )
-def test_an_error_is_below_a_noise_that_the_data_tell(found, below):
-    assert below_floor(found) is below
+def test_an_error_is_below_a_noise_that_the_data_tell(found, below_if_certain):
+    assert below_floor(found, True) is below_if_certain
+
+
+@pytest.mark.parametrize("sd", [EVEN, ONE_END])
+def test_below_the_noise_an_alarm_must_be_beyond_doubt(sd):
+    assert below_floor(fit_of(0.8, sd), False)
+    assert not below_floor(fit_of(1.01 * VERDICT.below, sd), False)
 
 
 def test_a_floor_of_few_noisy_points_is_as_uncertain_as_they_are():

@@ -71,10 +71,12 @@ def results():
         "prediction": fit.predict(frequency=[0.1, 1.0, 100.0]),
         "two points": fit.predict(frequency=[0.0, 3.0], level=0.8),
         "foretold": springpot.predict(fit, creep),
+        "sweep foretold": springpot.predict(springpot.identify(relaxed(), MODEL), sweep()),
         "diagnosis": springpot.diagnose(heavy, MODEL),
         "ladder": springpot.discover(heavy, MODEL, accept="inertia"),
         "comparison": springpot.compare(heavy, [MODEL, "kelvin", "fractional-maxwell + inertia"]),
         "master curve": springpot.mastercurve(heated, vertical=False),
+        "master curve both ways": springpot.mastercurve(heated),
     }
 
 
@@ -93,10 +95,12 @@ NAMES = [
     "prediction",
     "two points",
     "foretold",
+    "sweep foretold",
     "diagnosis",
     "ladder",
     "comparison",
     "master curve",
+    "master curve both ways",
 ]
 SECONDS = re.compile(r"\b[\d.]+ m?s\b")
 

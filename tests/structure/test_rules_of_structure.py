@@ -278,3 +278,21 @@ def test_the_mean_and_the_envelope_of_records_stand_each_before_its_band(level, 
         drift = [cell for cell in drift if not cell.startswith("[")]
     assert drift in lines
     assert ["energy 1 [kJ]", "11.00", "13.00", "record-3"] in lines
+
+
+@pytest.mark.parametrize(("periods", "parts"), [(0.9, 1), (1.1, 2), (2.5, 3)])
+def test_steps_are_parted_until_the_shortest_period_has_sixteen(periods, parts, monkeypatch):
+    """Of an oscillator whose period holds less than sixteen steps."""
+    asked = []
+    step = 0.1
+    omega = 2.0 * np.pi * periods / (motion.SHORT * step)
+    matrix = np.array([[0.0, 1.0], [-(omega**2), 0.0]])
+    system = motion.System(matrix, np.array([0.0, 1.0]), step)
+    whole = type(system).in_steps_of
+    monkeypatch.setattr(
+        type(system), "in_steps_of", lambda self, fine: asked.append(fine) or whole(self, fine)
+    )
+    a = np.sin(np.arange(60.0) * 0.3)
+    found = system.largest(system.run(a), a, np.eye(2))
+    assert asked == ([] if parts == 1 else [pytest.approx(step / parts)])
+    assert np.all(found > 0.0)

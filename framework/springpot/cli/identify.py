@@ -56,6 +56,12 @@ OPTIMISER = (
 @click.option(
     "--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too."
 )
+@click.option(
+    "--times", metavar="LOW:HIGH", help="Relaxation times in s that are held: --model prony."
+)
+@click.option(
+    "--per-decade", type=POSITIVE, default=1, show_default=True, metavar="N", help="Of such times."
+)
 @click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
 @click.option(
     "--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV."
@@ -104,6 +110,8 @@ def command(
     figure: Path | None,
     table: Path | None,
     verbose: bool,
+    times: str | None,
+    per_decade: int,
     as_json: bool,
     **options: Any,
 ) -> int:
@@ -118,14 +126,14 @@ def command(
     """
     from springpot.constraints import values_of
     from springpot.measurement.joining import joined
-    from springpot.registry import parse_model
     from springpot.report.tables import write_parameters
 
     _check_paths(figure, table)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    expression = parse_model(model)
+    model, expression, held = _meant(model, times, per_decade)
     known = known_from(options)
+    known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
@@ -152,6 +160,19 @@ def command(
     else:
         emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
     return 0
+
+
+def _meant(model: str, times: str | None, per_decade: int) -> tuple[str, Model, dict[str, float]]:
+    """The model with its name; of a family the member of so many times, and these, held."""
+    from springpot.constraints import at_times, times_of
+    from springpot.registry import parse_model
+
+    if times is None:
+        return model, parse_model(model), {}
+    values = times_of(times, per_decade)
+    family, plus, effects = model.partition("+")
+    expression = parse_model(f"{family.strip()}-{len(values)} {plus}{effects}")
+    return expression.name, expression, at_times(expression, values)
 
 
 def _check_paths(figure: Path | None, table: Path | None) -> None:

@@ -139,7 +139,8 @@ def _groups(data: Measurement, held: Mapping[str, Real]) -> Iterator[NDArray[np.
     for name, column in held.items():
         if name == "frequency":
             keys.append(np.unique(np.round(np.log(column), 3), return_inverse=True)[1].ravel())
-        elif name in CONDITIONS or len(np.unique(column)) < len(data) // FEWEST:
+        # As many levels as leave a curve for each: more are what was measured beside it.
+        elif name in CONDITIONS or FEWEST * len(np.unique(column)) <= len(data):
             keys.append(data.levels(name))
     _, number = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     for i in range(int(number.max()) + 1):

@@ -409,6 +409,10 @@ def rung_of(case: Examined, before: Step | None = None, accepted: str | None = N
                 # Not where nothing was foretold, or of another test.
                 if isfinite(candidate.predicted_error) and before.test == error.test:
                     predicted = candidate.predicted_error
+        if isinstance(before.examined, Case):
+            untold = before.examined.evidence.untold
+            if untold is not None and untold.effect == accepted:
+                alike = (*alike, *untold.others)
     return Step(
         model=told.model,
         accepted=accepted,

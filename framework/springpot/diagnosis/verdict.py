@@ -241,11 +241,12 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     search = evidence.search
     unknown = evidence.unknown > VERDICT.likely
     exceeds = beyond_floor(search.base)
+    certain = min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt
     return Facts(
         repeats=drifted(search) or _carried_on(search),
         by_scan=search.scan.p_value < VERDICT.library_alarm,
         by_battery=search.structure.p_value < VERDICT.structure_alarm,
-        certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
+        certain=certain,
         gain=search.gain,
         named=sum(one.probability for one in evidence.explanations) > evidence.nothing,
         something=evidence.nothing < VERDICT.likely,
@@ -263,7 +264,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         together=exceeds and _stand_out_together(search.base),
         # A free spectrum follows any smooth computed data: only the user's model may be so exact.
         exact=not beside_material and is_arithmetic(search.base),
-        below=below_floor(search.base),
+        below=below_floor(search.base, certain),
     )
 
 

@@ -15,8 +15,10 @@ import numpy as np
 from springpot.errors import DataError, OptionError
 from springpot.format_numbers import counted
 from springpot.measurement.measurement import Measurement
+from springpot.nonnegative import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, NEGLIGIBLE
@@ -24,7 +26,7 @@ from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
 from .material import FINE, STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
-from .problem import Objective, Problem, default_objective, numbers_of
+from .problem import Objective, Problem, default_objective, numbers_of, weighted
 from .recorder import Recorder
 from .space import require_conditions, require_size
 from .starts import shape_count
@@ -297,6 +299,9 @@ def _placed(
     Where none can be read, others are placed.
     """
     if model.constrained:
+        # With its times held a sum of relaxations is one convex problem: no start is better.
+        if (solved := _if_linear(model, measurement, objective)) is not None:
+            return [*seeds_theta, solved], 0
         # The scan of shapes needs gains that scale a whole branch; here some are held or end at a
         # bound.
         return [*seeds_theta, *_released_starts(model, measurement, objective, starts)], 0
@@ -380,6 +385,28 @@ def _fit_material(
         seconds,
         expected=expected,
     )
+
+
+def _if_linear(model: Model, measurement: Measurement, objective: Objective) -> Real | None:
+    """The best parameters (p,) of a model that is linear in them, all of them from zero up.
+
+    None where it is not, or the objective is not of differences of K.
+    """
+    ends = {(parameter.lower, parameter.upper) for parameter in model.parameters}
+    if objective.logarithmic or ends != {(0.0, np.inf)}:
+        return None
+    size = float(np.mean(measurement.magnitude))
+    count = len(model.parameters)
+    one, other = (
+        model.network.respond(size * theta, measurement.points, GRADIENT)
+        for theta in (np.ones(count), np.arange(1.0, count + 1.0))
+    )
+    if not np.allclose(one.by_theta, other.by_theta, rtol=ALIKE, atol=0.0):
+        return None
+    weights = objective.weighing(measurement)
+    columns = weighted(one.by_theta, weights, objective.turn).T
+    rest = measurement.stiffness - (one.value - size * one.by_theta.sum(axis=0))
+    return non_negative(columns, weighted(rest, weights, objective.turn))[0]
 
 
 def _superposed_start(

@@ -129,14 +129,18 @@ def beyond_floor(fitted: Refit) -> bool:
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
-def below_floor(fitted: Refit) -> bool:
-    """Whether an error is so far below a floor that the data told that the floor is wrong."""
+def below_floor(fitted: Refit, certain: bool) -> bool:
+    """Whether an error is so far below a floor of the data that nothing is told in its units.
+
+    Where an alarm is beyond doubt (`certain`), only if chance does not take it there: then the
+    floor is wrong.
+    """
     # Where given deviations were smaller, structure passed for scatter: what tests see is there.
     if fitted.noise.source != "estimated" or fitted.noise.overruled:
         return False
     ratio = fitted.relative_rms / fitted.floor
     chance = f_sf(ratio**-2, fitted.noise.dof, fitted.error_dof)
-    return bool(ratio < VERDICT.below and chance < VERDICT.structure_alarm)
+    return bool(ratio < VERDICT.below and (not certain or chance < VERDICT.structure_alarm))
 
 
 def is_arithmetic(fitted: Refit) -> bool:

@@ -4,42 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.errors import ModelError, OptionError
+from springpot.errors import ModelError
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.levels import held
 from springpot.rheology.points import Real
 
 from .handoff import Handoff
-from .prony import MOST, at_times
-
-
-def times_of(text: str, per_decade: int = 1) -> Real:
-    """Relaxation times in s, evenly over the decades of a range such as ``1e-6:1e6``.
-
-    Raises
-    ------
-    OptionError
-        If it is no range, or holds more than a series has.
-
-    Examples
-    --------
-    >>> from springpot.solvers.from_data import times_of
-    >>> times_of("1e-2:1e1").round(6)
-    array([ 0.01,  0.1 ,  1.  , 10.  ])
-    """
-    try:
-        low, high = (float(part) for part in text.split(":"))
-    except ValueError:
-        low, high = 0.0, 0.0
-    if not 0.0 < low < high < np.inf:
-        raise OptionError(f"'{text:.40}' is no range of times: write two in s, such as 1e-6:1e6")
-    count = int(np.round(per_decade * np.log10(high / low))) + 1
-    if count > MOST:
-        raise OptionError(
-            f"{count} times are more than the {MOST} of a series: narrow --times, or fewer a decade"
-        )
-    return np.geomspace(low, high, count)
+from .prony import at_times
 
 
 def series_of(data: Measurement, times: Real, dashpot: bool = False) -> Handoff:

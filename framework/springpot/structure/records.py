@@ -159,7 +159,7 @@ def _of_table(path: Path, lines: list[str]) -> tuple[Real, Real]:
                 f"{path}, line {number}: a record has two columns, time [s] and acceleration"
                 " [m/s^2]"
             )
-    values = np.array(samples, dtype=float).reshape(-1, 2)
+    values = np.array(samples, dtype=float).reshape(len(samples), 2)
     return values[:, 0], factor * values[:, 1]
 
 

@@ -83,10 +83,10 @@ def command(
     Effects of rig and signals are refused, for they
     do not belong to the specimen: leave them out with --without.
     """
+    from springpot.constraints import times_of
     from springpot.errors import OptionError
     from springpot.files import require_writable, write_text, write_with
     from springpot.solvers.exporting import exported
-    from springpot.solvers.from_data import times_of
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
