@@ -341,6 +341,11 @@ back to it; this only keeps numbers finite.
 """
 
 
+def _no_growth(value: Complex, *_: Real) -> Complex:
+    # By its name a pickle finds it, as it would not find one without.
+    return 0.0 * value
+
+
 @dataclass(frozen=True)
 class Compliant(Formula):
     """An element that may stand in series.
@@ -351,7 +356,7 @@ class Compliant(Formula):
         ``growth(value, *parameters)`` gives dK / d ln X from K itself.
     """
 
-    growth: Callable[..., Any] = lambda value, *_: 0.0 * value
+    growth: Callable[..., Any] = _no_growth
 
     def growing(self, theta: Real, at: Points) -> tuple[Complex, Complex]:
         """K and its derivative dK / d ln X, both (..., n)."""
