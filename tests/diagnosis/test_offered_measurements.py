@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from springpot.diagnosis import contest
 from springpot.diagnosis import experiment as e
 from springpot.measurement import Measurement, Units
 from springpot.thresholds import EXPERIMENT
@@ -117,7 +118,7 @@ def test_the_promise_is_the_least_or_where_it_depends_the_mean(sigmas, either, t
     wanted = 0.75 * min(sigmas) + 0.25 * max(sigmas)
     if either:
         wanted = min(sigmas)
-    assert e.separation(shares, sigmas) == pytest.approx(wanted)
+    assert contest.separation(shares, sigmas) == pytest.approx(wanted)
     told = e.promise(("a", "b"), shares, sigmas)
     assert told.startswith("it separates a from b by") is either
     if not either:
@@ -129,7 +130,7 @@ def test_the_promise_is_the_least_or_where_it_depends_the_mean(sigmas, either, t
 
 
 def test_more_than_enough_is_worth_no_more():
-    assert e._enough(2.9 * SETTLED) == pytest.approx(2.9 * SETTLED)
-    assert e._enough(4.0 * SETTLED) == pytest.approx(3.0 * SETTLED)
+    assert contest._enough(2.9 * SETTLED) == pytest.approx(2.9 * SETTLED)
+    assert contest._enough(4.0 * SETTLED) == pytest.approx(3.0 * SETTLED)
     assert e._sigmas(1000.0) == "1000 sigma"
     assert e._sigmas(1001.0) == "more than 1000 sigma"
