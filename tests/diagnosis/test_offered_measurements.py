@@ -119,7 +119,7 @@ def test_the_promise_is_the_least_or_where_it_depends_the_mean(sigmas, either, t
     if either:
         wanted = min(sigmas)
     assert contest.separation(shares, sigmas) == pytest.approx(wanted)
-    told = e.promise(("a", "b"), shares, sigmas)
+    told = contest.promise(("a", "b"), shares, sigmas)
     assert told.startswith("it separates a from b by") is either
     if not either:
         right, wrong = ("a", "b") if turned else ("b", "a")
@@ -132,5 +132,5 @@ def test_the_promise_is_the_least_or_where_it_depends_the_mean(sigmas, either, t
 def test_more_than_enough_is_worth_no_more():
     assert contest._enough(2.9 * SETTLED) == pytest.approx(2.9 * SETTLED)
     assert contest._enough(4.0 * SETTLED) == pytest.approx(3.0 * SETTLED)
-    assert e._sigmas(1000.0) == "1000 sigma"
-    assert e._sigmas(1001.0) == "more than 1000 sigma"
+    assert contest._sigmas(1000.0) == "1000 sigma"
+    assert contest._sigmas(1001.0) == "more than 1000 sigma"
