@@ -55,7 +55,7 @@ def test_its_picture_is_drawn(found: Invention, tmp_path):
     assert found.plot(tmp_path / "law.svg").stat().st_size > 10_000
 
 
-@pytest.mark.soak_cases("kN/m")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("units", "stiffness", "length"),
     [(("kN/m", "mm"), 1.0, 1.0), (("N/m", "m"), 1e3, 1e-3)],

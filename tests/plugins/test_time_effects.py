@@ -139,6 +139,7 @@ def test_a_network_that_fades_answers_to_a_start_up_as_its_integral_says():
     assert value == pytest.approx(test.response, rel=2e-4)
 
 
+@pytest.mark.soak
 def test_an_overshoot_is_a_fading_network_as_much_as_any_other_effect_that_does_it():
     rng = np.random.default_rng(5)
     test = start_up(0.4)
