@@ -348,7 +348,7 @@ class Identification(Known):
         values = self._factors * self.theta
         return populations(self.model, values, self.covariance, self.units, self.sweep)
 
-    def own_values(self, name: str) -> list[Value]:
+    def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
         pairs = zip(self.model.names, self.model.origins, strict=True)
         return [self.parameters[each] for each, origin in pairs if origin == name]

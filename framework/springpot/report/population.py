@@ -103,7 +103,7 @@ def draw_populations(panels: Sequence[Axes], identified: Identification) -> None
 def _forest(axes: Axes, name: str, identified: Identification) -> None:
     population = identified.populations[name]
     mean, drawn = population.mean, population.specimens
-    own = identified.own_values(name)
+    own = identified.values_by_level(name)
     places = np.arange(len(drawn))
     if population.limits is not None:
         label = "95 % of specimens"

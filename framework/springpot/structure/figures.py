@@ -76,17 +76,7 @@ def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Fig
 def figure_steady(steady: SteadyState, path: str | Path | None = None) -> Figure:
     """Drift of each storey and force of each damper over the frequency of the ground.
 
-    Parameters
-    ----------
-    steady : SteadyState
-        The steady state.
-    path : str or Path, optional
-        Where to write it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
+    The path, and what is returned, as of `figure_motion`.
     """
     frequency = steady.omega / (2.0 * np.pi)
     with blank(9.0, 3.6) as figure:
@@ -113,17 +103,7 @@ def figure_steady(steady: SteadyState, path: str | Path | None = None) -> Figure
 def figure_suite(suite: RecordSuite, path: str | Path | None = None) -> Figure:
     """Largest drift, force and stroke under each record, with their mean and envelope.
 
-    Parameters
-    ----------
-    suite : RecordSuite
-        What happened.
-    path : str or Path, optional
-        Where to write it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
+    The path, and what is returned, as of `figure_motion`.
     """
     shown = {
         "drift": ("peak drift [mm]", "storey", 1e3),
