@@ -56,6 +56,8 @@ MARGIN = 2.0 * np.log(10.0)
 """Two decades beyond a model's own times are of interest by default."""
 NOTED = 0.05
 """Share of the largest change of that power from which a turn is a time of the model's own."""
+MOST_TERMS = 60
+"""Of a sum of relaxations that stands for a model: three a decade over twenty decades."""
 WITHOUT_TIME = (np.log(1e-3), np.log(1e3))
 """Band in ln omega for a model that has no time of its own, such as a springpot."""
 
