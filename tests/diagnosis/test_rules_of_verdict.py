@@ -236,7 +236,8 @@ MOST = VERDICT.takes_most * 0.05
 )
 def test_effects_that_take_most_of_the_error_are_told(rows, gain, named):
     search = SimpleNamespace(grown=rows, gain=gain, base=fitted())
-    found = [each.names[0] for each in verdict._most_of_it(search)]
+    beside = SimpleNamespace(search=None)
+    found = [each.names[0] for each in verdict._most_of_it(search, beside)]
     assert sorted(found) == sorted(named)
 
 
@@ -250,7 +251,8 @@ def told(**changed):
             confounded=[],
             best=SimpleNamespace(log_evidence=0.0),
         ),
-        "instead": (),
+        "instead": (), "rest": None,
+        "explanations": [SimpleNamespace(names=("inertia",), probability=1.0)],
     }  # fmt: skip
     return SimpleNamespace(**plain | changed)
 

@@ -70,9 +70,11 @@ def turning(spec: str) -> ToDo:
     return ToDo("the force counts the other way: turn it", suggested("diagnose", spec))
 
 
-def splitting(column: str, error_after: float) -> ToDo:
+def splitting(
+    column: str, error_after: float = float("nan"), what: str = "what is missing"
+) -> ToDo:
     """To let each value of a column have a factor of its own, the material being shared."""
-    says = f"what is missing goes with {column}: one factor a value, the material shared"
+    says = f"{what} goes with {column}: one factor a value, the material shared"
     return ToDo(says, suggested("discover", DATA, "--split", column), error_after, split=column)
 
 

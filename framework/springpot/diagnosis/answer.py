@@ -43,6 +43,7 @@ from .experiment import (
     next_experiment,
 )
 from .grown import Grown, Search
+from .marginal import Unknown
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Verdict
 from .scan import Score
@@ -264,6 +265,9 @@ def answer(
     sentences += [*_in_order_of_time(search, cause), *header_notes(candidates, measurement)]
     if doubted:
         sentences.insert(0, error.advice)
+    rest = None
+    if verdict in {"unexplained", "effect-missing"}:
+        rest = evidence.rest
     diagnosis = Diagnosis(
         data=search.base.data.raw.name,
         model=search.base.model,
@@ -281,7 +285,7 @@ def answer(
         leading=tuple(leading),
         one_test=one_test,
         tests=(_as_test(measurement, error),),
-        steps=tuple(_steps(measurement, search, outliers, cause)),
+        steps=tuple(_steps(measurement, search, outliers, cause, rest)),
     )
     # A factor at each temperature would be another name for the time.
     if course is None:
@@ -290,7 +294,11 @@ def answer(
 
 
 def _steps(
-    measurement: Measurement, search: Search, outliers: Sequence[Outlier], cause: Cause
+    measurement: Measurement,
+    search: Search,
+    outliers: Sequence[Outlier],
+    cause: Cause,
+    rest: Unknown | None,
 ) -> Iterator[ToDo]:
     """What can be done with the data themselves."""
     if spec := turned(measurement.provenance):
@@ -298,6 +306,9 @@ def _steps(
     error = search.base.error
     if isinstance(cause, Column) and cause.name in measurement.conditions:
         yield splitting(cause.name, error * float(np.sqrt(max(1.0 - cause.share, 0.0))))
+    elif cause is None and rest is not None and rest.column:
+        # What each level of a condition has of its own hides the rest from every later test.
+        yield splitting(rest.column, what="what is left")
     # The error is that without them: that is how the answer was found.
     for row in [outlier.row for outlier in outliers if outlier.row is not None]:
         yield leaving_out(row, error)

@@ -20,7 +20,15 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
 from .grown import Grown, Search, SweepDrift, drift_in_place
-from .marginal import harmonic_evidence, is_a_limit, marginal, unknown_marginal
+from .marginal import (
+    Unknown,
+    fault_beside,
+    harmonic_evidence,
+    is_a_limit,
+    left_unknown,
+    marginal,
+    unknown_marginal,
+)
 from .untold import Untold, untold_in_place
 
 ONE_CASE = 1e-4
@@ -98,6 +106,12 @@ class Evidence:
         the effects.
     untold : Untold or None
         Effects of an amplitude that no column tells, where one of the effects has their curve.
+    by_itself : float
+        The unknown before it was asked what the best model leaves, or what no specimen reaches:
+        that such a thing explains more than the effects do.
+    fault : Unknown or None
+        The fault of the measuring chain that explains what the leading effect leaves better than
+        any second effect does.
     """
 
     search: Search
@@ -110,6 +124,8 @@ class Evidence:
     moved: frozenset[str] = frozenset()
     drift: SweepDrift | None = None
     untold: Untold | None = None
+    by_itself: float = 0.0
+    fault: Unknown | None = None
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
@@ -132,8 +148,9 @@ class Evidence:
         # not its name.
         impossible = sum(one.probability for one in explanations if one.grown.beyond_physics)
         explanations = [_if_possible(one) for one in explanations]
-        unknown = min(unknown + impossible, EVIDENCE.most_unknown)
+        by_itself, unknown = unknown, min(unknown + impossible, EVIDENCE.most_unknown)
         explanations.sort(key=lambda one: -one.probability)
+        explanations, fault = _beside_a_fault(search, explanations)
         # What needs a condition that was not varied by itself shares the place of the likeliest
         # explanation: that it fits as well or better is no evidence, as the data cannot tell the
         # two apart.
@@ -148,6 +165,8 @@ class Evidence:
             search,
             nothing=float(weights[0]),
             unknown=unknown,
+            by_itself=by_itself,
+            fault=fault,
             explanations=tuple(explanations),
             imitators=imitators,
             leaning=_leaning(tried, logs, imitators),
@@ -219,6 +238,14 @@ class Evidence:
         if name in self.imitators | self.leaning:
             return 1.0 - EVIDENCE.other_shape
         return 1.0
+
+    @cached_property
+    def rest(self) -> Unknown | None:
+        """What the misfit that the best effects leave looks like; None without a description."""
+        rest = self.fault or left_unknown(self.search)
+        if rest is None or not rest.says:
+            return None
+        return rest
 
     def beside_drift(self) -> Evidence:
         """The same, having asked whether a drifting gain explains as much as the best model."""
@@ -501,6 +528,38 @@ def without(names: Sequence[str], others: Sequence[str]) -> list[str]:
         if name in left:
             left.remove(name)
     return left
+
+
+def _beside_a_fault(
+    search: Search, explanations: list[Explanation]
+) -> tuple[list[Explanation], Unknown | None]:
+    """The same, the likeliest first, where a fault of the chain may hold a second effect's place.
+
+    A calibration of each sweep is followed by effects of the amplitude too, and worse.
+    """
+    if not explanations or len(explanations[0].names) < 2:
+        return explanations, None
+    best = explanations[0]
+    alone = [one for one in explanations if len(one.names) == 1 and one.names[0] in best.names]
+    first = max(alone, key=lambda one: one.grown.refit.log_evidence, default=None)
+    found = None
+    if first is not None:
+        found = fault_beside(search, first.grown)
+    if first is None or found is None:
+        return explanations, None
+    fault, gain = found
+    second = marginal(search, best.grown) - marginal(search, first.grown)
+    # Where the two are as good as each other, the effect has a law and the fault has none.
+    if gain < second + EVIDENCE.as_good:
+        return explanations, None
+    taken = [one for one in explanations if len(one.names) > 1 and first.names[0] in one.names]
+    whole = first.probability + sum(one.probability for one in taken)
+    others = [
+        replace(one, probability=0.0) if one in taken else one
+        for one in explanations
+        if one is not first
+    ]
+    return [replace(first, probability=whole), *others], fault
 
 
 def _shared(likeliest: Explanation, confounded: Sequence[Grown]) -> list[Explanation]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TypeAlias
 
@@ -137,12 +137,15 @@ class Unknown:
         How many shapes follow the residual.
     whose : str
         To what such a structure points.
+    column : str
+        The condition each level of which has a gain of its own; empty for all else.
     """
 
     says: str
     drops: Real
     shapes: int
     whose: str = CHAIN
+    column: str = ""
 
     @property
     def drop(self) -> float:
@@ -174,7 +177,8 @@ def unknowns(frame: NoiseFrame) -> Iterator[Unknown]:
         if len(curves):
             # A law of the condition changes K from level to level too.
             whose = f"the measuring chain, or a law of the {name} that no effect has"
-            yield _family(frame, curves, f"a gain of its own at each {name}", whose)
+            gains = _family(frame, curves, f"a gain of its own at each {name}", whose)
+            yield replace(gains, column=name)
             phases = np.multiply(1j, curves)
             yield _family(frame, phases, f"a phase of its own at each {name}", whose)
             # What the same factor of all times changes: K is moved along frequency.
@@ -428,6 +432,16 @@ def explaining_unknown(search: Search) -> Unknown | None:
     return None
 
 
+def left_unknown(search: Search) -> Unknown | None:
+    """The kind without a name that explains what the best grown model leaves; None without one."""
+    best = search.best
+    if best is search.base or search.left.p_value >= VERDICT.structure_alarm:
+        return None
+    return explaining_unknown(
+        replace(search, base=best, frame=best.frame(), structure=search.left, grown=[])
+    )
+
+
 def _kinds(search: Search) -> list[Unknown]:
     """Kinds of structure that may be missing here.
 
@@ -439,6 +453,22 @@ def _kinds(search: Search) -> list[Unknown]:
     if search.repeats.p_value < VERDICT.repeats_alarm:
         kinds = [kind for kind in kinds if not kind.says]
     return kinds
+
+
+def fault_beside(search: Search, grown: Grown) -> tuple[Unknown, float] | None:
+    """The likeliest fault of the chain beside a grown model, and how much log-evidence it adds.
+
+    None where no fault can be told.
+    """
+    fitted = grown.refit
+    beside = replace(search, base=fitted, frame=fitted.frame(), grown=[])
+    faults = [kind for kind in _kinds(beside) if kind.says]
+    if _stand_by_a_condition(search.frame):
+        faults = [kind for kind in faults if not kind.says.endswith(ROW_BY_ROW)]
+    if not faults:
+        return None
+    kind = max(faults, key=lambda kind: _evidence_of(beside, kind))
+    return kind, _evidence_of(beside, kind) - fitted.log_likelihood
 
 
 def unknown_marginal(search: Search) -> float:

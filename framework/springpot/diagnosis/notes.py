@@ -91,7 +91,7 @@ def notes(
             f"{finding.says}; the model does not make it,"
             " and K of the first harmonic does not tell of it"
         )
-    yield from _of_cause(search, verdict, cause)
+    yield from _of_cause(evidence, verdict, cause)
     if isinstance(cause, Column):
         yield from _by_column(search.base.fit.measurement, cause, library)
     if isinstance(cause, Course):
@@ -121,12 +121,13 @@ def notes(
 
 
 def _of_cause(
-    search: Search, verdict: Verdict, cause: Column | EqualRows | Course | None
+    evidence: Evidence, verdict: Verdict, cause: Column | EqualRows | Course | None
 ) -> Iterator[str]:
     """With what the misfit goes, else what is left.
 
     Either as a fault that has a description, or in general.
     """
+    search = evidence.search
     if cause is not None:
         yield cause.says
         return
@@ -137,11 +138,15 @@ def _of_cause(
         )
     # Rows that stand by a setting differ "from row to row" too: where a condition that moved may be
     # the cause, nobody is to look for it in the measuring chain.
-    kind = None
-    if verdict == "unexplained" and not search.confounded:
-        kind = explaining_unknown(search)
+    kind, what = None, "what is left"
+    if verdict in {"unexplained", "effect-missing"} and not search.confounded:
+        kind = evidence.rest
+    # A fault that follows less of the data than an effect does is no name for them.
+    first = evidence.by_itself > VERDICT.likely or search.best is search.base
+    if first and verdict == "unexplained" and not search.confounded:
+        kind, what = explaining_unknown(search), "what is missing"
     if kind is not None and kind.says:
-        yield f"what is missing looks like {kind.says}: {kind.whose}"
+        yield f"{what} looks like {kind.says}: {kind.whose}"
     # What rounding leaves of computed data is full of patterns, and nothing is missing.
     elif search.left.p_value < VERDICT.structure_alarm and not is_arithmetic(search.base):
         yield from _of_rest(search)

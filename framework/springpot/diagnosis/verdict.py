@@ -29,7 +29,7 @@ from springpot.misfit.words import percent, times
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .evidence import Evidence
+from .evidence import Evidence, credible
 from .grown import Grown, Search
 from .marginal import likeliest_unknown
 from .result import Verdict
@@ -253,7 +253,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         unknown=unknown,
         ruled_out=evidence.nothing < VERDICT.ruled_out
         and search.base.fit.dof >= VERDICT.enough_spare,
-        chain=unknown and bool(likeliest_unknown(search).says),
+        chain=evidence.by_itself > VERDICT.likely and bool(likeliest_unknown(search).says),
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
         few=is_hardly_known(search.base),
@@ -407,7 +407,10 @@ def sentence(
             error = f"without {standing}, {error}"
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
-        return f"{error}; missing is {_named(evidence)}"
+        left = ""
+        if evidence.rest is not None:
+            left = f"; what is left looks like {evidence.rest.says}"
+        return f"{error}; missing is {_named(evidence)}{left}"
     if verdict == "inconclusive":
         return f"{error}; these data cannot tell whether something is missing"
     # Before the other sentences: the error is that of the data without these points, and small.
@@ -424,7 +427,7 @@ def sentence(
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
     missing = "something is missing that no effect of the library explains"
-    most, confounded = _most_of_it(own), _by_confounded(evidence.search)
+    most, confounded = _most_of_it(own, evidence), _by_confounded(evidence.search)
     if most:
         missing = _taken_by(most, own, evidence)
     elif confounded:
@@ -457,6 +460,9 @@ def _taken_by(most: Sequence[Grown], own: Search, evidence: Evidence) -> str:
         instead = f", and so does {evidence.drift.says}"
     # "to 1 x, and something is missing beside it" would be a riddle.
     if best.error >= VERDICT.noisy * best.floor:
+        rest = evidence.rest
+        if rest is not None:
+            return f"{taken}{instead}, and what is left looks like {rest.says}"
         return f"{taken}{instead}, and something is missing beside it that no effect explains"
     return taken + (instead or ", but what has no name in the library explains it better")
 
@@ -505,7 +511,7 @@ def leading_names(own: Search, evidence: Evidence, verdict: Verdict) -> list[str
         rivals = [name for name in evidence.classes[0] if name != evidence.leader]
         return [evidence.leader, *rivals]
     if verdict == "unexplained":
-        return [grown.names[0] for grown in _most_of_it(own)]
+        return [grown.names[0] for grown in _most_of_it(own, evidence)]
     return []
 
 
@@ -514,17 +520,17 @@ def only_points(own: Search, outliers: Sequence[Outlier]) -> bool:
     return bool(outliers) and min(own.scan.p_value, own.structure.p_value) > VERDICT.structure_alarm
 
 
-def _most_of_it(search: Search) -> list[Grown]:
+def _most_of_it(search: Search, evidence: Evidence) -> list[Grown]:
     """Effects one of which takes most of the error by itself, though something is left.
 
     That much the user can have.
 
     Where many do so equally well their names say nothing of the cause.
     """
-    alone = [
+    possible = [
         grown for grown in search.grown if len(grown.effects) == 1 and not grown.beyond_physics
     ]
-    singles = [grown for grown in alone if not grown.effects[0].narrow]
+    singles = [grown for grown in possible if not grown.effects[0].narrow]
     if not singles or search.gain < SEARCH.decisive:
         return []
     least = singles[0].refit.log_evidence - EVIDENCE.as_good
@@ -532,6 +538,11 @@ def _most_of_it(search: Search) -> list[Grown]:
     alike = {
         grown.names[0]: grown for grown in reversed(singles) if grown.refit.log_evidence > least
     }
+    if evidence.search is search:
+        # One that needs more parameters for the same curve is no reason to withhold a name.
+        alone = [one for one in evidence.explanations if len(one.names) == 1]
+        chances = {one.names[0]: one.probability for one in alone}
+        alike = {name: alike[name] for name in credible(chances) if name in alike}
     enough = VERDICT.takes_most * search.base.relative_rms
     some_leave_more = any(each.refit.relative_rms > enough for each in alike.values())
     if len(alike) > VERDICT.most_alike or some_leave_more:
