@@ -187,12 +187,13 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
         model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS
     )
     usual = _in_rounds(model, data, first, uneven=False)
-    # Beside a model that is far off its misfit would be taken for noise that rises where it fails.
-    if usual.relative_rms > NEARLY * usual.floor:
-        return usual
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
+    # Beside a model that is far off its misfit would be taken for noise that rises where it fails;
+    # but noise that does rise is more than what its quiet points tell.
+    if usual.relative_rms > NEARLY * max(usual.floor, data.floor(shape)):
+        return usual
     relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual

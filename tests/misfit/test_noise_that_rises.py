@@ -1,0 +1,23 @@
+"""Noise that is many times larger at the weak end of a rig is noise, not misfit."""
+
+import numpy as np
+import pytest
+
+from springpot import Measurement
+from springpot.misfit.floor import fitted_to_floor
+from springpot.registry import parse_model
+
+
+def test_a_floor_holds_noise_that_the_quiet_points_do_not_tell():
+    rng = np.random.default_rng(9)
+    omega = np.tile(np.geomspace(0.3, 300.0, 12), 6)
+    temperature = np.repeat(np.arange(6) * 10.0 + 273.0, 12)
+    s = 1j * omega
+    stiffness = 1.5 + 2.2 * 0.7 * s / (2.2 + 0.7 * s)
+    # Nine times as large at the lowest frequency, where the torque is small.
+    along = np.log(omega / omega.min()) / np.log(omega.max() / omega.min())
+    noise = 0.01 * (1.0 + 8.0 * (1.0 - along) ** 2)
+    noise = noise * (rng.normal(size=len(omega)) + 1j * rng.normal(size=len(omega)))
+    data = Measurement(omega, stiffness * (1.0 + noise), conditions={"temperature": temperature})
+    fitted = fitted_to_floor(parse_model("zener"), data)
+    assert fitted.relative_rms == pytest.approx(fitted.floor, rel=0.3)
