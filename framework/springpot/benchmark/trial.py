@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
+from springpot.errors import LONGEST_REASON
 from springpot.identification.problem import SpecimenProblem, watched
 from springpot.identification.recorder import Recorder, all_points
 from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
@@ -175,10 +176,6 @@ def at(evaluations: NDArray[np.int64], values: Real, grid: NDArray[np.int64]) ->
     """Value (m,) of a trace at evaluation numbers `grid` (m,), infinite before its first point."""
     index = np.searchsorted(evaluations, grid, side="right")
     return np.concatenate([[inf], values])[index]
-
-
-LONGEST_REASON = 300
-"""Signs of a reason that are kept: the message of an error may hold whole arrays."""
 
 
 class Status(StrEnum):

@@ -23,7 +23,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
-from ..numerics import ROUNDING
+from ..numerics import MOST_STEPS, PRINTED, ROUNDING
 from .allowed_shifts import laws_of_shift, refused_laws
 from .known_factors import ends_of_factors
 from .levels_alone import alike
@@ -212,10 +212,6 @@ FIRST_STEP = 0.01
 """First step from the best fit, in coordinates, most of them logarithms: a per cent."""
 GROWTH = 1.6
 """Factor from step to step: thirty of them go from a per cent to ten decades."""
-MOST_STEPS = 40
-"""Steps after which an interval has no end."""
-PRECISE = 1e-4
-"""Error of an end, in coordinates: below the four digits that are printed."""
 
 
 def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
@@ -342,7 +338,7 @@ def _crossing(
     for _ in range(MOST_STEPS):
         outer = start + sign * min(step, abs(limit - start))
         if above(outer) > 0.0:
-            return float(brentq(above, inner, outer, xtol=PRECISE))
+            return float(brentq(above, inner, outer, xtol=PRINTED))
         if outer == limit:
             return None
         inner, step = outer, GROWTH * step

@@ -24,10 +24,10 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE, ROUNDING
+from ..numerics import MOST_STEPS, NEGLIGIBLE, ROUNDING
 from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
 from .coordinates import Coordinates
-from .problem import Objective, numbers_of, weighted
+from .problem import BLOCK, Objective, numbers_of, weighted
 from .trials import Solving, Trial, Way
 
 PER_DECADE = 3
@@ -45,8 +45,6 @@ REFINEMENTS = 3
 
 A single Maxwell element lies between lines.
 """
-ITERATIONS = 40
-"""Steps at most of a descent."""
 QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
 STILL = 1e-8
@@ -64,8 +62,6 @@ So that its residual tells something of the scatter. Most
 data with noise make it use far fewer lines; few or exact ones would be followed by a line for every
 number.
 """
-AT_ONCE = 7000
-"""Numbers of dK/dtheta that are worked out at once, so that they stay in the processor's cache."""
 STEP = float(np.log(10.0)) / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 FINE = STEP / 8
@@ -291,7 +287,7 @@ class SpectrumSearch:
         responses: dict[int, Response] = {}
         for rows in alike.values():
             one = trials[rows[0]]
-            most = max(1, AT_ONCE // (len(one.weights) * len(self.data)))
+            most = max(1, BLOCK // (len(one.weights) * len(self.data)))
             for some in (rows[k : k + most] for k in range(0, len(rows), most)):
                 for i, response in zip(some, self._at_once([trials[i] for i in some]), strict=True):
                     responses[i] = response
@@ -376,7 +372,7 @@ class SpectrumSearch:
     def descend(
         self,
         trial: Trial,
-        iterations: int = ITERATIONS,
+        iterations: int = MOST_STEPS,
         still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,
@@ -393,7 +389,7 @@ class SpectrumSearch:
     def descend_each(
         self,
         trials: Sequence[Trial],
-        iterations: int = ITERATIONS,
+        iterations: int = MOST_STEPS,
         still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,

@@ -18,10 +18,9 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .kept import levels_in_words
+from .specimens import FEWEST
 from .value import Value
 
-FEWEST = 3
-"""Specimens from which their scatter is told: two leave one degree of freedom."""
 SIZES = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 400)])
 """Standard deviations between specimens, relative to the mean, among which it is sought."""
 

@@ -8,9 +8,7 @@ import numpy as np
 
 from springpot.rheology.points import Real
 
-REACH = 3.0
-"""Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
-
+from .leastsquares import REACH
 
 SHORTEST = 1e-7
 """Step in coordinates, most of them logarithms, that changes nothing that is printed."""

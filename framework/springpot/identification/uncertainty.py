@@ -19,7 +19,7 @@ from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, PRINTED
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
@@ -35,8 +35,6 @@ PART = 1e-3
 
 Rounding mixes directions by 1e-16 / RANK.
 """
-PROFILED = 1e-4
-"""Relative error of the ends of a profile's interval: below the four digits that are printed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -512,7 +510,7 @@ class Path:
             outer = float(steps[first])
             if first:
                 inner = float(steps[first - 1])
-            if outer - inner <= PROFILED * outer:
+            if outer - inner <= PRINTED * outer:
                 break
             steps = np.linspace(inner, outer, 10)[1:]
         end, size = start + sign * outer, float(self.coordinates.size[0, self.i])

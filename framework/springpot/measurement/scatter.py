@@ -25,8 +25,6 @@ Source = Literal["given", "repeats", "estimated"]
 
 LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
-LEAST_VARIANCE = 1e-30
-"""Stands for no scatter at all, of which there is no logarithm."""
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
 STUDENT_DOF = 4.0
@@ -235,7 +233,7 @@ class Shape:
             real = imag = 0.5 * (real + imag)
             scales = 1
         # Repeats that agree to the last digit would have a logarithm without end.
-        real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
+        real, imag = max(real, SMALLEST), max(imag, SMALLEST)
         logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
         cost = total * (np.log(real) + np.log(imag)) + logs
         # As the Bayesian information criterion counts a parameter: by the logarithm of the number
@@ -409,12 +407,12 @@ def _student_scale(size: Real) -> Real:
     """Scale (...) of each row of sizes (..., m), by iterated reweighting."""
     square = size**2
     # A residual of nothing but zeros has a scale as well, or its logarithm would be no number.
-    variance = np.maximum(np.mean(square, axis=-1), LEAST_VARIANCE)
+    variance = np.maximum(np.mean(square, axis=-1), SMALLEST)
     for _ in range(STUDENT_ROUNDS):
         # Expectation and maximisation: the further off a point lies, the less it counts for the
         # scale.
         weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance[..., None])
-        variance = np.maximum(np.mean(weight * square, axis=-1), LEAST_VARIANCE)
+        variance = np.maximum(np.mean(weight * square, axis=-1), SMALLEST)
     return np.asarray(np.sqrt(variance), dtype=np.float64)
 
 

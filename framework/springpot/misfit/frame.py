@@ -21,15 +21,13 @@ from scipy.optimize import brentq
 
 from springpot.distributions import chi2_sf, f_sf
 from springpot.identification.problem import weighted
-from springpot.measurement.independence import frequency_numbers
+from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_step
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-SMOOTH_DEGREE = 5
-"""Highest degree of slow polynomials along a sweep that count as structure, not as noise."""
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
 MOST_SHARED = 60
@@ -187,10 +185,10 @@ Its size is then known to a quarter.
 """
 FEWEST_OWN = 20.0
 """Degrees of freedom below which a scatter says too little of itself."""
-LEAST_LOCAL = 0.1
-"""Share of a narrow shape that the parameters must leave.
+LEAST_LEFT = 0.1
+"""Share of a point, a level or a narrow shape that the fitted curves must leave.
 
-Less of a single point is their own noise.
+Of what they leave less of, the rest is their own noise and says nothing.
 """
 MOST_LOCAL = 600
 """Narrow shapes looked at; more points than these have slow structure enough."""
@@ -205,8 +203,6 @@ SURE = 3.5
 """Standard errors of a chance beyond the edge of the alarms from which no more draws are needed."""
 LEAST_SEEN = 1e-3
 """Share of a shape that fitted curves must leave for it to be seen: of less the rest is theirs."""
-LEAST_SPREAD = 1e-3
-"""Relative spread of a condition below which it was held."""
 DRAWN = np.float32
 """Precision of simulated residuals: seven digits of a chance that is known to one."""
 ROUNDED = 0.1
@@ -520,7 +516,7 @@ class NoiseFrame:
         size = np.linalg.norm(left, axis=0)
         # A share: of one that is there in many sweeps a hundredth is as long as a tenth of a point,
         # and holds more of how the parameters bend than of the noise.
-        seen = size > LEAST_LOCAL * np.linalg.norm(whole, axis=0)
+        seen = size > LEAST_LEFT * np.linalg.norm(whole, axis=0)
         return np.asarray(left[:, seen] / size[seen], dtype=np.float64)
 
     @cached_property
@@ -543,7 +539,7 @@ class NoiseFrame:
         Shape (n,).
         """
         column = self.measurement.conditions.get(name)
-        if column is None or np.ptp(column) < LEAST_SPREAD * np.max(np.abs(column)):
+        if column is None or np.ptp(column) < HELD_ALIKE * np.max(np.abs(column)):
             return None
         x = column
         # Nonlinear effects go with powers of the amplitude, which is measured over decades.

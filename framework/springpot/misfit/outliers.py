@@ -32,6 +32,7 @@ from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
 from ..numerics import ALIKE, ROUNDING
 from .frame import (
+    LEAST_LEFT,
     LEAST_SEEN,
     NoiseFrame,
     chance_of_squares,
@@ -297,8 +298,6 @@ END = 2
 
 A mass that has just
 come up at the last row bends the model there, and the row before it then stands out."""
-LEAST_LEFT = 0.1
-"""A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
 """Degrees of freedom and scale of the scatter that may be: normal first.
 

@@ -18,13 +18,11 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.specimen import Scales, tries_of
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, DIFFERENCE
 from .networks import SEED, Aspect
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
 THETA = np.array([50.0, 400.0, 60.0, 0.5])
-STEP = 1e-6
-"""Relative step of the central difference that derivatives are held against."""
 AGREE = 2e-3
 """Relative difference from it up to which a derivative is right.
 
@@ -99,7 +97,7 @@ def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
         # Closer than usual, or differences this small would show the tolerance.
         slopes = recorded(model, theta, test, tolerance=1e-9).by_theta
         for i, name in enumerate(model.names):
-            step = STEP * max(abs(theta[i]), STEP)
+            step = DIFFERENCE * max(abs(theta[i]), DIFFERENCE)
             moved = step * (np.arange(len(theta)) == i)
             ends = [
                 recorded(model, theta + sign * moved, test, tolerance=1e-9).value

@@ -16,6 +16,7 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import samples_of_one
 from springpot.errors import DataError
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
@@ -46,13 +47,6 @@ COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 WITHIN = 3.0
 """Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
-"""
-
-
-LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed.
-
-Beyond, a test would be worth no sample at all.
 """
 
 
@@ -209,18 +203,8 @@ class TestPart(ABC):
         return residual
 
     def sampled(self, residual: Real) -> float:
-        """Mean square of a residual times the numbers that make up one independent one.
-
-        For a first-order autoregression with the correlation r of neighbours that is
-        (1 + r) / (1 - r) (Bayley & Hammersley 1946, doi:10.2307/2983560).
-        """
-        rows, square = self.neighbours(residual), float(np.mean(residual**2))
-        power = float(np.mean(rows**2))
-        if len(rows) < 4 or power == 0.0:
-            return square
-        # Misses that alternate would claim more than one independent number a sample.
-        likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
-        return square * (1.0 + likeness) / (1.0 - likeness)
+        """Mean square of a residual times the numbers that make up one independent one."""
+        return float(np.mean(residual**2)) * samples_of_one(self.neighbours(residual))
 
     def rounded(self, residual: Real) -> Real:
         """Errors (k, m) that the digits of the test may make of what leaves this residual (m,).
