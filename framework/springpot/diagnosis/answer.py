@@ -196,7 +196,7 @@ def course_instead(evidence: Evidence, verdict: Verdict) -> Course | None:
         What they amount to without the time.
     """
     search = evidence.search
-    drifts = search.repeats.p_value < VERDICT.repeats_alarm
+    drifts = search.repeats.p_value < VERDICT.beyond_doubt
     if verdict == "adequate" and not drifts:
         return None
     frame = search.base.frame()

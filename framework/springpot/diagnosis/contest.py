@@ -262,7 +262,7 @@ def worth_telling_apart(chances: Mapping[str, float]) -> tuple[str, str] | None:
     """
     if openness(chances) < EXPERIMENT.rival:
         return None
-    if sorted(chances.values())[-2] < EXPERIMENT.believed:
+    if sorted(chances.values())[-2] < EXPERIMENT.rival:
         return None
     first, second = sorted(chances, key=lambda name: -chances[name])[:2]
     return first, second

@@ -436,7 +436,7 @@ def _kinds(search: Search) -> list[Unknown]:
     effect is missing.
     """
     kinds = list(unknowns(search.frame))
-    if search.repeats.p_value < VERDICT.repeats_alarm:
+    if search.repeats.p_value < VERDICT.beyond_doubt:
         kinds = [kind for kind in kinds if not kind.says]
     return kinds
 

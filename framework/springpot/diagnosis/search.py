@@ -20,6 +20,7 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery, repeats_structure
+from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -272,7 +273,7 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
         np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta
     )
     again = refit(own.model, search.base.data, search.base.noise, [start], starts=0)
-    if again.log_evidence > own.log_evidence + EVIDENCE.rounding:
+    if again.log_evidence > own.log_evidence + NEGLIGIBLE:
         return replace(grown, refit=again)
     return grown
 
@@ -281,9 +282,9 @@ def effort_of(search: Search) -> Effort:
     """No longer than it takes to tell that a grown model is no rival of the best one."""
     least = min((grown.refit.rss for grown in search.grown), default=inf)
     if least == inf:
-        return Effort(SEARCH.negligible)
+        return Effort(NEGLIGIBLE)
     half = search.base.rss - SEARCH.hopeless * (search.base.rss - least)
-    return Effort(SEARCH.negligible, max(half, least + 2.0 * SEARCH.decisive))
+    return Effort(NEGLIGIBLE, max(half, least + 2.0 * SEARCH.decisive))
 
 
 def sort_by_evidence(search: Search) -> None:

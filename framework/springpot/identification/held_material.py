@@ -21,7 +21,7 @@ from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SUPERPOSITION
+from springpot.thresholds import VERDICT
 
 from ..numerics import MOST_STEPS, PRINTED, ROUNDING
 from .allowed_shifts import laws_of_shift, refused_laws
@@ -76,7 +76,7 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
     whole = float(residual @ residual)
     rest = max((whole - gain) / left, ROUNDING**2 * whole / left)
     mean = gain / spare
-    if not mean > rest or float(f_sf(mean / rest, spare, left)) >= SUPERPOSITION.alarm:
+    if not mean > rest or float(f_sf(mean / rest, spare, left)) >= VERDICT.structure_alarm:
         return None
     return float(np.sqrt(mean)), float(spare)
 

@@ -140,7 +140,7 @@ WANDER: Mapping[str, float] = {
 """What moves without being varied, in a whole test."""
 CHOSEN: Mapping[str, float] = {
     "amplitude": VARIED.amplitude_chosen,
-    "temperature": VARIED.temperature_chosen,
+    "temperature": VARIED.temperature_wanders,
 }
 """Least distance of values that were chosen."""
 SMOOTH_DEGREE = 5

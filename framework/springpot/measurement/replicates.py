@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import REPEATS, VARIED
+from springpot.thresholds import OUTLIERS, REPEATS, VARIED
 
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
@@ -190,9 +190,9 @@ def _replicate_gains(
     # Replicates may be equal to the last digit.
     unit = max(left / free, 1e-300)
     strength = by_gain / (2.0 * gain_spent) / unit
-    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < REPEATS.runs_differ
+    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < OUTLIERS.rare
     slope_differs = (
-        f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < REPEATS.runs_differ
+        f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < OUTLIERS.rare
     )
     if not gain_differs or slope_differs:
         return None, 0.0
@@ -430,7 +430,7 @@ def stands_again(measurement: Measurement) -> NDArray[np.int64] | None:
         return None
     if told_apart(measurement):
         return None
-    for name, width in (("temperature", VARIED.temperature_chosen), ("amplitude", SAME_AMPLITUDE)):
+    for name, width in (("temperature", VARIED.temperature_wanders), ("amplitude", SAME_AMPLITUDE)):
         column = measurement.conditions.get(name)
         if column is None:
             continue

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import SCATTER
+from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
@@ -251,21 +251,21 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
         for part in (measurement.storage, measurement.loss)
     ]
     yield Shape(size, size, True, 0.0)
-    yield Shape(size, size, False, SCATTER.unusual_shape)
-    yield Shape(parts[0], parts[1], True, SCATTER.unusual_shape)
+    yield Shape(size, size, False, SEARCH.decisive)
+    yield Shape(parts[0], parts[1], True, SEARCH.decisive)
     # A load cell's floor is a force: in K it is the larger the smaller the amplitude.
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
     if force.max() > SCATTER.force_range * force.min():
         for level in FORCE_LEVELS:
             floor = np.hypot(size, level * force.min() / amplitude)
-            yield Shape(floor, floor, True, SCATTER.force_floor)
+            yield Shape(floor, floor, True, VERDICT.clear_evidence)
 
 
 def along_k(measurement: Measurement, turn: Complex) -> Shape:
     """Noise of one size along K and of another across it, both proportional to |K|."""
     size = measurement.magnitude
-    return Shape(size, size, False, SCATTER.parts_differ, turn)
+    return Shape(size, size, False, VERDICT.clear_evidence, turn)
 
 
 def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterator[Shape]:
@@ -280,10 +280,10 @@ def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterato
         np.maximum(np.abs(part), NEGLIGIBLE * size)
         for part in (measurement.storage, measurement.loss)
     ]
-    yield Shape(size, size, False, SCATTER.parts_differ)
-    yield Shape(parts[0], parts[1], False, SCATTER.parts_differ)
+    yield Shape(size, size, False, VERDICT.clear_evidence)
+    yield Shape(parts[0], parts[1], False, VERDICT.clear_evidence)
     for rise in _rises(np.log(measurement.omega)):
-        yield Shape(size * rise, size * rise, True, SCATTER.unusual_shape)
+        yield Shape(size * rise, size * rise, True, SEARCH.decisive)
 
 
 def _rises(log_omega: Real) -> Iterator[Real]:
@@ -490,7 +490,7 @@ def plausible_variance(dof: float) -> tuple[float, float]:
     >>> round(low, 2), round(high, 2)
     (0.35, 2.11)
     """
-    low, high = chi2_quantile([SCATTER.misstated / 2, 1 - SCATTER.misstated / 2], dof) / dof
+    low, high = chi2_quantile([OUTLIERS.rare / 2, 1 - OUTLIERS.rare / 2], dof) / dof
     return float(low), float(high)
 
 

@@ -26,7 +26,7 @@ from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_step
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import VERDICT
+from springpot.thresholds import REPEATS, VERDICT
 
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
@@ -178,11 +178,6 @@ def drift_shapes(count: int) -> Real:
 
 DEALT_ALONE = 8
 """Points of a sweep from which its scatter is dealt out anew by itself."""
-FEWEST_ROUGH = 8
-"""Degrees of freedom that slow curves leave to the scatter at least.
-
-Its size is then known to a quarter.
-"""
 FEWEST_OWN = 20.0
 """Degrees of freedom below which a scatter says too little of itself."""
 LEAST_LEFT = 0.1
@@ -222,8 +217,11 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
 
 
 def near_an_alarm(chance: float, draws: int) -> bool:
-    """Whether so many draws leave it open on which side of an alarm a chance lies."""
-    low, high = VERDICT.alarms
+    """Whether so many draws leave it open on which side of an alarm a chance lies.
+
+    All alarms lie between these two: there the verdict must not be left to the seed.
+    """
+    low, high = VERDICT.accepted, VERDICT.library_alarm
     return low < chance < high + SURE * float(np.sqrt(high / draws))
 
 
@@ -473,7 +471,7 @@ class NoiseFrame:
         free = self.size - self.absorbed.shape[1]
         for degree in range(SMOOTH_DEGREE, -1, -1):
             basis = self.beyond(self.relative(slow_shapes(self.measurement, degree)))
-            if free - basis.shape[1] >= FEWEST_ROUGH:
+            if free - basis.shape[1] >= REPEATS.enough:
                 return basis
         return np.zeros((self.size, 0))
 

@@ -171,7 +171,7 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
     left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
     ratio = (explained / spent) / (left / (scatter.dof - spent))
-    return bool(f_sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
+    return bool(f_sf(ratio, spent, scatter.dof - spent) < OUTLIERS.rare)
 
 
 def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
@@ -199,7 +199,7 @@ def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
     chances = gamma_sf(power / (2.0 * scatter.variance), pairs)
     peak = first + int(np.argmin(chances[first:]))
     # The strongest of so many periods is told: each of them might have been it (Bonferroni).
-    if longest * float(chances[peak]) > SCATTER.ripple_alarm:
+    if longest * float(chances[peak]) > OUTLIERS.rare:
         return 0.0
     # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at
     # the ends.

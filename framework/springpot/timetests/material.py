@@ -24,7 +24,7 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED
+from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, TWO_DEVIATIONS
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
@@ -237,8 +237,6 @@ VISIBLE = 0.1
 
 No test is run for less.
 """
-SEEN = 4.0
-"""Rise of the sum of squares over the noise that such a move must cost: two standard deviations."""
 
 
 class MaterialPoint(NamedTuple):
@@ -477,7 +475,10 @@ class _Search:
             change = effect * amount
             least = _left(by_weights, others, by_weights @ weights - value)
             for moved in (change, -change):
-                if _left(by_weights, others, by_weights @ weights - value - moved) - least < SEEN:
+                if (
+                    _left(by_weights, others, by_weights @ weights - value - moved) - least
+                    < TWO_DEVIATIONS
+                ):
                     return (
                         f"{names[i]}: another material could have done the same in these tests:"
                         " name a model in place of 'material', or add a test of another kind"
