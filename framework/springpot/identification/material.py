@@ -24,7 +24,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import MOST_STEPS, NEGLIGIBLE, ROUNDING
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
 from .coordinates import Coordinates
 from .problem import BLOCK, Objective, numbers_of, weighted
@@ -47,6 +47,8 @@ A single Maxwell element lies between lines.
 """
 QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
+ITERATIONS = 40
+"""Steps at most of a descent."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
 WIDEST = 60.0 * float(np.log(10.0))
@@ -372,7 +374,7 @@ class SpectrumSearch:
     def descend(
         self,
         trial: Trial,
-        iterations: int = MOST_STEPS,
+        iterations: int = ITERATIONS,
         still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,
@@ -389,7 +391,7 @@ class SpectrumSearch:
     def descend_each(
         self,
         trials: Sequence[Trial],
-        iterations: int = MOST_STEPS,
+        iterations: int = ITERATIONS,
         still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,

@@ -27,8 +27,8 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
-from ..numerics import DECADE, MOST_STEPS
-from .material import STILL, Spectral, SpectrumSearch
+from ..numerics import DECADE
+from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
 from .trials import Trial
@@ -405,7 +405,7 @@ def _deepest(
         # A setting costs one convex problem; descents are begun only from the best of them.
         trials = search.solve_each([search.begun(search.u_of(own)) for own in some])
         begun += sorted(trials, key=lambda trial: trial.cost)[:KEPT]
-    ends = search.descend_each(begun, MOST_STEPS, still, hopeless)
+    ends = search.descend_each(begun, ITERATIONS, still, hopeless)
     return min(ends, key=lambda end: end[0].cost)
 
 
