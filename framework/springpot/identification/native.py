@@ -24,7 +24,7 @@ from springpot.rheology.points import Real
 from ..numerics import ALIKE, NEGLIGIBLE
 from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
-from .material import STILL, is_material, own_parameters
+from .material import STILL, SpectrumSearch, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .places import followed_by_places
 from .problem import Objective, Problem, default_objective, numbers_of, weighted
@@ -129,8 +129,12 @@ class Fit:
         left = numbers_of(self.task.weights) - len(self.theta) + self.silent
         if not is_material(self.model):
             return left
+        search = SpectrumSearch.of(self.model, self.measurement, self.objective)
+        follows = np.ones(len(self.theta), dtype=bool)
+        follows[: len(self.model.material.parameters)] = self._weights > 0.0
+        placed = followed_by_places(search, self.theta, self.residual, self.jacobian_u[:, follows])
         # Of exact data the lines stand for numbers, of which no place can take more than there are.
-        return max(left - followed_by_places(self), min(left, 1.0))
+        return max(left - placed, min(left, 1.0))
 
     @property
     def silent(self) -> int:
@@ -140,7 +144,11 @@ class Fit:
         """
         if not is_material(self.model):
             return 0
-        return int(np.sum(self.theta[: len(self.model.material.parameters)] == 0.0))
+        return int(np.sum(self._weights == 0.0))
+
+    @property
+    def _weights(self) -> Real:
+        return self.theta[: len(self.model.material.parameters)]
 
     @cached_property
     def residual(self) -> Real:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,11 +12,8 @@ from ..numerics import ROUNDING
 from .material import FINE, SpectrumSearch, own_parameters
 from .trials import Trial
 
-if TYPE_CHECKING:
-    from .native import Fit
 
-
-def followed_by_places(fit: Fit) -> float:
+def followed_by_places(search: SpectrumSearch, theta: Real, residual: Real, known: Real) -> float:
     """Numbers that the places of the lines of a fitted spectrum have followed, beside the weights.
 
     A line stands where one explains most. Had the noise been other it would stand elsewhere: it
@@ -30,20 +25,25 @@ def followed_by_places(fit: Fit) -> float:
 
     Parameters
     ----------
-    fit : Fit
-        Of a model whose material is a `Continuum`.
+    search : SpectrumSearch
+        For the model with its lines, which is a `Continuum` with effects.
+    theta : ndarray, shape (p,)
+        The parameters.
+    residual : ndarray, shape (m,)
+        Predicted less measured, weighted.
+    known : ndarray, shape (m, q)
+        Its slopes by the parameters that follow the data, in whatever unit.
     """
-    material, own = fit.model.material, own_parameters(fit.model)
+    material, own = search.model.material, own_parameters(search.model)
     assert isinstance(material, Continuum)
     count = len(material.parameters)
-    weights, rates = fit.theta[:count], np.log(material.rates)
+    weights, rates = theta[:count], np.log(material.rates)
     carrying = _alone(rates, weights[2:])
     if not len(carrying):
         return 0.0
-    search = SpectrumSearch.of(fit.model, fit.measurement, fit.objective)
     places = np.concatenate([rates[carrying] + step for step in (-FINE, 0.0, FINE)])
     beside = Trial(
-        search.u_of(fit.theta[own]),
+        search.u_of(theta[own]),
         np.concatenate([rates, places]),
         np.concatenate([weights, np.zeros(len(places))]),
         np.inf,
@@ -52,10 +52,8 @@ def followed_by_places(fit: Fit) -> float:
     before, at, after = search.weigh(columns).reshape(3, len(carrying), -1)
     weight = weights[2:][carrying, None]
     slopes = weight * (after - before) / (2.0 * FINE)
-    left = (weight * (2.0 * at - before - after) / FINE**2) @ -fit.residual
+    left = (weight * (2.0 * at - before - after) / FINE**2) @ -residual
     # What the weights and the effects' parameters follow is no gain of the places.
-    moving = np.concatenate([weights > 0.0, np.ones(len(own), dtype=bool)])
-    known = fit.jacobian_u[:, moving]
     basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
     slopes = slopes.T - basis @ (basis.T @ slopes.T)
     stiff = np.diag(np.sqrt(np.maximum(left, 0.0)))
