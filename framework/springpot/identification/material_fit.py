@@ -384,6 +384,8 @@ def fit_spectrum(
         tried = list(_settings(search, measurement, settings_of_each))
         places += [tried, laid_over(model, measurement, tried[0])]
     best, converged = _deepest(coarse, places, still, hopeless * part)
+    if best.cost > hopeless * part:
+        return search.result(best if coarse is search else search.solve(best.u), converged)
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)

@@ -83,8 +83,12 @@ class TypedLaw:
         return term, known
 
     def joined(self, at: Points, values: Iterable[Any]) -> Dual:
-        """What the network adds, with its slope by ln Y under `OWN`."""
-        return self._of(self._joined, self._known(at), values)
+        """What the network adds, with its slope by ln Y alone, under `OWN`."""
+        known = {name: Dual(value, {}) for name, value in zip(self.free, values, strict=True)}
+        for name, (value, slopes) in self._known(at).items():
+            known[name] = Dual(value, {OWN: slopes[OWN]} if OWN in slopes else {})
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return self._joined.at(known)
 
     @cached_property
     def _joined(self) -> Term:
