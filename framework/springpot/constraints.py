@@ -27,11 +27,10 @@ from springpot.registry import plugins
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import HasParameters
+from springpot.rheology.spectrum import MOST_TERMS
 
 Bounds = tuple[float, float]
 V = TypeVar("V")
-MOST_TIMES = 60
-"""Of a sum of relaxations: three a decade over twenty decades."""
 EVERY = "*"
 """In the place of a parameter's name."""
 
@@ -57,9 +56,9 @@ def times_of(text: str, per_decade: int = 1) -> NDArray[np.float64]:
     if not 0.0 < low < high < np.inf:
         raise OptionError(f"'{text:.40}' is no range of times: write two in s, such as 1e-6:1e6")
     count = int(np.round(per_decade * np.log10(high / low))) + 1
-    if count > MOST_TIMES:
+    if count > MOST_TERMS:
         raise OptionError(
-            f"{count} times are more than the {MOST_TIMES} of a series: narrow --times, or fewer a"
+            f"{count} times are more than the {MOST_TERMS} of a series: narrow --times, or fewer a"
             " decade"
         )
     return np.geomspace(low, high, count)
@@ -271,8 +270,7 @@ def _numbered(sweep: Measurement, column: str) -> Measurement:
         given = labels.pop(column).tolist()
         words = list(dict.fromkeys(given))
         number = np.array([1.0 + words.index(word) for word in given])
-        meant = ", ".join(f"{i} is {word}" for i, word in enumerate(words, 1))
-        told = {f"note {column}": f"{column}: {meant}", LEVELS.format(column): json.dumps(words)}
+        told = {LEVELS.format(column): json.dumps(words)}
         sweep = replace(
             sweep,
             conditions={**sweep.conditions, column: number},

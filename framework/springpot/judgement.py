@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.comparison.comparing import ONLY_NOISE, compare
+from springpot.comparison.comparing import compare
+from springpot.comparison.result import ONLY_NOISE
 from springpot.errors import DataError
 from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.identification.specimens import Specimens
 from springpot.misfit.material import lowest_error
-from springpot.timetests.fitting import judgement_of
+from springpot.timetests.comparing import judgement_of
 from springpot.timetests.floor import material_floor
 
 FEWEST_SPARE = 4

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from springpot.measurement import Loading
+from springpot import TimeTest
+from springpot.measurement import Loading, Record
 from springpot.measurement.followed import followed
 
 
@@ -19,3 +20,11 @@ def test_a_jump_adds_to_what_goes_on_beside_it_and_has_no_rate_of_its_own():
     value, rate = followed(loading, np.array([0.5, 1.0, 1.5]))
     np.testing.assert_allclose(value, [0.5, 5.0, 5.5], atol=1e-12)
     np.testing.assert_allclose(rate, [1.0, 1.0, 1.0], atol=1e-12)
+
+
+def test_a_cycle_goes_there_and_back_once_on_one_side_as_on_both():
+    time = np.linspace(0.0, 4.0, 401)
+    both = np.sin(2.0 * np.pi * time)
+    for displacement in (both, 1.0 - np.cos(2.0 * np.pi * time), 3.0 + both):
+        test = TimeTest.of_history(time, displacement, displacement, "mm", "N")
+        np.testing.assert_allclose(Record.of(test).cycles[-1], 4.0, rtol=1e-3)

@@ -52,7 +52,7 @@ HARMLESS = {
         "search.alarm >= VERDICT.accepted",
     ): "a chance that is a level to the last bit",
     (
-        "identification/batch.py",
+        "identification/simulated.py",
         "first, width, iterations = first + width, width + (first > 0), 2 * iterations",
         "1",
     ): "how many starts are tried at once",

@@ -12,7 +12,7 @@ import pytest
 from browsing import IN_A_BROWSER, Open
 
 import springpot
-from springpot.diagnosis.examination import silent
+from springpot.diagnosis.result import silent
 from springpot.errors import DataError
 from springpot.report.text import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of

@@ -172,9 +172,10 @@ def most_telling(
 
     # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit
     # only.
-    feasible = {each: (clash(each, 0).linear, clash(each, 1).linear) for each in actions}
+    contests = {each: (clash(each, 0), clash(each, 1)) for each in actions}
+    feasible = {each: (one.linear, other.linear) for each, (one, other) in contests.items()}
     tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
-    reached = {each: (clash(each, 0).fitted(), clash(each, 1).fitted()) for each in tried}
+    reached = {each: (contests[each][0].fitted(), contests[each][1].fitted()) for each in tried}
     # By the better of the two ways: a larger model follows a smaller one wherever one measures.
     telling = [action for action in tried if max(reached[action]) >= EXPERIMENT.telling]
     if not telling:

@@ -126,6 +126,13 @@ def levels_in_words(data: Measurement, column: str) -> list[str] | None:
     return [str(word) for word in json.loads(told)]
 
 
+def note_on_levels(data: Measurement, column: str) -> str:
+    """Which number stands for which word in a numbered column; empty for one of plain numbers."""
+    words = levels_in_words(data, column) or []
+    meant = ", ".join(f"{number} is {word}" for number, word in enumerate(words, 1))
+    return meant and f"{column}: {meant}"
+
+
 def ends_of(kept: Mapping[str, Any], count: int) -> tuple[Real, Real]:
     """Both ends of the intervals of so many parameters, with infinity back in its place.
 

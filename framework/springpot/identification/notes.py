@@ -12,6 +12,7 @@ from springpot.rheology.points import Real
 from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
+from .kept import note_on_levels
 from .native import Fit
 from .specimens import told
 from .uncertainty import Uncertainty
@@ -74,10 +75,9 @@ def _undetermined(fit: Fit) -> Iterator[str]:
 
 def _levels_in_words(fit: Fit) -> Iterator[str]:
     """What the numbers of the levels stand for that have parameters of their own."""
-    told_of = fit.measurement.provenance
     for column in dict.fromkeys(fit.model.own.values()):
-        if f"note {column}" in told_of:
-            yield told_of[f"note {column}"]
+        if note := note_on_levels(fit.measurement, column):
+            yield note
 
 
 def _is_order(fit: Fit, parameter: Parameter) -> bool:

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.diagnosis.examination import Progress, prepared, search_data, silent
+from springpot.diagnosis.examination import prepared, search_data
 from springpot.diagnosis.experiment import next_experiment
 from springpot.diagnosis.grown import Grown, Search
-from springpot.diagnosis.result import NextExperiment
+from springpot.diagnosis.result import NextExperiment, Progress, silent
 from springpot.errors import OptionError
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions

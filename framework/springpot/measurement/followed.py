@@ -25,7 +25,7 @@ class Record:
     largest : float
         Largest size of what was imposed.
     cycles : ndarray, shape (n,)
-        The way that was gone until each sample, in cycles: four times the largest value each.
+        The way that was gone until each sample, in cycles: the whole span there and back each.
     control : {"displacement", "force"}
         Which of the two that was.
 
@@ -56,8 +56,9 @@ class Record:
         largest = float(np.abs(test.loading.value).max())
         # By the knots of the loading, so that it does not matter how many samples are looked at.
         way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(test.loading.value)))])
-        # A cycle takes a load four times its largest value.
-        cycles = np.interp(t, test.loading.time, way) / (4.0 * largest)
+        # Of a load on one side a cycle goes there and back once, not twice.
+        span = float(np.ptp(test.loading.value)) or largest
+        cycles = np.interp(t, test.loading.time, way) / (2.0 * span)
         return cls(t - test.start, imposed, rate, largest, cycles, test.control)
 
 

@@ -34,8 +34,8 @@ from ..format_numbers import NAMED
 from .error import Error
 from .refit import Refit, refit
 from .residual_battery import Battery, battery
-from .where import where, with_unit
-from .words import percent, times
+from .where import where
+from .words import percent, times, with_unit
 
 FEWEST_LEVELS = 3
 """Levels from which one can stand out from the others."""

@@ -42,8 +42,8 @@ from .frame import (
 )
 from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
-from .where import Where, with_unit
-from .words import plain
+from .where import Where
+from .words import plain, point_in_words
 
 MOST_TURNS = 10
 """Times that the points which stand out are found anew; nearly all settle in three."""
@@ -371,16 +371,6 @@ class Outlier:
         if len(rows) == 0:
             return self
         return replace(self, row=int(rows[0]) + 1)
-
-
-def point_in_words(measurement: Measurement, row: int) -> str:
-    """Where a point was measured: ``50 Hz``, or ``50 Hz, 20 degC, 0.5 mm`` if conditions vary."""
-    words = [measurement.units.at(float(measurement.frequency[row]))]
-    for name in ("temperature", "amplitude"):
-        column = measurement.conditions.get(name)
-        if column is not None and len(np.unique(measurement.levels(name))) > 1:
-            words.append(with_unit(measurement, name, float(column[row])))
-    return ", ".join(words)
 
 
 def outlying(frame: NoiseFrame) -> NDArray[np.int64]:

@@ -15,9 +15,8 @@ from springpot.thresholds import OUTLIERS
 
 from .frame import Drawn, NoiseFrame, relative_to, spectrum
 from .mains_hum import near_mains
-from .outliers import point_in_words
 from .refit import unseen_error, unseen_in_words
-from .words import plain, times
+from .words import plain, point_in_words, times
 
 Rows: TypeAlias = NDArray[np.int64]
 FEWEST_OFF_MAINS = 10

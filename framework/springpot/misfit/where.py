@@ -21,7 +21,7 @@ from springpot.thresholds import WHERE
 
 from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
-from .words import plain
+from .words import plain, with_unit
 
 WIDE = 0.7
 """Range of ln omega, a factor of two, from which it is told how a misfit changes along it."""
@@ -156,16 +156,6 @@ def level_words(measurement: Measurement, axis: MeasuredAxis, rows: Rows) -> str
     if level.max() == axis.count - 1:
         return f"{start}{with_unit(measurement, axis.name, low)} and above"
     return f"{start}{_number(low)} to {with_unit(measurement, axis.name, high)}"
-
-
-def with_unit(measurement: Measurement, name: str, value: float) -> str:
-    """A temperature or an amplitude as it is printed."""
-    if name == "temperature":
-        return f"{_number(value)} degC"
-    unit = measurement.units.amplitude
-    if unit == "-":
-        return _number(value)
-    return f"{_number(value)} {unit}"
 
 
 def _number(value: float) -> str:

@@ -9,6 +9,7 @@ from io import StringIO
 from math import hypot, isfinite, log, nan
 
 from springpot.format_numbers import counted, number
+from springpot.identification.kept import note_on_levels
 from springpot.identification.population import specimens_of
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
@@ -196,8 +197,8 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
     numbered: set[str] = set()
     # Which number a specimen has, where no parameter is told by its number.
     if identified.sweep is not None and not verbose and not _few(identified):
-        known = identified.sweep.provenance
-        numbered = {known.get(f"note {column}", "") for column in identified.model.own.values()}
+        columns = identified.model.own.values()
+        numbered = {note_on_levels(identified.sweep, column) for column in columns}
     return lines + [f"note        {note}" for note in notes if note not in numbered]
 
 

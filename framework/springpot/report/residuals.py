@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.comparison.comparing import Comparison
+from springpot.comparison.result import Comparison
 from springpot.markup import Html, joined, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned

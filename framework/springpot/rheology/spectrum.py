@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from springpot.errors import ModelError
 
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .effect import Effect, Layer
-from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import HALF_PI, ROOM, Complex, Points, Real
 from .poles import (
@@ -37,6 +36,9 @@ from .poles import (
     resolved,
 )
 from .rational import Rational, rational_of
+
+if TYPE_CHECKING:
+    from .named import NamedNetwork
 
 FINEST = 2
 """Times that a smaller step is tried before an error is accepted as it is."""
@@ -56,6 +58,8 @@ MARGIN = 2.0 * np.log(10.0)
 """Two decades beyond a model's own times are of interest by default."""
 NOTED = 0.05
 """Share of the largest change of that power from which a turn is a time of the model's own."""
+MOST_TERMS = 60
+"""Of a sum of relaxations that stands for a model: three a decade over twenty decades."""
 WITHOUT_TIME = (np.log(1e-3), np.log(1e3))
 """Band in ln omega for a model that has no time of its own, such as a springpot."""
 

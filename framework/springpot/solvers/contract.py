@@ -14,9 +14,10 @@ import numpy as np
 
 from springpot.errors import SpringpotError
 from springpot.rheology.points import Complex, Real
+from springpot.rheology.spectrum import MOST_TERMS
 
 from .handoff import Handoff
-from .prony import MOST, Prony
+from .prony import Prony
 
 Reading: TypeAlias = Callable[[str, Real], Complex]
 """From a card and angular frequencies (n,) in rad/s to K (n,), as the solver would have it."""
@@ -137,9 +138,9 @@ def _below(writer: CardFormat, handoff: Handoff) -> list[str]:
 
 
 def _refuses(writer: CardFormat) -> Iterator[str]:
-    times = np.geomspace(1e-4, 1e2, MOST)
+    times = np.geomspace(1e-4, 1e2, MOST_TERMS)
     cases = {
-        f"{MOST} terms": replace(SERIES, weights=np.ones(MOST), times=times),
+        f"{MOST_TERMS} terms": replace(SERIES, weights=np.ones(MOST_TERMS), times=times),
         "a spring alone": replace(SERIES, weights=np.zeros(0), times=np.zeros(0)),
     }
     for what, prony in cases.items():

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,15 +23,10 @@ from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Complex, Real
+from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
 from ..numerics import HALVINGS, SMALLEST
 
-if TYPE_CHECKING:
-    from springpot.rheology.spectrum import Spectrum
-
-
-MOST = 60
-"""Terms beyond which a tolerance is given up: three a decade over twenty decades."""
 IN_VAIN = 6
 """Terms that do not help after which no more are tried.
 
@@ -124,8 +118,8 @@ def prony_of(
     Raises
     ------
     ModelError
-        If the tolerance needs more terms than `MOST` or no terms hold it, as those of a dashpot
-        that may not stand beside them, or if the number of terms is not 1 to `MOST`.
+        If the tolerance needs more terms than `MOST_TERMS` or no terms hold it, as those of a
+        dashpot that may not stand beside them, or if their number is not 1 to `MOST_TERMS`.
 
     Examples
     --------
@@ -191,8 +185,8 @@ class _Through:
         """With given times, with a number of terms, or with as few as a tolerance needs."""
         if times is not None:
             return at_times(self.grid, self.target, times, self.dashpot, self.band)
-        if terms is not None and not 1 <= terms <= MOST:
-            raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
+        if terms is not None and not 1 <= terms <= MOST_TERMS:
+            raise ModelError(f"a Prony series has 1 to {MOST_TERMS} terms, not {terms}")
         wanted = 0.005 if tolerance is None else tolerance
         if terms is None and not 0.0 < wanted < 1.0:
             raise ModelError(f"a tolerance is a share of K above 0 and below 1, not {wanted:g}")
@@ -209,7 +203,7 @@ class _Through:
         """As few terms as the tolerance needs."""
         least, better = np.inf, 0
         # From one term up: a solver carries every term through all its steps.
-        for count in range(1, MOST + 1):
+        for count in range(1, MOST_TERMS + 1):
             if self.exact and len(self.exact.times) <= count:
                 return self.exact
             series = self._of(count)
