@@ -14,8 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from springpot.diagnosis.examination import Seek
-from springpot.diagnosis.grown import Grown, Search
+from springpot.diagnosis.grown import Grown, Search, Seek
 from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
 from springpot.diagnosis.search import effort_of, sort_by_evidence
 from springpot.identification.held_material import within_material
