@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import bartlett
 
 from springpot.errors import DataError
 from springpot.measurement import (
@@ -19,7 +20,10 @@ from springpot.measurement import (
     reader,
     rows,
     sign,
+    steady,
+    timenoise,
 )
+from springpot.measurement import measurement as measurement_module
 from springpot.measurement.reader import Choice, Part
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
@@ -178,3 +182,49 @@ def test_rows_that_were_written_again_tell_nothing_of_the_noise(moved, told):
     assert found.scatter.dof.tolist() == [told, told]
     assert found.mean.repeat is None
     np.testing.assert_allclose(found.mean.stiffness, stiffness[:2] * (1.0 + moved / 2.0), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "left"),
+    [
+        ([1.0 + 1.0j, 0.0 + 0.0j], []),
+        ([-1.0 + 1.0j, 2.0], ["note storage"]),
+        ([1.0 - 1.0j, 2.0], ["note loss"]),
+        ([-1.0 - 1.0j, 2.0], ["note storage", "note loss"]),
+        ([-1.0 - 1.0j, -1.0 - 1.0j, 2.0], ["note storage", "note loss", "note sign"]),
+    ],
+)
+def test_of_some_rows_a_note_on_a_sign_stays_where_one_of_them_has_it(values, left):
+    notes = {"note storage": "a", "note loss": "b", "note sign": "c", "rig": "d"}
+    kept = measurement_module._of_rows(notes, np.array(values, dtype=complex))
+    assert list(kept) == [*left, "rig"]
+
+
+@pytest.mark.parametrize("counts", [(5, 9), (8, 8, 8), (4, 30, 12)])
+def test_scatters_are_alike_by_the_test_of_bartlett(monkeypatch, counts):
+    rng = np.random.default_rng(7)
+    samples = [size * rng.normal(size=n) for n, size in zip(counts, (1.0, 2.2, 1.4), strict=False)]
+    sizes, worth = np.array([np.std(each, ddof=1) for each in samples]), np.array(counts) - 1.0
+    chance = bartlett(*samples).pvalue
+    monkeypatch.setattr(timenoise, "DOUBTED", 1.0001 * chance)
+    assert timenoise._unlike(sizes, worth) is not None
+    monkeypatch.setattr(timenoise, "DOUBTED", 0.9999 * chance)
+    assert timenoise._unlike(sizes, worth) is None
+
+
+def test_scatter_of_nothing_is_like_no_other():
+    assert timenoise._unlike(np.array([1.0, 0.0, 2.0]), np.full(3, 9.0)) == 1
+
+
+@pytest.mark.parametrize(
+    ("samples", "span", "omega", "seconds"),
+    [
+        (1000, 40.0, 2.0 * np.pi, 40.0),
+        (1000, 4.0, 2.0 * np.pi, 16.0),
+        (1 << 19, 400.0, 2.0 * np.pi, 100.0),
+    ],
+)
+def test_a_frequency_is_known_over_an_excerpt_or_some_cycles(samples, span, omega, seconds):
+    """The excerpt is of 2^17 samples, the cycles are sixteen."""
+    record = SimpleNamespace(span=span, time=np.empty(samples))
+    assert steady.excerpt_span(record, omega) == pytest.approx(seconds)

@@ -53,3 +53,28 @@ def test_a_band_holds_as_many_motions_as_it_says(draws):
 def simulated_nothing():
     frame = Frame([1e5], [8e7], 0.02)
     return motion_of(frame, artificial(np.random.default_rng(1), duration=0.1, step=0.02))
+
+
+def test_peaks_of_many_records_are_drawn_in_millimetres_and_kilonewtons(undrawn, tmp_path):
+    from springpot.structure.figures import figure_suite
+    from springpot.structure.suites import RecordSuite
+
+    frame = Frame(np.full(2, 1e5), np.array([8e7, 7e7]), 0.02, (Damper(MODEL, THETA, 1, 0.5),))
+    record = artificial(np.random.default_rng(1), duration=2.0, step=0.02)
+    one = simulate(frame, record, np.random.default_rng(2), draws=0)
+    figure_suite(RecordSuite([one, one]), tmp_path / "suite.svg")
+    (figure,) = undrawn
+    motion = one.motion
+    largest = [
+        1e3 * motion.peak_drift,
+        1e-3 * motion.peak_axial_force,
+        1e3 * motion.peak_stroke,
+    ]
+    for axes, wanted in zip(figure.axes, largest, strict=True):
+        # Each record, their mean and their envelope, which are all the same.
+        assert len(axes.get_lines()) == 4
+        for line in axes.get_lines():
+            np.testing.assert_allclose(line.get_xdata(), wanted, rtol=1e-9)
+            assert list(line.get_ydata()) == list(range(1, len(wanted) + 1))
+        assert axes.get_xlim() == pytest.approx((0.0, 1.06 * wanted.max()))
+        assert axes.get_ylim() == (0.5, len(wanted) + 0.5)

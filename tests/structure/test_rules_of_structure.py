@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from springpot.structure import (
     beside,
     motion,
     motion_of,
+    next_test,
     reading,
     records,
     tables,
@@ -296,3 +298,8 @@ def test_steps_are_parted_until_the_shortest_period_has_sixteen(periods, parts, 
     found = system.largest(system.run(a), a, np.eye(2))
     assert asked == ([] if parts == 1 else [pytest.approx(step / parts)])
     assert np.all(found > 0.0)
+
+
+def test_a_further_test_is_told_in_hertz():
+    points = SimpleNamespace(log_omega=np.log(2.0 * np.pi * np.array([0.5, 3.0])))
+    assert next_test._hertz(SimpleNamespace(points=points), 1) == pytest.approx(3.0)

@@ -429,3 +429,13 @@ def test_one_curve_is_simple_nearly_or_not(monkeypatch, chance, missed, shared, 
     assert (found.verdict, found.error, found.alone) == (verdict, pytest.approx(0.2), own)
     assert found.added == pytest.approx(np.sqrt(shared**2 - own**2))
     assert list(found.failures) == missed
+
+
+def test_a_curve_is_drawn_in_the_columns_of_its_tests():
+    """Over the time 1 / omega a relaxation, which is real; over omega storage and loss."""
+    omega, values = np.array([0.5, 4.0]), np.array([3.0 + 1.0j, 5.0 + 2.0j])
+    over = curve.MasterCurve.drawn
+    time, relaxed = over(SimpleNamespace(columns=("time", "relaxation")), omega, values)
+    assert (time.tolist(), relaxed.tolist()) == ([2.0, 0.25], [3.0, 5.0])
+    columns = over(SimpleNamespace(columns=("omega", "storage", "loss")), omega, values)
+    assert [column.tolist() for column in columns] == [[0.5, 4.0], [3.0, 5.0], [1.0, 2.0]]

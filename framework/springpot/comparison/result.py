@@ -133,8 +133,8 @@ class Judgement:
         return self.refit.rss
 
     @cached_property
-    def degrees_of_freedom(self) -> int:
-        """Measured numbers less free parameters."""
+    def degrees_of_freedom(self) -> float:
+        """Measured numbers less those followed, which of a spectrum need not be whole."""
         return self.refit.fit.dof
 
     @cached_property

@@ -42,14 +42,11 @@ from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .answer import answer, course_instead
 from .case import Case
 from .evidence import Evidence
-from .grown import Search
+from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
 from .result import Diagnosis, Progress, silent
 from .search import search_from
 from .verdict import facts_of, rule_for
-
-Seek: TypeAlias = Callable[[Refit, Sequence[Effect], np.random.Generator], Search]
-"""Looks for what is missing from a fitted model among some effects."""
 
 
 def search_data(

@@ -12,8 +12,10 @@ is off.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -282,3 +284,7 @@ def _drifting(before: Refit) -> tuple[float, float]:
         left, bounds=(-LARGEST, LARGEST), method="bounded", options={"xatol": FINE}
     )
     return float(np.expm1(best.x)), float(best.fun)
+
+
+Seek: TypeAlias = Callable[[Refit, Sequence[Effect], np.random.Generator], Search]
+"""Looks for what is missing from a fitted model among some effects."""

@@ -102,7 +102,6 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "batch": "fit_batch",
         "fitting": "identify",
         "held_material": "intervals_beside_material is_passive within_material",
         "leastsquares": "levenberg_marquardt",
@@ -114,7 +113,7 @@ __getattr__, __dir__ = offered(
         "regularisation": "regularised",
         "result": "Identification",
         "runs": "BatchedOptimiser Card Optimiser OptimiserFamily run run_batch",
-        "simulated": "bootstrap",
+        "simulated": "bootstrap fit_batch",
         "space": "SearchSpace",
         "starts": "settings shown Window",
         "uncertainty": "held_costs profile Uncertainty",

@@ -119,7 +119,7 @@ def each_alone(
             continue
         own = fit(material, part, objective)
         line = own.model.stiffness(own.theta, part.points)
-        cost[level], dof[level] = own.cost, own.dof - own.placed
+        cost[level], dof[level] = own.cost, own.dof
         error[level] = float(np.sqrt(np.mean(np.abs(line / part.stiffness - 1.0) ** 2)))
     return Alone(cost, dof, error, repeat_scatter(measurement, number))
 

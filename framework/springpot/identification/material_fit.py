@@ -388,10 +388,11 @@ def fit_spectrum(
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
-    best = _on_closer_lines(search, best)
+    # Closer lines make no rival of what is hopeless.
+    best = _on_closer_lines(search, best) if best.cost <= hopeless else best
     if settings_of_each and expected is None:
-        lower = [end for end in _on_laws(search, measurement, objective) if end.cost < best.cost]
-        ends = (_on_closer_lines(search, end) for end in lower)
+        ends = _on_laws(search, measurement, objective)
+        ends = [_on_closer_lines(search, end) for end in ends if end.cost < best.cost]
         best = min(ends, key=lambda each: each.cost, default=best)
     return search.result(best, converged)
 

@@ -346,9 +346,9 @@ class NoiseFrame:
         levels = [self._own_level(np.arange(n) + k, step, weights) for k in (0, n)]
         own = np.concatenate([level * np.abs(self.model_stiffness) for level in levels])
         values = exact + own * rng.standard_normal((count, self.size))
-        grid = np.where(step > 0.0, step, 1.0)
-        written = np.where(step > 0.0, np.round(values / grid) * grid, values)
-        return np.asarray((written - exact) * weights, dtype=DRAWN)
+        coarse = np.flatnonzero(step)
+        values[:, coarse] = np.round(values[:, coarse] / step[coarse]) * step[coarse]
+        return np.asarray((values - exact) * weights, dtype=DRAWN)
 
     def _own_level(self, rows: NDArray[np.int64], step: Real, weights: Real) -> float:
         """Noise over |K| of some rows beside uniform errors of rounding.

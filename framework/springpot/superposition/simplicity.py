@@ -202,7 +202,7 @@ def _chance(rows: FactorRows, alone: Alone) -> float:
     """
     counts, judged = np.bincount(rows.number), alone.judged
     nu = alone.dof[judged]
-    left = rows.fit.dof - rows.fit.placed
+    left = rows.fit.dof
     saved = left * counts[judged] / counts.sum() - nu
     # Nothing is saved by one material for all: there is nothing to be tested. And four degrees of
     # freedom at a level tell no variance of its scatter.
@@ -229,9 +229,7 @@ def _no_material(rows: FactorRows, alone: Alone) -> list[Failure]:
                 f" {_percent(usual)}: this is the instrument, the amplitude or the specimen, not"
                 " superposition"
             )
-            failures.append(
-                Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says)
-            )
+            failures.append(Failure("no-material", values[level], off, chance, float("nan"), says))
     return sorted(failures, key=lambda one: -one.size)
 
 
@@ -260,9 +258,7 @@ def _missed_parts(rows: FactorRows, alone: Alone) -> list[Failure]:
                 f" size, which is {_percent(typical * part.share)} of |K|: less than |K| scatters,"
                 " and more than its own points do"
             )
-            failures.append(
-                Failure("part", values[level], typical, min(chance, 1.0), float("nan"), says)
-            )
+            failures.append(Failure("part", values[level], typical, chance, float("nan"), says))
     return sorted(failures, key=lambda one: -one.size)
 
 
@@ -284,7 +280,7 @@ def _levels(rows: FactorRows, alone: Alone, error: Real) -> list[Failure]:
                 f" a material of its own {own}{_of_all(share)}"
             )
             size = float(error[level] / alone.error[level])
-            failures.append(Failure("level", values[level], size, min(chance, 1.0), share, says))
+            failures.append(Failure("level", values[level], size, chance, share, says))
     return failures
 
 

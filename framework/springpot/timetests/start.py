@@ -127,7 +127,7 @@ def answers_of(
         imposed = np.interp(grid, loading.smooth.time, loading.smooth.value)
         steps, changes = np.diff(grid, prepend=grid[0]), np.diff(imposed, prepend=imposed[0])
         place = np.searchsorted(grid, t)
-        faded = faded + driven(1.0 / times, steps, changes, one, 0.0 * one)[place]
+        faded = faded + driven(1.0 / times, steps, changes, one, np.zeros_like(one))[place]
         followed += imposed[place]
         if control == "force":
             mean = 0.5 * (imposed[1:] + imposed[:-1])
