@@ -35,6 +35,7 @@ from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ROUNDING
 from .cases import drawn, noise_free, noisy, problem_of, truth_fits
 from .plan import Cell, Plan, RaceCase, WorkOrder
 
@@ -168,7 +169,7 @@ def geometric_grid(last: int, per_decade: int = 20) -> NDArray[np.int64]:
     """Evaluation numbers (m,) from 1 to `last` in equal ratios, both ends included."""
     steps = np.arange(int(per_decade * np.log10(max(last, 1))) + 1)
     # A power that rounding has left just below a whole number is that number.
-    numbers = np.floor(10.0 ** (steps / per_decade) * (1 + 1e-12)).astype(np.int64)
+    numbers = np.floor(10.0 ** (steps / per_decade) * (1 + ROUNDING)).astype(np.int64)
     return np.unique(np.append(numbers[numbers <= last], last))
 
 

@@ -20,7 +20,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EXPERIMENT
 
-from ..numerics import ALIKE, MOST_STEPS
+from ..numerics import ALIKE, MOST_STEPS, SMALLEST
 from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
@@ -112,7 +112,7 @@ class Contest(ABC):
         bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
         with np.errstate(divide="ignore", invalid="ignore"):
             limits = np.where(logs[:, None], np.log(bounds), bounds)
-        start = np.where(logs, np.log(np.maximum(self.rival.theta, 1e-300)), self.rival.theta)
+        start = np.where(logs, np.log(np.maximum(self.rival.theta, SMALLEST)), self.rival.theta)
         # The solver refuses a start on a bound, where fits often end.
         inside = np.clip(start, limits[:, 0] + ALIKE, limits[:, 1] - ALIKE)
 

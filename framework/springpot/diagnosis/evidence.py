@@ -20,7 +20,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
-from ..numerics import ROUNDING
+from ..numerics import ROUNDING, SMALLEST
 from .grown import Grown, Search, SweepDrift, drift_in_place
 from .marginal import harmonic_evidence, is_a_limit, marginal, unknown_marginal
 from .untold import Untold, untold_in_place
@@ -246,7 +246,7 @@ class Evidence:
 
     def _with_unknown(self, unknown: float) -> Evidence:
         unknown = float(unknown)
-        share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        share = (1.0 - unknown) / max(1.0 - self.unknown, SMALLEST)
         # All by one factor: what the unknown takes says nothing of which known explanation is
         # right.
         scaled = tuple(
@@ -492,7 +492,7 @@ def unknown_odds(p_value: float) -> float:
     """
     # The bound holds below 1/e only; and the logarithm of a chance of zero would make the unknown
     # certain.
-    p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
+    p_value = min(max(p_value, ROUNDING), float(np.exp(-1.0)))
     return float(EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value)))
 
 
@@ -528,7 +528,7 @@ def log_prior(grown: Grown, library: float) -> float:
     for effect in grown.effects:
         prior *= effect.prior / library
     prior *= EVIDENCE.beyond_physics ** len(grown.beyond_physics)
-    return float(np.log(max(prior, 1e-300)))
+    return float(np.log(max(prior, SMALLEST)))
 
 
 def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:

@@ -25,6 +25,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from ..numerics import SMALLEST
 from .asked import AskedSet, beside, once, one_more, two_more
 from .exchange import in_each_place
 from .grown import Grown, Search
@@ -216,8 +217,8 @@ def _spread(search: Search, change: Complex) -> float:
     size = np.hypot(*search.frame.whiten(change).reshape(2, -1))
     # Relative to the largest: what is taken out may have been held by what is left, and the square
     # of the rest be no number.
-    size /= max(float(size.max()), 1e-300)
-    return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), 1e-300)
+    size /= max(float(size.max()), SMALLEST)
+    return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), SMALLEST)
 
 
 def _taken_out(grown: Grown) -> Complex:

@@ -23,7 +23,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, PRINTED, ROUNDING
+from ..numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST
 from .allowed_shifts import laws_of_shift, refused_laws
 from .known_factors import ends_of_factors
 from .levels_alone import alike
@@ -114,7 +114,7 @@ def _spanned(columns: Real, whole: Real | None = None) -> Real:
     size = np.linalg.norm(columns, axis=0)
     if whole is None:
         whole = size
-    kept = size > np.sqrt(RANK) * np.maximum(whole, 1e-300)
+    kept = size > np.sqrt(RANK) * np.maximum(whole, SMALLEST)
     if not np.any(kept):
         return np.zeros((len(columns), 0))
     left, values, _ = np.linalg.svd(columns[:, kept] / size[kept], full_matrices=False)

@@ -18,7 +18,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import ROUNDING
+from ..numerics import ROUNDING, SMALLEST
 from .material import is_material
 from .native import fit
 from .problem import Objective, default_objective, relative_objective
@@ -197,7 +197,7 @@ def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
     if np.any(same):
         product = float(np.mean((pairs[1:] * pairs[:-1])[same]))
     # A negative correlation would narrow the intervals, on no more than a guess.
-    variance = max(float(np.mean(pairs**2)), 1e-300)
+    variance = max(float(np.mean(pairs**2)), SMALLEST)
     r = float(np.clip(product / variance, 0.0, LIKENESS))
     return (1.0 + r) / (1.0 - r)
 
@@ -349,4 +349,4 @@ def _too_large(own: Alone) -> float:
     # Where each level's own material leaves as much as is given, it is that of scatter.
     if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return 0.0
-    return float(np.sqrt(dof / max(cost, 1e-300)))
+    return float(np.sqrt(dof / max(cost, SMALLEST)))

@@ -14,6 +14,7 @@ from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
+from ..numerics import SMALLEST
 from .material import is_material
 from .native import Fit
 
@@ -97,7 +98,7 @@ class Specimens:
         within = sum(float(np.sum((part - part.mean()) ** 2)) for part in parts) / spare
         whole = float(np.average(means, weights=sizes))
         between = float(np.sum(sizes * (means - whole) ** 2)) / (self.count - 1)
-        if f_sf(between / max(within, 1e-300), self.count - 1, spare) > WHERE.levels_differ:
+        if f_sf(between / max(within, SMALLEST), self.count - 1, spare) > WHERE.levels_differ:
             return 0.0
         return float(np.sqrt(max(between - within, 0.0) / sizes.mean()))
 

@@ -28,6 +28,8 @@ from springpot.measurement.scatter import LEAST_RELATIVE, rounding_step
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, VERDICT
 
+from ..numerics import ALIKE, SMALLEST
+
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
 MOST_SHARED = 60
@@ -51,7 +53,7 @@ def phase_of(stiffness: Complex, measurement: Measurement) -> Complex:
     return np.asarray(whole / np.abs(whole), dtype=np.complex128)
 
 
-def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
+def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
     """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
     size = np.sqrt(np.sum(columns * columns, axis=0))
     columns = columns[:, size > 0] / size[size > 0]
@@ -361,13 +363,13 @@ class NoiseFrame:
 
         def excess(level: float) -> float:
             variance = level**2 * size**2 + step[rows] ** 2 / 12.0
-            return float(np.sum(squares / (variance + 1e-300))) - free
+            return float(np.sum(squares / (variance + SMALLEST))) - free
 
         # Rounding alone may be as large as the residual: then there is no other noise to be found.
         if excess(LEAST_RELATIVE) <= 0.0:
             return LEAST_RELATIVE
         largest = float(np.sqrt(np.sum(squares / size**2) / free))
-        return float(brentq(excess, LEAST_RELATIVE, largest * (1.0 + 1e-9)))
+        return float(brentq(excess, LEAST_RELATIVE, largest * (1.0 + ALIKE)))
 
     def standard(self, rest: Drawn) -> Drawn:
         """Residuals (m, 2n) over their own scatter, if the noise is estimated (Student 1908)."""

@@ -30,7 +30,7 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
-from ..numerics import ALIKE, ROUNDING
+from ..numerics import ALIKE, ROUNDING, SMALLEST
 from .frame import (
     LEAST_LEFT,
     LEAST_SEEN,
@@ -169,7 +169,7 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     if spent == 0.0 or scatter.dof <= spent:
         return False
     explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
-    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
+    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, SMALLEST)
     ratio = (explained / spent) / (left / (scatter.dof - spent))
     return bool(f_sf(ratio, spent, scatter.dof - spent) < OUTLIERS.rare)
 
@@ -365,8 +365,8 @@ class Outlier:
     def counted_in(self, measurement: Measurement) -> Outlier:
         """The same with its row in the whole measurement, of which a fit may use a part."""
         # By what was measured: thinning and exclusion have renumbered the rows.
-        same = np.isclose(measurement.stiffness, self.stiffness, rtol=1e-9, atol=0.0)
-        rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=1e-9))
+        same = np.isclose(measurement.stiffness, self.stiffness, rtol=ALIKE, atol=0.0)
+        rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=ALIKE))
         if len(rows) == 0:
             return self
         return replace(self, row=int(rows[0]) + 1)
@@ -429,7 +429,7 @@ def pulling(frames: Iterable[NoiseFrame]) -> NDArray[np.int64]:
         lost[seen] = np.sum(
             rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1
         )
-        share = float(lost.max()) / max(float(frame.rest @ frame.rest), 1e-300)
+        share = float(lost.max()) / max(float(frame.rest @ frame.rest), SMALLEST)
         # Of few points one carries half of a residual by chance.
         if n >= FEWEST_POINTS and share > largest:
             largest, row = share, int(np.argmax(lost))
@@ -514,11 +514,11 @@ def _chance(squares: NDArray[np.float64]) -> float:
     """
     half = 0.5 * np.sort(squares)
     doubtful = max(2, int(OUTLIERS.most * len(half)))
-    inner = np.maximum(half[:-doubtful], 1e-12)
+    inner = np.maximum(half[:-doubtful], ROUNDING)
     likelihood = []
     for nu, scale in TAILS:
         of_inner = float(np.sum(f_log_density(inner / scale, 2, nu) - np.log(scale)))
-        beyond = np.maximum(f_sf(inner[-1] / scale, 2, nu), 1e-300)
+        beyond = np.maximum(f_sf(inner[-1] / scale, 2, nu), SMALLEST)
         likelihood.append(of_inner + doubtful * float(np.log(beyond)))
     best = int(np.argmax(likelihood))
     # Normal unless the others clearly say otherwise: some long tail always fits few points a little

@@ -26,7 +26,7 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .frame import LEAST_LEFT, Drawn, NoiseFrame, phase_of
 from .words import times
 
@@ -367,7 +367,7 @@ def prediction_gain(before: Refit, after: Refit) -> float:
     # Both on the same data in units of the same noise: outliers may have been set aside on one rung
     # only.
     again = refit(before.model, after.data, after.noise, [before.theta], starts=2)
-    return left_out_error(after, folds) / max(left_out_error(again, folds), 1e-300)
+    return left_out_error(after, folds) / max(left_out_error(again, folds), SMALLEST)
 
 
 def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:

@@ -32,7 +32,7 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
 from springpot.thresholds import INTERVAL, SUPERPOSITION, VERDICT
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, SMALLEST
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12
@@ -274,7 +274,7 @@ class _Task:
         # Laws of horizontal factors give ln a themselves.
         if not self.law.vertical:
             return value
-        return np.log(np.maximum(value, 1e-300))
+        return np.log(np.maximum(value, SMALLEST))
 
     def solve(self, starts: list[Real], own: float = 0.0) -> tuple[Real, float, Real]:
         """Best parameters, chi-square and slopes, the law being off by `own` at each level."""

@@ -20,7 +20,7 @@ from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import DECADE, ROUNDING
+from ..numerics import DECADE, ROUNDING, SMALLEST
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 
@@ -380,7 +380,7 @@ def _one_step(
     slopes = without(np.column_stack([spectrum, rows.factors]) / scale, asked)
     square = np.sum(slopes**2, axis=0)
     whole = np.sum(asked**2, axis=0)
-    seen = square > LEFT * np.maximum(whole, 1e-300)
+    seen = square > LEFT * np.maximum(whole, SMALLEST)
     square = np.where(seen, square, 1.0)
     residual = rows.residual / scale[:, 0]
     size = np.where(seen, slopes.T @ residual / square, 0.0)

@@ -95,18 +95,18 @@ def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
     for test in tests:
         theta = _theta(effect, test)
         # Closer than usual, or differences this small would show the tolerance.
-        slopes = recorded(model, theta, test, tolerance=1e-9).by_theta
+        slopes = recorded(model, theta, test, tolerance=ALIKE).by_theta
         for i, name in enumerate(model.names):
             step = DIFFERENCE * max(abs(theta[i]), DIFFERENCE)
             moved = step * (np.arange(len(theta)) == i)
             ends = [
-                recorded(model, theta + sign * moved, test, tolerance=1e-9).value
+                recorded(model, theta + sign * moved, test, tolerance=ALIKE).value
                 for sign in (1.0, -1.0)
             ]
             wanted = (ends[0] - ends[1]) / (2.0 * step)
             off = np.abs(wanted - slopes[:, i])[1:]
             size = float(np.abs(wanted[1:]).max())
-            wrong = float(np.mean(off > AGREE * size + 1e-9))
+            wrong = float(np.mean(off > AGREE * size + ALIKE))
             # A parameter that does nothing in this kind of test has no derivative to be wrong.
             if size > 0.0 and wrong > APART:
                 where = f"at {100.0 * wrong:.0f} % of the samples"

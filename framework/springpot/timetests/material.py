@@ -24,7 +24,7 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, TWO_DEVIATIONS
+from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, SMALLEST, TWO_DEVIATIONS
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
@@ -470,7 +470,7 @@ class _Search:
                 amount = (
                     VISIBLE
                     * float(np.linalg.norm(signal))
-                    / max(float(np.linalg.norm(effect)), 1e-300)
+                    / max(float(np.linalg.norm(effect)), SMALLEST)
                 )
             change = effect * amount
             least = _left(by_weights, others, by_weights @ weights - value)

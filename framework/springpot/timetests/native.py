@@ -392,7 +392,7 @@ class TimeSearch:
         # A direction that no test sees is left with next to no information, and so with endless
         # variance.
         scale = np.sqrt(np.maximum(np.diag(information), ROUNDING))
-        scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
+        scaled = information / np.outer(scale, scale) + ROUNDING * np.eye(len(u))
         covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
         return covariance
 

@@ -275,7 +275,7 @@ class InTimePart(TestPart):
         Where the load keeps moving all samples tell of all rates.
         """
         if self.test.after_step:
-            return np.asarray(1.0 / np.maximum(self.at - self.test.start, 1e-300))
+            return np.asarray(1.0 / np.maximum(self.at - self.test.start, SMALLEST))
         return np.full(len(self.at), float(np.sqrt(np.prod(self.test.seen))))
 
     @property
@@ -296,8 +296,8 @@ class InTimePart(TestPart):
         # The median: at the instant of a step the answer may be many times what it is later.
         imposed, answered = np.abs(self.test.loading.value).max(), np.median(np.abs(self.measured))
         if self.test.control == "displacement":
-            return max(float(answered / imposed), 1e-300)
-        return max(float(imposed / max(answered, 1e-300)), 1e-300)
+            return max(float(answered / imposed), SMALLEST)
+        return max(float(imposed / max(answered, SMALLEST)), SMALLEST)
 
     @property
     def reach(self) -> float:
@@ -305,7 +305,7 @@ class InTimePart(TestPart):
         moved = self.measured
         if self.test.control == "displacement":
             moved = self.test.loading.value
-        return max(float(np.abs(moved).max()), 1e-300)
+        return max(float(np.abs(moved).max()), SMALLEST)
 
     @property
     def quantity(self) -> str:
@@ -376,9 +376,9 @@ class InTimePart(TestPart):
             return np.arange(n)
         if not self.test.after_step:
             return np.unique(np.linspace(0, n - 1, COARSE).astype(int))
-        clock = np.maximum(self.at - self.test.start, 1e-300)
+        clock = np.maximum(self.at - self.test.start, SMALLEST)
         # Samples at or before the step have no place on a logarithmic clock.
-        positive = clock > 1e-300
+        positive = clock > SMALLEST
         # What follows a step happens decade by decade: evenly in time its beginning would be left
         # out.
         wanted = np.geomspace(clock[positive][0], clock[-1], COARSE)

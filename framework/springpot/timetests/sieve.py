@@ -15,7 +15,7 @@ from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 
-from ..numerics import TWO_DEVIATIONS
+from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
 from .left import Left, delta_bic, independent
 from .material import UntoldError
@@ -260,7 +260,7 @@ def delta_of(
 def plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    variance = max(power_of(left), 1e-300) / max(points - left.lines, 1)
+    variance = max(power_of(left), SMALLEST) / max(points - left.lines, 1)
     return float(points * np.log(variance) + left.count * np.log(points))
 
 
