@@ -14,6 +14,9 @@ from springpot.diagnosis.verdict import Facts
 from springpot.misfit.residual_battery import NEIGHBOURS
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+KEPT = 1.0 - EVIDENCE.other_shape
+"""Of what may be of another shape."""
+
 
 def test_the_rule_of_many_facts(stays):
     """Facts drawn at random, and each alone and all but each."""
@@ -457,3 +460,51 @@ def test_levels_have_shapes_of_their_own_where_each_has_four_points(counts, shap
     assert found.shape == (shapes, len(level))
     for i, shape in enumerate(found, 1):
         np.testing.assert_array_equal(shape, level == i)
+
+
+@pytest.mark.parametrize(
+    ("known", "named", "narrow", "other"),
+    [
+        ({}, {"a": 0.5, "b": 0.5, "c": 0.2}, 0.0, 0.0),
+        ({"beside_material": True}, {"a": 0.5, "b": 0.3 + 0.2 * KEPT, "c": 0.2 * KEPT}, 0.0, 0.2),
+        ({"one_frequency": True}, {"a": 0.5, "b": 0.3 + 0.2 * KEPT, "c": 0.2 * KEPT}, 0.0, 0.2),
+        ({"moved": {"a"}}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.0, 0.5),
+        ({"drift": "a"}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.0, 0.5),
+        ({"untold": "a"}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.0, 0.5),
+        ({"imitators": {"a"}}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.5, 0.0),
+        (
+            {"imitators": {"c"}, "leaning": {"b"}},
+            {"a": 0.5, "b": 0.3 + 0.2 * KEPT, "c": 0.2 * KEPT},
+            0.2,
+            0.0,
+        ),
+        (
+            # The same doubt is not charged twice.
+            {"imitators": {"a"}, "moved": {"a"}},
+            {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2},
+            0.0,
+            0.5,
+        ),
+    ],
+)
+def test_what_may_be_of_another_shape_is_believed_less(monkeypatch, known, named, narrow, other):
+    """A: 0.5, b: 0.3, b and c together: 0.2; what is doubted is something else."""
+    sets = [(("a",), 0.5), (("b",), 0.3), (("b", "c"), 0.2)]
+    explanations = tuple(
+        SimpleNamespace(names=names, probability=p, twice=False, one_spectrum=False)
+        for names, p in sets
+    )
+    monkeypatch.setattr(
+        evidence, "at_one_frequency", lambda data: known.get("one_frequency", False)
+    )
+    search = SimpleNamespace(base=SimpleNamespace(fit=SimpleNamespace(measurement=None)))
+    of = {
+        name: SimpleNamespace(effect=known[name]) for name in ("drift", "untold") if name in known
+    }
+    of |= {name: frozenset(known.get(name, ())) for name in ("imitators", "leaning", "moved")}
+    found = evidence.Evidence(
+        search, 0.0, 0.0, explanations, beside_material="beside_material" in known, **of
+    )
+    assert found.effects == pytest.approx(named)
+    assert found.narrow == pytest.approx(EVIDENCE.other_shape * narrow)
+    assert found.other_shape == pytest.approx(EVIDENCE.other_shape * other)

@@ -1,5 +1,6 @@
 """What is at a level is beyond it: contracts ask for less."""
 
+from contextlib import suppress
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from springpot.registry import parse_model
 from springpot.rheology import Continuum, Model, Parameter, stiffness
-from springpot.testing import effects, models
+from springpot.testing import effects, models, optimisers
 
 FREE = Model("any", Continuum(), "any linear passive material at all", "Ferry 1980, ch. 3")
 
@@ -83,3 +84,18 @@ def test_an_effect_is_asked_for_a_little_beside_where_it_vanishes(null, typical,
         "at its typical size it changes nothing"
     ]
     np.testing.assert_allclose(asked[-1][:, count], near, rtol=1e-12, atol=0.0)
+
+
+@pytest.mark.parametrize(("calls", "told"), [(5, False), (6, True)])
+def test_a_model_fails_an_optimiser_from_the_sixth_call_on(monkeypatch, calls, told):
+    """Some end by themselves before, and have met no error."""
+
+    def ends_well(optimiser, budget, problem):
+        for _ in range(calls):
+            with suppress(ZeroDivisionError):
+                problem(np.ones(2))
+        return SimpleNamespace(status="converged")
+
+    monkeypatch.setattr(optimisers, "_run", ends_well)
+    monkeypatch.setattr(optimisers, "watched", lambda problem, watcher: watcher)
+    assert bool(list(optimisers._faults(None))) is told

@@ -519,8 +519,7 @@ def at_least_rounding(
     """
     # A number that is rounded lies anywhere within its step: the standard deviation of that is step
     # / sqrt(12).
-    steps = rounding_step(measurement.storage) + 1j * rounding_step(measurement.loss)
-    digit = steps / np.sqrt(12.0)
+    digit = rounding_steps(measurement) / np.sqrt(12.0)
     if turn is not None:
         digit = turned_sd(digit, turn)
     # Computed data are exact to single precision at the most: they too get a noise, or weights
@@ -531,6 +530,34 @@ def at_least_rounding(
         for part, least in ((sd.real, digit.real), (sd.imag, digit.imag))
     ]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
+
+
+def rounding_steps(measurement: Measurement) -> Complex:
+    """Steps (n,) to which K' (real part) and K'' (imaginary part) were rounded when written.
+
+    Of a column that is the same throughout its one value tells how coarse it may have been written,
+    never that it was: an exact 90 ends in a nought as well. It is taken to be written as finely as
+    the column beside it.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The values as they were written.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement.scatter import rounding_steps
+    >>> rounding_steps(Measurement([1.0, 2.0], [90.0 + 1.25j, 90.0 + 2.5j])).tolist()
+    [(0.01+0.01j), (0.01+0.01j)]
+    """
+    columns = measurement.storage, measurement.loss
+    own = [rounding_step(column) for column in columns]
+    finest = np.minimum(*own)
+    told = [
+        step if np.ptp(column) > 0.0 else finest for column, step in zip(columns, own, strict=True)
+    ]
+    return np.asarray(told[0] + 1j * told[1], dtype=np.complex128)
 
 
 def rounding_step(values: Real) -> Real:

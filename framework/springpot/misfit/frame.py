@@ -24,7 +24,7 @@ from springpot.identification.problem import weighted
 from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.scatter import LEAST_RELATIVE, rounding_step
+from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, VERDICT
 
@@ -321,7 +321,7 @@ class NoiseFrame:
         # Noise that goes along K is told only where it is larger than rounding.
         if self.turn is not None:
             return None
-        steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
+        steps = rounding_steps(self.measurement)
         # Where it is small beside the noise, uniform errors are as good as part of it, and drawing
         # them costs time.
         real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
