@@ -9,8 +9,10 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from springpot.diagnosis import answer, evidence, marginal, verdict
+from springpot.diagnosis import answer, evidence, experiment, marginal, verdict
+from springpot.diagnosis import grown as growing
 from springpot.diagnosis.verdict import Facts
+from springpot.measurement import Measurement
 from springpot.misfit.residual_battery import NEIGHBOURS
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
@@ -508,3 +510,53 @@ def test_what_may_be_of_another_shape_is_believed_less(monkeypatch, known, named
     assert found.effects == pytest.approx(named)
     assert found.narrow == pytest.approx(EVIDENCE.other_shape * narrow)
     assert found.other_shape == pytest.approx(EVIDENCE.other_shape * other)
+
+
+@pytest.mark.parametrize(
+    ("value", "vanishes", "limit"),
+    [
+        (8.0, 0.0, True),
+        (8.0 * (1.0 - 0.9 * SEARCH.near_an_end), 0.0, True),
+        (8.0 * (1.0 - 1.1 * SEARCH.near_an_end), 0.0, False),
+        (2.0, 0.0, True),
+        (2.0, 2.0, False),
+        (2.0 * (1.0 + 0.9 * SEARCH.near_an_end), 8.0, True),
+        (5.0, 0.0, False),
+    ],
+)
+def test_a_size_rests_on_a_bound_at_which_it_does_not_vanish(monkeypatch, value, vanishes, limit):
+    monkeypatch.setattr(growing, "size_of", lambda fitted, effect: value)
+    size = SimpleNamespace(lower=2.0, upper=8.0)
+    effect = SimpleNamespace(element=SimpleNamespace(parameters=(size,)), vanishes_at=vanishes)
+    assert growing.at_its_limit(None, effect) is limit
+    size.upper = np.inf
+    assert growing.at_its_limit(None, effect) is (limit and value < 5.0)
+
+
+@pytest.mark.parametrize(
+    ("hertz", "ends", "says"),
+    [
+        ([2.0], [(0.2, 20.0)], ["a sweep of frequencies: 20 points from 0.2 to 20 Hz"]),
+        (
+            [0.5, 1.0, 2.0],
+            [(5.0, 20.0), (0.05, 0.2), (0.5, 2.0)],
+            ["upwards: 20 points from 5 to 20 Hz", "downwards: 20 points from 0.05 to 0.2 Hz",
+             "the same frequencies more densely: 12 points from 0.5 to 2 Hz"],
+        ),
+        (np.geomspace(0.5, 2.0, 400), [(5.0, 20.0), (0.05, 0.2)], ["upwards", "downwards"]),
+    ],
+)  # fmt: skip
+def test_further_frequencies_are_a_decade_beyond_or_four_times_as_dense(hertz, ends, says):
+    data = Measurement(2.0 * np.pi * np.array(hertz), np.full(len(hertz), 3.0 + 1.0j))
+    found = list(experiment._frequencies(data))
+    assert [words in each.says for each, words in zip(found, says, strict=True)] == [True] * len(
+        says
+    )
+    for each, (low, high) in zip(found, ends, strict=True):
+        asked = np.array(each.action["omega"]) / (2.0 * np.pi)
+        assert (asked[0], asked[-1]) == pytest.approx((low, high))
+        np.testing.assert_allclose(np.exp(each.points.log_omega), each.action["omega"])
+    if len(found) == 3:
+        # A dense one has nobody wait, and takes as long as it has points.
+        assert found[2].effort == pytest.approx(experiment.TYPED_IN + 12 / 80)
+        assert len(found[2].action["omega"]) == 12
