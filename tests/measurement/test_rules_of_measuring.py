@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import bartlett
+from scipy.stats import bartlett, f
 
 from springpot.errors import DataError
 from springpot.measurement import (
@@ -18,6 +19,7 @@ from springpot.measurement import (
     mixed_tests,
     noise_of,
     reader,
+    replicates,
     rows,
     sign,
     steady,
@@ -228,3 +230,44 @@ def test_a_frequency_is_known_over_an_excerpt_or_some_cycles(samples, span, omeg
     """The excerpt is of 2^17 samples, the cycles are sixteen."""
     record = SimpleNamespace(span=span, time=np.empty(samples))
     assert steady.excerpt_span(record, omega) == pytest.approx(seconds)
+
+
+def test_runs_differ_by_an_analysis_of_variance(monkeypatch):
+    """Gains of each run against what gains and slopes of each leave, by Fisher's test."""
+    rng, runs, omega = np.random.default_rng(3), 3, np.geomspace(1.0, 50.0, 8)
+    exact = 5.0 + 1j * omega**0.5
+    scatter = 0.01 * (rng.normal(size=(runs, 8)) + 1j * rng.normal(size=(runs, 8)))
+    gains = np.array([0.0, 0.012, -0.008])[:, None]
+    stiffness = exact * (1.0 + gains) * (1.0 + scatter)
+    data = Measurement(
+        np.tile(omega, runs), stiffness.ravel(), repeat=np.repeat(np.arange(runs), 8)
+    )
+    off = (stiffness / stiffness.mean(axis=0) - 1.0).ravel()
+    of_run = np.kron(np.eye(runs), np.ones((8, 1)))
+    centred = np.kron(np.eye(runs), (np.log(omega) - np.log(omega).mean())[:, None])
+
+    def left(design):
+        return np.sum(np.abs(off - design @ np.linalg.lstsq(design, off, rcond=None)[0]) ** 2)
+
+    both, spent = left(np.hstack([of_run, centred])), 2.0 * (runs - 1)
+    free = 2.0 * (runs - 1) * (8 - 2)
+    variance = both / free
+    by_gain = (np.sum(np.abs(off) ** 2) - left(of_run)) / spent / variance
+    by_slope = (left(of_run) - both) / spent / variance
+    chance = float(f.sf(by_gain, spent, free))
+    assert float(f.sf(by_slope, spent, free)) > 0.1 > chance
+    for share, differ in ((1.001, True), (0.999, False)):
+        levels = replace(replicates.REPEATS, runs_differ=share * chance)
+        monkeypatch.setattr(replicates, "REPEATS", levels)
+        found = average_repeats(data)
+        assert (found.gains is not None) is differ
+    # Each row pays its share of what the gains have taken.
+    monkeypatch.setattr(replicates, "REPEATS", replace(levels, runs_differ=1.001 * chance))
+    found = average_repeats(data)
+    np.testing.assert_allclose(found.scatter.dof, 2.0 * (1.0 - (runs - 1) / 16.0))
+    np.testing.assert_allclose(found.mean.stiffness, exact, rtol=0.02)
+    assert replicates.average_repeats(data).floor(
+        Noise(0.01 * found.mean.magnitude * (1.0 + 1.0j), np.inf, "given")
+    ) == pytest.approx(
+        np.hypot(0.01 * np.sqrt(2.0 * np.mean(found.scatter.dof + 1.0)), found.own_gain)
+    )

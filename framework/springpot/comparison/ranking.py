@@ -20,6 +20,7 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
+from springpot.identification.fitting import STARTS
 from springpot.identification.material import is_material
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
@@ -35,8 +36,6 @@ from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 from .comparing import effects_of, harmonics_of, judgements, material_floors
 from .result import LOOKED_AT, Judgement, Ranking, Skipped
 
-STARTS = 8
-"""Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
 TOO_FREE = (
     "what a free spectrum leaves is less,"
     " but by it none or only models of many parameters would be adequate"

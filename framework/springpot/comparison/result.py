@@ -27,7 +27,7 @@ from springpot.misfit.words import over_floor, percent, times
 from springpot.plain_data import alive, jsonable, number, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
-from springpot.thresholds import COMPARISON
+from springpot.thresholds import COMPARISON, SUPERPOSITION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,8 +52,6 @@ TOLD = (
 """Of a judgement, in the order of its schema."""
 ONLY_NOISE = "nothing is left but noise"
 """What is said of a model beside which no pattern is left."""
-NEARLY = 1.5
-"""Times the error of the nearest model within which fewer parameters are worth more than it."""
 
 NEXT = 3
 """Models shown beside the adequate ones, which tell how much worse the next are."""
@@ -296,7 +294,7 @@ class Comparison:
         """
         written = [one for one in self.judgements if not is_material(one.model)]
         least = min((one.error.relative_rms for one in written), default=0.0)
-        near = [one for one in written if one.error.relative_rms <= NEARLY * least]
+        near = [one for one in written if one.error.relative_rms <= SUPERPOSITION.nearly * least]
         fewest = min(
             near, key=lambda one: (one.free_parameters, one.error.relative_rms), default=self.best
         )

@@ -27,7 +27,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
-from ..numerics import DECADE
+from ..numerics import DECADE, SMALLEST
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
@@ -131,7 +131,7 @@ def _vertex(values: Real, i: int) -> float:
     if not 0 < i < len(values) - 1:
         return 0.0
     before, here, after = values[i - 1 : i + 2]
-    return float(0.5 * (before - after) / max(before - 2.0 * here + after, 1e-300))
+    return float(0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST))
 
 
 def aligned(model: Model, measurement: Measurement) -> dict[str, float]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.points import Real
 
-from ..numerics import ROUNDING
+from ..numerics import ROUNDING, SMALLEST
 from .material import FINE, SpectrumSearch, own_parameters
 from .trials import Trial
 
@@ -54,7 +54,7 @@ def followed_by_places(search: SpectrumSearch, theta: Real, residual: Real, know
     slopes = weight * (after - before) / (2.0 * FINE)
     left = (weight * (2.0 * at - before - after) / FINE**2) @ -residual
     # What the weights and the effects' parameters follow is no gain of the places.
-    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
+    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), SMALLEST))
     slopes = slopes.T - basis @ (basis.T @ slopes.T)
     stiff = np.diag(np.sqrt(np.maximum(left, 0.0)))
     spread, sizes, _ = np.linalg.svd(np.concatenate([slopes, stiff]), full_matrices=False)

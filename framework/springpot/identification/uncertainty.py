@@ -19,7 +19,7 @@ from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import ALIKE, NEGLIGIBLE, PRINTED
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
@@ -35,8 +35,6 @@ PART = 1e-3
 
 Rounding mixes directions by 1e-16 / RANK.
 """
-PROFILED = 1e-4
-"""Relative error of the ends of a profile's interval: below the four digits that are printed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +118,7 @@ class Uncertainty:
         """-1 where a parameter (p,) is at its lower bound or about zero, 1 at its upper, else 0."""
         low, high = (bound[0] for bound in self.fit.task.coordinates.bounds())
         log, u = self.fit.task.coordinates.log, self.fit.u
-        linear = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+        linear = ALIKE * np.where(np.isfinite(high - low), high - low, 1.0)
         # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good
         # as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
@@ -307,7 +305,7 @@ def spread_of(turn: Real, covariance: Real) -> Real:
     """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite if undetermined."""
     lost, known = lost_and_known(covariance)
     spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
-    touched = np.any((np.abs(turn) > 1e-9) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
+    touched = np.any((np.abs(turn) > ALIKE) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
     return np.where(touched, np.inf, spread)
 
 
@@ -517,7 +515,7 @@ class Path:
             outer = float(steps[first])
             if first:
                 inner = float(steps[first - 1])
-            if outer - inner <= PROFILED * outer:
+            if outer - inner <= PRINTED * outer:
                 break
             steps = np.linspace(inner, outer, 10)[1:]
         end, size = start + sign * outer, float(self.coordinates.size[0, self.i])
@@ -536,7 +534,7 @@ class Path:
         u = np.tile(self.u, (len(places), 1))
         u[:, self.i] = places
         solve = levenberg_marquardt
-        return solve(self.evaluate, u, lower, upper, floor=0.0, flat=1e-9, iterations=60).cost
+        return solve(self.evaluate, u, lower, upper, floor=0.0, flat=ALIKE, iterations=60).cost
 
 
 def tied_values(

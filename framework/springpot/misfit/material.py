@@ -31,6 +31,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
 from ..format_numbers import NAMED
+from ..numerics import SMALLEST
 from .error import Error
 from .refit import Refit, refit
 from .residual_battery import Battery, battery
@@ -348,7 +349,7 @@ def needs_each(together: Refit, levels: Sequence[ConditionLevel]) -> bool:
     spent = max(together.fit.dof - spare, 1)
     # Against the scatter about each level's own material, not the noise: that may have been
     # misjudged.
-    ratio = (together.rss - apart) / spent / max(apart / spare, 1e-300)
+    ratio = (together.rss - apart) / spent / max(apart / spare, SMALLEST)
     return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
 
 
@@ -365,7 +366,7 @@ def levels_of_no_material(levels: Sequence[ConditionLevel]) -> list[ConditionLev
         others = [other for other in levels if other is not level]
         variance = float(np.median([other.variance for other in others]))
         dof = sum(other.fitted.fit.dof for other in others)
-        ratio = level.variance / max(variance, 1e-300)
+        ratio = level.variance / max(variance, SMALLEST)
         chance = float(f_sf(ratio, max(level.fitted.fit.dof, 1), dof))
         # Of any level it might have been said: the alarm is shared among them.
         if level.error > VERDICT.stands_out * middle and chance < VERDICT.sentence_alarm / len(

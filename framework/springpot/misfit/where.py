@@ -19,6 +19,7 @@ from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
+from ..numerics import SMALLEST
 from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
 from .words import plain, with_unit
@@ -125,7 +126,7 @@ def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     column, number = measurement.conditions[name], measurement.levels(name)
     x = column
     if name == "amplitude":  # a rig holds it to a share, a temperature to a part of a kelvin
-        x = np.log(np.maximum(np.abs(column), 1e-300))
+        x = np.log(np.maximum(np.abs(column), SMALLEST))
     part = np.zeros_like(number)
     for value in range(int(number.max()) + 1):
         rows = np.flatnonzero(number == value)

@@ -478,7 +478,7 @@ def passive(element: Written) -> bool:
             values = [value * by for value, by in zip(usual, (*share, 1.0, 1.0), strict=False)]
             values += usual[len(values) :]
             value = np.asarray(element.law.dual(at, values).value, dtype=complex)
-            if np.any(sign * value.imag < -1e-9 * np.abs(value)):
+            if np.any(sign * value.imag < -ALIKE * np.abs(value)):
                 return False
     return True
 

@@ -27,6 +27,7 @@ from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from ..numerics import SMALLEST
 from .convex import lines_of
 from .exponentials import quick_parts
 from .floor import coordinates_around
@@ -334,7 +335,7 @@ def _told(fit: Identification) -> Identification:
     ):
         if parameter.detail:
             continue
-        wide = parameter.scale == "log" and high > LOOSE * max(low, 1e-300)
+        wide = parameter.scale == "log" and high > LOOSE * max(low, SMALLEST)
         if value in (parameter.lower, parameter.upper):
             notes.append(f"{parameter.name} ends at its bound {value:g}")
         elif not np.isfinite(high) or wide:

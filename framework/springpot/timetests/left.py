@@ -16,7 +16,7 @@ from springpot.measurement.imposed import Loading
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from ..numerics import NORMAL
+from ..numerics import NORMAL, SMALLEST
 from .lines import is_even
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import ResidualScatter, times_noise
@@ -132,7 +132,7 @@ class Left:
             if ratio:
                 floor = error / ratio
             # Whatever the noise, together and alone have one.
-            alone = ratio * row.over_floor_alone / max(row.over_floor, 1e-300)
+            alone = ratio * row.over_floor_alone / max(row.over_floor, SMALLEST)
             rows.append(
                 replace(
                     row,
@@ -190,7 +190,7 @@ def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
         if share > 0.0:
             drawn = np.array([scatter.whitened(row) for row in errors])
             varied += share * float(np.mean((drawn @ change) ** 2) / np.mean(drawn**2))
-    return max(varied / max(size, 1e-300), 1.0)
+    return max(varied / max(size, SMALLEST), 1.0)
 
 
 def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:

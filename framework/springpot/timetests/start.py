@@ -20,6 +20,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.terms import Modes, driven
 
+from ..numerics import SMALLEST
+
 PER_DECADE = 2
 """Exponentials a decade: half a per cent of a springpot, enough for a start."""
 FREQUENCIES = 5
@@ -87,7 +89,7 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     moved = test.response
     if test.control == "displacement":
         moved = test.loading.value
-    amplitude = max(float(np.abs(moved).max()), 1e-300)
+    amplitude = max(float(np.abs(moved).max()), SMALLEST)
     conditions = {"amplitude": np.full(int(good.sum()), amplitude)}
     if test.temperature is not None:
         conditions["temperature"] = np.full(int(good.sum()), test.temperature)

@@ -27,6 +27,7 @@ from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from ..numerics import SMALLEST
 from .floor import TimeFloor
 from .left import Left
 from .lines import lines_in
@@ -423,7 +424,7 @@ def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list
     if verdict == "unexplained":
         odds = unknown_odds(chance)
         unknown = max(unknown, odds / (1.0 + odds))
-    others = (1.0 - unknown) / max(1.0 - weights[-1], 1e-300)
+    others = (1.0 - unknown) / max(1.0 - weights[-1], SMALLEST)
     return [*(others * weight for weight in weights[:-1]), unknown]
 
 
