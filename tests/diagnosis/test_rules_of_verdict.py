@@ -9,13 +9,10 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from springpot.diagnosis import answer, evidence, marginal, verdict
+from springpot.diagnosis import answer, marginal, verdict
 from springpot.diagnosis.verdict import Facts
 from springpot.misfit.residual_battery import NEIGHBOURS
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
-
-KEPT = 1.0 - EVIDENCE.other_shape
-"""Of what may be of another shape."""
 
 
 def test_the_rule_of_many_facts(stays):
@@ -404,107 +401,3 @@ def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
     assert beside.says == "beside delay: a mass that moves along; 1.23 % is left with both"
     alone = SimpleNamespace(refit=SimpleNamespace(log_evidence=-15.0))
     assert answer._beside(row, "delay", pair, {"delay": alone}).delta_bic == pytest.approx(6.0)
-
-
-def weighed(*sets):
-    """Evidence of sets of effects (names ..., chance)."""
-    explanations = [SimpleNamespace(names=tuple(names), probability=p) for *names, p in sets]
-    leader = explanations[0].names[0]
-    rivals = {one.names[0]: one.probability for one in explanations if len(one.names) == 1}
-    return SimpleNamespace(explanations=explanations, leader=leader, rivals=rivals)
-
-
-@pytest.mark.parametrize(
-    ("sets", "instead"),
-    [
-        ([("a", 0.5), ("b", "c", 0.4), ("d", 0.1)], ("b", "c")),
-        ([("a", 0.5), ("a", "c", 0.4), ("d", 0.1)], ()),
-        ([("a", 0.9), ("d", 0.06), ("b", "c", 0.04)], ()),
-        ([("a", 0.5), ("e", 0.3), ("b", "c", 0.2)], ("b", "c")),
-    ],
-)
-def test_several_effects_stand_in_place_of_fewer_where_they_hold_enough(sets, instead):
-    """Another of as many is a rival, and none of several."""
-    assert vars(evidence.Evidence)["instead"].func(weighed(*sets)) == instead
-
-
-@pytest.mark.parametrize(
-    ("verdict", "ripple", "bands", "told"),
-    [
-        ("unexplained", 0.9, 0, 1),
-        ("unexplained", 1.1, 0, 0),
-        ("unexplained", 0.9, 2, 2),
-        ("effect-missing", 0.9, 0, 0),
-        ("adequate", 0.9, 2, 0),
-    ],
-)
-def test_what_only_a_period_shows_has_a_place_where_nothing_else_has(
-    monkeypatch, verdict, ripple, bands, told
-):
-    monkeypatch.setattr(answer, "where", lambda frame: ["band"] * bands)
-    monkeypatch.setattr(answer, "periodic", lambda frame: "period")
-    parts = {"ripple": ripple * VERDICT.structure_alarm}
-    search = SimpleNamespace(frame=None, structure=SimpleNamespace(parts=parts))
-    point = SimpleNamespace(place="point")
-    found = list(answer._places(search, [point], verdict))
-    assert found == ["point", *(["band"] * told if bands else ["period"] * told)]
-
-
-@pytest.mark.parametrize(("counts", "shapes"), [((4, 4, 4), 2), ((4, 4, 3), 0), ((9, 9), 0)])
-def test_levels_have_shapes_of_their_own_where_each_has_four_points(counts, shapes):
-    level = np.repeat(np.arange(len(counts)), counts)
-    measured = SimpleNamespace(
-        conditions={"water": level.astype(float)}, levels=lambda name: level, __len__=None
-    )
-    found = marginal._own_levels(SimpleNamespace(measurement=measured), "water")
-    assert found.shape == (shapes, len(level))
-    for i, shape in enumerate(found, 1):
-        np.testing.assert_array_equal(shape, level == i)
-
-
-@pytest.mark.parametrize(
-    ("known", "named", "narrow", "other"),
-    [
-        ({}, {"a": 0.5, "b": 0.5, "c": 0.2}, 0.0, 0.0),
-        ({"beside_material": True}, {"a": 0.5, "b": 0.3 + 0.2 * KEPT, "c": 0.2 * KEPT}, 0.0, 0.2),
-        ({"one_frequency": True}, {"a": 0.5, "b": 0.3 + 0.2 * KEPT, "c": 0.2 * KEPT}, 0.0, 0.2),
-        ({"moved": {"a"}}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.0, 0.5),
-        ({"drift": "a"}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.0, 0.5),
-        ({"untold": "a"}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.0, 0.5),
-        ({"imitators": {"a"}}, {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2}, 0.5, 0.0),
-        (
-            {"imitators": {"c"}, "leaning": {"b"}},
-            {"a": 0.5, "b": 0.3 + 0.2 * KEPT, "c": 0.2 * KEPT},
-            0.2,
-            0.0,
-        ),
-        (
-            # The same doubt is not charged twice.
-            {"imitators": {"a"}, "moved": {"a"}},
-            {"a": 0.5 * KEPT, "b": 0.5, "c": 0.2},
-            0.0,
-            0.5,
-        ),
-    ],
-)
-def test_what_may_be_of_another_shape_is_believed_less(monkeypatch, known, named, narrow, other):
-    """A: 0.5, b: 0.3, b and c together: 0.2; what is doubted is something else."""
-    sets = [(("a",), 0.5), (("b",), 0.3), (("b", "c"), 0.2)]
-    explanations = tuple(
-        SimpleNamespace(names=names, probability=p, twice=False, one_spectrum=False)
-        for names, p in sets
-    )
-    monkeypatch.setattr(
-        evidence, "at_one_frequency", lambda data: known.get("one_frequency", False)
-    )
-    search = SimpleNamespace(base=SimpleNamespace(fit=SimpleNamespace(measurement=None)))
-    of = {
-        name: SimpleNamespace(effect=known[name]) for name in ("drift", "untold") if name in known
-    }
-    of |= {name: frozenset(known.get(name, ())) for name in ("imitators", "leaning", "moved")}
-    found = evidence.Evidence(
-        search, 0.0, 0.0, explanations, beside_material="beside_material" in known, **of
-    )
-    assert found.effects == pytest.approx(named)
-    assert found.narrow == pytest.approx(EVIDENCE.other_shape * narrow)
-    assert found.other_shape == pytest.approx(EVIDENCE.other_shape * other)
