@@ -31,7 +31,7 @@ EXAMINATIONS = (
 
 RUNGS = (
     "springpot.diagnosis.examination",
-    "springpot.diagnosis.ladder",
+    "springpot.diagnosis.discovery",
     "springpot.timetests.diagnosis",
     "springpot.timetests.discovery",
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from pkgutil import walk_packages
 from types import SimpleNamespace
 
 import numpy as np
@@ -186,3 +188,11 @@ def test_against_a_test_in_time_the_named_models_are_compared_or_all_that_have_a
 def test_an_instrument_promises_what_the_user_says_or_else_all_of_the_data(given, told, promised):
     tests = [SimpleNamespace(provenance={PROMISED: each} if each else {}) for each in told]
     assert api._promised(given, tests) == promised
+
+
+def test_every_name_that_a_room_offers_is_there():
+    rooms = [m.name for m in walk_packages(springpot.__path__, "springpot.") if m.ispkg]
+    assert len(rooms) > 10
+    for room in (springpot, *map(import_module, rooms)):
+        for name in dir(room):
+            assert getattr(room, name, None) is not None or name in vars(room), (room, name)

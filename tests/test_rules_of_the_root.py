@@ -20,7 +20,6 @@ from springpot.errors import DataError, ModelError, OptionError, OutputError, Sp
 from springpot.measurement import Measurement, Units
 from springpot.measurement.timetest import TimeTest
 from springpot.registry import parse_model
-from springpot.thresholds import EVIDENCE
 
 X = np.array([0.01, 0.5, 2.0, 7.0, 30.0])
 
@@ -48,7 +47,6 @@ def test_chances_and_quantiles(stays):
         },
         within=1e-6,
     )
-    assert 0.999 < EVIDENCE.most_unknown < 1.0
 
 
 def test_numbers_in_words(stays):
@@ -430,3 +428,14 @@ def test_factors_of_levels_are_no_level_s_once_more(share, own):
     )
     found, _ = constraints.owning(model, [data], {"*": "batch"}, share)
     assert found == (own, "batch")
+
+
+def test_a_free_spectrum_takes_no_value_of_its_lines_and_effects_around_it_do():
+    model = parse_model("material + inertia")
+    name = model.names[-1]
+    assert constraints.own_value(model, DATA.units, name, 2.0) > 0.0
+    for line in ("K_e", "c"):
+        with pytest.raises(ModelError, match=f"{line} of a free spectrum goes with its lines"):
+            constraints.own_value(model, DATA.units, line, 2.0)
+    # Another model's parameter of that name is one.
+    assert constraints.own_value(parse_model("kelvin"), DATA.units, "c", 2.0) > 0.0

@@ -9,9 +9,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from springpot.comparison.comparing import Comparison
 from springpot.comparison.comparing import compare as compare_objects
 from springpot.comparison.ranking import rank
+from springpot.comparison.result import Comparison
 from springpot.constraints import (
     Bounds,
     constrained,
@@ -20,12 +20,11 @@ from springpot.constraints import (
     own_values,
     owning,
 )
-from springpot.diagnosis.examination import Progress, silent
+from springpot.diagnosis.discovery import discover as discover_objects
 from springpot.diagnosis.examination import diagnose as diagnose_objects
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.ladder import discover as discover_objects
-from springpot.diagnosis.result import Diagnosis
+from springpot.diagnosis.result import Diagnosis, Progress, silent
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.calibration import calibration_of
 from springpot.identification.fitting import identify as identify_objects
@@ -49,9 +48,9 @@ from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.curve import mastercurve as mastercurve_of
 from springpot.superposition.laws import level_of
+from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 from springpot.timetests.discovery import discover as discover_in_time
-from springpot.timetests.fitting import compare as compare_in_time
 from springpot.timetests.fitting import identify as identify_in_time
 from springpot.timetests.prediction import predict_test
 from springpot.timetests.residuals_of_tests import units_of

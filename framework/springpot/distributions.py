@@ -20,6 +20,12 @@ from scipy.special import betaln, chdtrc, fdtrc, fdtri, gammaincc, gammaincinv, 
 
 Chance: TypeAlias = NDArray[np.float64] | Any
 
+LIKENESS = 0.98
+"""Largest correlation of neighbouring residuals that is believed.
+
+Beyond, a record would be worth no sample at all.
+"""
+
 
 def chi2_sf(value: ArrayLike, dof: ArrayLike) -> Chance:
     """Chance that chi-square with `dof` degrees of freedom exceeds `value`."""
@@ -101,3 +107,24 @@ def f_sum_sf(value: float, k: NDArray[np.float64], nu: NDArray[np.float64]) -> f
     if spread > 2.0:
         below = min((2.0 * whole - 4.0 + 4.0 * spread) / (spread - 2.0), below)
     return float(f_sf(value / mean * below / (below - 2.0), whole, below))
+
+
+def samples_of_one(residual: NDArray[np.float64]) -> float:
+    """Numbers of a residual (m,), one after the other, that make up one independent one.
+
+    For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
+    (Bayley & Hammersley 1946, doi:10.2307/2983560).
+
+    Examples
+    --------
+    >>> from springpot.distributions import samples_of_one
+    >>> round(samples_of_one([1.0, 1.0, -1.0, -1.0, 1.0, 1.0]), 2)
+    1.5
+    """
+    rows = np.asarray(residual)
+    power = float(np.mean(rows**2))
+    if len(rows) < 4 or power == 0.0:
+        return 1.0
+    # Misses that alternate would claim more than one independent number a sample.
+    likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
+    return (1.0 + likeness) / (1.0 - likeness)

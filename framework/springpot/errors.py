@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from .terminal_safe import plain
 
+LONGEST_REASON = 300
+"""Signs of a reason that are kept: the message of an error may hold whole arrays."""
+
 
 class SpringpotError(Exception):
     """Something the user gave cannot be used: one line that says what, where and how to mend it."""

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.comparison.comparing import ONLY_NOISE, compare
+from springpot.comparison.comparing import compare
+from springpot.comparison.result import ONLY_NOISE
 from springpot.errors import DataError
 from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.identification.specimens import Specimens
+from springpot.misfit.floor import FEWEST_ABOUT_MODEL
 from springpot.misfit.material import lowest_error
-from springpot.timetests.fitting import judgement_of
+from springpot.timetests.comparing import judgement_of
 from springpot.timetests.floor import material_floor
-
-FEWEST_SPARE = 4
-"""Degrees of freedom from which the scatter about a model says how large the noise is."""
-
 
 SHORT = 1.5
 """Times the error that the native solver reaches with the same model, from which a search did not
@@ -35,7 +33,7 @@ def standing_of(identified: Identification) -> Standing | None:
     """
     if identified.uncertainty is None:
         return _of_tests(identified)
-    if identified.fit.dof < FEWEST_SPARE:
+    if identified.fit.dof < FEWEST_ABOUT_MODEL:
         return None
     try:
         # With the seed of the fit: asked twice, its standing is the same.

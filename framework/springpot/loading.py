@@ -11,8 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from springpot.comparison.comparing import Comparison
-from springpot.comparison.ranking import Ranking
+from springpot.comparison.result import Comparison, Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError

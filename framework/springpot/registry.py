@@ -15,6 +15,7 @@ import pluggy
 
 import springpot.hooks as hooks  # not from the package, whose table of names leads back here
 from springpot.errors import (
+    LONGEST_REASON,
     DataError,
     ModelError,
     OptionError,
@@ -46,8 +47,6 @@ from .measurement import opening
 T = TypeVar("T")
 
 PREFIX = f"{hooks.GROUP}_"
-LONGEST_REASON = 300
-"""Signs of what is wrong with a plugin."""
 
 
 @dataclass(frozen=True)

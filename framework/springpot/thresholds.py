@@ -54,15 +54,15 @@ class VariedLevels:
     Rheometers hold strain to 4 %.
     """
     temperature_wanders: float = 1.0
-    """The same of temperatures, in kelvin: ovens drift by some tenths of one."""
+    """Kelvin by which temperatures differ at least if they were varied or chosen.
+
+    Ovens and chambers drift by some tenths of one.
+    """
     amplitude_chosen: float = 0.2
     """Least distance of amplitudes (as logarithms) that were chosen.
 
     Ten levels a decade lie 26 % apart, 0.23 in
     logarithms."""
-    temperature_chosen: float = 1.0
-    """Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less.
-    """
     fewest_one_way: int = 5
     """Distinct frequencies from which a condition that only rises or only falls with them moves
     with them: chosen at random, five values do so in 2 of 120 tests.
@@ -92,32 +92,9 @@ class ScatterLevels:
     As given, as repeats tell, or as estimated from the scatter about a fit.
     """
 
-    misstated: float = 0.0001
-    """Chance below which given standard deviations are held to be misstated, a fiftieth of that of
-    the verdict's alarm: whoever gave them knew more of the rig than a few points tell.
-    """
     fewest_to_doubt: int = 10
     """Degrees of freedom of the data's scatter below which it says nothing against given standard
     deviations: with ten its size is known to a quarter.
-    """
-    unusual_shape: float = 10.0
-    """Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must
-    bring: of few points some shape fits chance best, and structure is then seen where there is
-    none. "Very strong" by Kass and Raftery (1995, doi:10.1080/01621459.1995.10476572).
-    """
-    parts_differ: float = 6.0
-    """The same for noise of two sizes, one of K' and one of K''.
-
-    That one of them scatters more is no structure, so
-    that it must be believed before the test of each part alone raises its alarm. "Strong" by the
-    same scale.
-    """
-    force_floor: float = 6.0
-    """The same for a floor of constant force.
-
-    A load cell has one, so that less is asked than of other shapes; noise
-    proportional to |K| brings as much in 1 to 2 of 100 (a maximum over the levels of chi-square
-    with one degree of freedom).
     """
     force_range: float = 3.0
     """Largest over smallest force from which such a floor can be told from noise proportional to
@@ -133,8 +110,6 @@ class ScatterLevels:
 
     Three specimens of bitumen differ by 3 %.
     """
-    ripple_alarm: float = 0.0001
-    """Chance of white noise whose strongest period is as strong as one that is taken out."""
     outlying_frequency: float = 0.0002
     """Chance below which the scatter at one frequency is held to be no noise."""
     sharper: float = 0.7
@@ -180,11 +155,6 @@ class SearchLevels:
     """Chance of a false alarm below which it is asked whether single points raise it."""
     tried_alone: int = 3
     """Grown models whose parameters are tried for the model alone."""
-    negligible: float = 1e-6
-    """Share of chi-square that is not worth another step of a refit.
-
-    0.001 for a thousand numbers, where evidence
-    is weighed in tenths."""
     hopeless: float = 0.5
     """Share of what the best grown model explains below which another one, after its first ten
     steps, is no rival and is not searched further. Of 60 artificial cases all verdicts and 58
@@ -198,9 +168,11 @@ class SearchLevels:
     A fit runs towards an end ever
     slower."""
     decisive: float = 10.0
-    """Drop of the information criterion that is beyond doubt, ten by Kass and Raftery (1995,
-    doi:10.1080/01621459.1995.10476572): from it the best model tells the noise, and an effect is
-    accepted without asking.
+    """Drop of the information criterion, or twice a log-likelihood, that is beyond doubt.
+
+    Ten by Kass and Raftery (1995, doi:10.1080/01621459.1995.10476572): from it the best model tells
+    the noise, an effect is accepted, and noise has another shape than "proportional to |K|": of few
+    points some shape fits chance best, and structure is then seen where there is none.
     """
 
 
@@ -215,10 +187,6 @@ class EvidenceLevels:
     """A class holds at least this share of the probability of all explanations."""
     one_curve: float = 0.35
     """Curves this close (root mean square, in units of the noise) are one curve for these data."""
-    most_unknown: float = 1.0 - 1e-12
-    """Nothing is ever certain to be unknown: the rest of the sum would be lost."""
-    rounding: float = 1e-06
-    """Log-evidence that says nothing."""
     prior_nothing: float = 0.5
     """Chance, before the data, that nothing is missing: even odds."""
     beyond_physics: float = 0.001
@@ -277,11 +245,16 @@ class EvidenceLevels:
     prior_chain: float = 0.5
     """Prior weight of each fault of a measuring chain beside that of a common effect."""
     fewest_levels: int = 3
-    """Levels of a condition from which a gain of its own at each is no other name for a trend."""
+    """Levels of a condition from which a gain of its own at each is no other name for a trend.
+
+    And one of them can stand out from the others.
+    """
     points_of_each: int = 4
     """Points of each level at least, so that the levels do not follow the noise."""
     as_good: float = 3.0
     """Log-evidence by which an explanation may be worse and count as good: odds of one to twenty.
+
+    "Strong" by Kass and Raftery (1995, doi:10.1080/01621459.1995.10476572), who count it twice.
     """
 
 
@@ -306,16 +279,12 @@ class VerdictLevels:
     """
     library_alarm: float = 0.006
     """Chance of a false alarm granted to the scan of the library."""
-    alarms: tuple[float, float] = (0.001, 0.006)
-    """Between these chances lie the alarms.
-
-    There the verdict must not be left to the seed, and more is drawn.
-    """
     structure_alarm: float = 0.005
     """Chance of a false alarm granted to the test for structure of any kind."""
     beyond_doubt: float = 0.002
-    """Chance of a false alarm below which something is missing even if the evidence names it
-    weakly.
+    """Chance of a false alarm below which something is missing, however weakly it is named.
+
+    As much is granted to the test of the repeats' scatter.
     """
     remainder: float = 0.005
     """Share of the misfit that named effects may leave and still be the verdict."""
@@ -354,8 +323,6 @@ class VerdictLevels:
     """Mean square that one slow curve leaves, over that of curves of each run, up to which there
     was one drift: 1 to 2 for an artificial drift, 100 for specimens measured one after the other.
     """
-    repeats_alarm: float = 0.002
-    """Chance of a false alarm granted to the test of the repeats' scatter."""
     ruled_out: float = 0.02
     """Probability of "nothing" below which something is missing though no test raises its alarm.
 
@@ -365,8 +332,12 @@ class VerdictLevels:
     """
     likely: float = 0.5
     """Probability from which an effect of the first class is called missing."""
-    clear_evidence: float = 6.0
-    """Drop of the information criterion from which something counts as missing."""
+    clear_evidence: float = 2.0 * EVIDENCE.as_good
+    """Drop of the information criterion, or twice a log-likelihood, that counts.
+
+    From it something is missing. Of the noise as much is asked for two sizes, one of K' and one of
+    K'', and for a floor of constant force: proportional noise brings it in 1 to 2 of 100 tests.
+    """
     misfit: float = 1.3
     """Error over noise floor from which a fit does not hold."""
     certified: float = 0.013
@@ -445,7 +416,12 @@ class OutliersLevels:
     """Single points that stand out."""
 
     rare: float = 0.0001
-    """Chance that the largest of all points is held to stand out where all is noise."""
+    """Chance of noise alone below which data are contradicted.
+
+    The largest of all points is held to stand out, a period to be no noise, replicates to differ as
+    a whole, given standard deviations to be misstated: whoever measured knew more of the rig than a
+    few points tell.
+    """
     most: float = 0.05
     """Share of the points that may stand out; more are no outliers but structure."""
     heavier: float = 3.0
@@ -479,7 +455,7 @@ class WhereLevels:
     one_period: float = 0.4
     """Share of the power beyond the noise's that lies at one period if a misfit is a ripple."""
     levels_differ: float = 0.01
-    """Chance below which levels are held to differ."""
+    """Chance of noise alone below which levels, specimens or cycles are held to differ."""
     alike: float = 0.3
     """Share of a misfit by which it may differ between levels and be called the same."""
     close_power: float = 0.25
@@ -502,11 +478,6 @@ class SuperpositionLevels:
 
     Specimens and loadings hardly repeat to 1 %.
     """
-    alarm: float = 0.005
-    """Chance below which what is left is no noise, and a law departs from the factors.
-
-    All places that are looked at
-    are counted together. As `VerdictLevels.structure_alarm`."""
     stands_out: float = 3.0
     """Error of a material at one level alone, over the median of the levels, from which it is no
     material. In 15 measured series (nist-srm2491, 3m-468mp-acrylic-tts, polystyrene-three-tests,
@@ -523,11 +494,6 @@ class SuperpositionLevels:
     most: an error of 1 % in the modulus, to which loadings hardly repeat, then moves a shift by a
     fifth of a decade.
     """
-    most_alike: float = 0.9
-    """Largest correlation of neighbouring residuals that is believed.
-
-    It widens intervals by 4.4 already, and of few
-    points it is no more than a guess."""
     vertical_unknown: float = 1.0
     """Half-width of an interval of ln b from which a vertical factor says nothing about a law.
 
@@ -547,8 +513,6 @@ class SuperpositionLevels:
 
     Below it is the usual noise of an instrument.
     """
-    undetermined: float = log(10.0)
-    """Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
     missed: float = 0.5
     """Share of storage or loss by which a line misses it that nobody overlooks.
 
@@ -578,11 +542,9 @@ class ExperimentLevels:
     settled: float = 5.0
     """Separation in standard deviations that settles the matter."""
     rival: float = 0.001
-    """Chance, beside that of the leading effect, from which another is worth a measurement."""
-    believed: float = 0.001
-    """Chance by itself from which the second is.
+    """Chance, beside that of the leading effect, from which another is worth a measurement.
 
-    Beside nothing, or an unknown, nobody may believe in either.
+    By itself too: beside nothing, or an unknown, nobody may believe in either.
     """
 
 
@@ -594,16 +556,12 @@ class RepeatsLevels:
     """What repeats and replicates tell."""
 
     enough: float = 8.0
-    """Degrees of freedom below which the scatter of repeats says too little of the noise.
+    """Degrees of freedom, or repeated points, below which a scatter says too little of the noise.
 
-    With eight its size is
-    known to a quarter."""
-    fewest: float = 8.0
-    """Repeated points below which nothing can be said of how repeats differ."""
+    With eight its size is known to a quarter.
+    """
     points_of_a_run: int = 6
     """Points of a run from which its own gain says little of each of them."""
-    runs_differ: float = 0.0001
-    """Chance of replicates that differ as a whole by so much where only their points scatter."""
     drift_odds: float = 20.0
     """Odds for one settling curve against a gain of each run from which it is a drift.
 

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import Findings, Store, run_study
+from springpot.benchmark import Findings, Store, archive, run_study
 from springpot.benchmark.archive import Archive, write_archive
 from springpot.benchmark.beside import opened, study_of
 from springpot.benchmark.standings import study_tables
+from springpot.benchmark.summary import TrialRow
+from springpot.benchmark.trial import Status, pack
 from springpot.errors import StudyError
 from springpot.measurement import DataSet
 
@@ -205,3 +207,9 @@ def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_
         assert np.array_equal(whole.curve, thin.curve)
     sizes = [(tmp_path / name).stat().st_size for name in ("thin.zip", "whole.zip")]
     assert sizes[0] < 0.8 * sizes[1]
+
+
+@pytest.mark.parametrize("known", [{}, {"best": 1.0}, {"trace": pack([(1, 9.0)])}])
+def test_what_has_no_best_or_no_improvements_is_kept_as_it_is(known):
+    row = TrialRow(0, 0, Status.ERROR, **known)
+    assert archive._thinned(row, 1.0, None, None) is row

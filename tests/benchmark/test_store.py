@@ -226,3 +226,19 @@ def test_a_reader_is_not_disturbed_by_a_study_that_starts_meanwhile(path):
         assert [len(rows) for _, rows in [first, *trials]] == [100] * len(cells)
     with Store(path) as reader:
         assert [len(rows) for _, rows in reader.trials()] == [1000] * len(cells)
+
+
+def test_a_damaged_trial_is_no_best_of_its_draw(path):
+    """Of each repetition the best of its problem's cells, whose rows are whole."""
+    plan = small_study().plan()
+    with Store(path, write=True) as store:
+        cells = store.register(plan, {})
+        rows = [result(0, 4.0), result(1, 2.0), result(0, 1.0, 1), result(1, 3.0, 1)]
+        store.add([replace(row, reference=5.0) for row in rows], cells)
+        whole = store.bests_of_draws()
+    assert set(whole.values()) == {1.0, 2.0}
+    with sqlite3.connect(path) as db:
+        db.execute("UPDATE trial SET best = 0.5 WHERE best = 3.0")
+        db.execute("UPDATE trial SET best = 0.25 WHERE best = 1.0")
+    with Store(path) as store:
+        assert set(store.bests_of_draws().values()) == {4.0, 2.0}

@@ -3,8 +3,8 @@
 import click
 import pytest
 
-from springpot.cli.common import quoted, with_rows
-from springpot.cli.predict import SPACED, _require_one_question, numbers
+from springpot.cli.common import SPACED, numbers, quoted, with_rows
+from springpot.cli.predict import _require_one_question
 
 
 @pytest.fixture(autouse=True)

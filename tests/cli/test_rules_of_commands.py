@@ -10,7 +10,7 @@ import click
 import pytest
 
 from springpot import api, registry
-from springpot.cli import CtrlC, common, compare, diagnose, group, timetests, waiting
+from springpot.cli import CtrlC, common, compare, diagnose, group, listing, timetests, waiting
 from springpot.measurement import Loading, TimeTest
 
 
@@ -145,3 +145,19 @@ def test_of_several_data_each_answer_is_a_line(count, line, monkeypatch):
     names = [f"{i}.csv" for i in range(count)]
     group.run(["diagnose", *names, "-m", "kelvin", "--json"])
     assert asked == [line] * count
+
+
+@pytest.mark.parametrize(
+    ("kind", "names", "members"),
+    [
+        ("optimisers", ["lib"], ["one", "two"]),
+        ("optimisers", ["other"], None),
+        ("optimisers", ["lib", "lib"], None),
+        ("optimisers", [], None),
+        ("models", ["lib"], None),
+    ],
+)
+def test_the_name_of_a_library_alone_lists_what_it_has(kind, names, members):
+    library = SimpleNamespace(name="lib", members=lambda: {"a": "one", "b": "two"})
+    installed = SimpleNamespace(items=lambda word: {"optimiser family": [library]}[word])
+    assert listing._members(installed, kind, names) == members

@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib import import_module
 from pathlib import Path
 from time import sleep
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from springpot.cli import waiting
+from springpot.cli.group import CORE
 from springpot.registry import parse_model
 
 MODEL = parse_model("fractional-maxwell")
@@ -178,3 +180,19 @@ def test_nobody_is_told_before_a_second_is_over(capsys):
         told.told("fitting a")
         sleep(0.05)
     assert capsys.readouterr().err == ""
+
+
+def test_what_the_arguments_of_commands_take(stays):
+    """How often each may stand, and between which ends its numbers lie."""
+    ends = ("min", "max", "min_open", "max_open", "choices", "dir_okay", "exists")
+
+    def takes(given):
+        told = {"nargs": given.nargs, "required": given.required, "multiple": given.multiple}
+        told |= {"flag": getattr(given, "is_flag", False), "type": given.type.name}
+        return told | {end: getattr(given.type, end) for end in ends if hasattr(given.type, end)}
+
+    found = {}
+    for name, entry in CORE.items():
+        command = import_module(entry.module).command
+        found[name] = {" ".join(given.opts): takes(given) for given in command.params}
+    stays(found)

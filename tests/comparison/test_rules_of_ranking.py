@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.comparison import ranking
+from springpot.comparison import ranking, result
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 
@@ -130,13 +130,13 @@ def test_what_a_spectrum_gains_is_told_in_units_of_what_it_leaves(
 
 
 def test_curves_are_grouped_by_the_first_of_each(monkeypatch):
-    monkeypatch.setattr(ranking, "_distance", lambda one, other: abs(one - other))
+    monkeypatch.setattr(result, "_distance", lambda one, other: abs(one - other))
     step = 0.6 * COMPARISON.alike
     rows = [SimpleNamespace(refit=i * step) for i in range(4)]
-    found = ranking.grouped(rows)
+    found = result.grouped(rows)
     assert [[round(one.refit / step) for one in group] for group in found] == [[0, 1], [2, 3]]
     edge = [SimpleNamespace(refit=0.0), SimpleNamespace(refit=COMPARISON.alike)]
-    assert len(ranking.grouped(edge)) == 2
+    assert len(result.grouped(edge)) == 2
 
 
 def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(monkeypatch):

@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot.comparison import Ranking
-from springpot.comparison.comparing import Judgement
+from springpot.comparison.result import Judgement
 from springpot.measurement import Measurement, Units
 from springpot.misfit.error import Error
 

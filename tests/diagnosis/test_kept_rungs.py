@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from springpot.diagnosis import ladder
-from springpot.diagnosis.ladder import _explained
+from springpot.diagnosis import discovery
+from springpot.diagnosis.discovery import _explained
 
 
 def rung(error, verdict):
@@ -36,7 +36,7 @@ def rung(error, verdict):
     ],
 )
 def test_what_predicts_the_unseen_better_stays(rungs, kept, monkeypatch):
-    monkeypatch.setattr(ladder, "prediction_gain", lambda before, after: after / before)
+    monkeypatch.setattr(discovery, "prediction_gain", lambda before, after: after / before)
     assert len(_explained([rung(*each) for each in rungs])) == kept
 
 

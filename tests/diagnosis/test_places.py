@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
+from springpot.diagnosis.discovery import _decisive
 from springpot.diagnosis.evidence import Evidence
-from springpot.diagnosis.ladder import _decisive
 from springpot.diagnosis.search import search_from
 from springpot.diagnosis.verdict import _named
 from springpot.misfit.floor import fitted_to_floor

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.diagnosis import evidence as e
+from springpot.numerics import NEGLIGIBLE, ROUNDING
 from springpot.thresholds import EVIDENCE
 
 
@@ -22,7 +23,7 @@ def test_chances_are_weights_over_their_sum():
 def test_they_sum_to_one_however_far_apart(log):
     known, unknown = e.chances_of(np.array([0.0, 1.0]), log)
     assert known.sum() + unknown == pytest.approx(1.0)
-    assert unknown == pytest.approx(EVIDENCE.most_unknown if log > 0 else 0.0)
+    assert unknown == pytest.approx(1.0 - ROUNDING if log > 0 else 0.0)
     np.testing.assert_allclose(known[1] / known[0], np.e)
 
 
@@ -79,7 +80,7 @@ def test_of_each_set_the_best_whatever_the_order_of_adding():
     )
     assert e.one_for_each_set([ab, ba, a]) == [a, ba]
     # By more than rounding.
-    ba.refit.log_evidence = 1.0 + 0.5 * EVIDENCE.rounding
+    ba.refit.log_evidence = 1.0 + 0.5 * NEGLIGIBLE
     for order in ([ab, ba], [ba, ab]):
         assert e.one_for_each_set(order) == [ab]
 

@@ -7,6 +7,7 @@ from hidden_data import design
 import springpot
 from soaked import soaked
 from springpot import Measurement
+from springpot.measurement.scatter import rounding_steps
 
 
 @pytest.mark.parametrize("seed", [0, 1, *map(soaked, range(2, 6))])
@@ -23,3 +24,18 @@ def test_three_digits_of_a_plateau_are_no_structure(seed):
 
     data = Measurement(at.omega, written(values.real) + 1j * written(values.imag))
     assert springpot.diagnose(data, "zener").verdict in ("adequate", "inconclusive")
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_constant_exact_column_is_not_taken_for_one_of_coarse_digits(turned):
+    """The noise is that of the column beside it, and no third of the tens of an exact 90."""
+    omega = np.geomspace(0.1, 10.0, 15)
+    varied = 50.0 * omega * (1.0 + 0.002 * np.random.default_rng(1).normal(size=15))
+    stiffness = varied + 90.0j if turned else 90.0 + 1j * varied
+    data = Measurement(omega, stiffness)
+    assert np.all(rounding_steps(data) == 0.0)
+    # Written to a tenth, the column beside it tells of no finer one.
+    told = rounding_steps(Measurement(omega, np.round(stiffness, 1)))
+    np.testing.assert_allclose([told.real, told.imag], 0.1)
+    if not turned:
+        assert springpot.diagnose(data, "kelvin").error.noise_floor < 0.003

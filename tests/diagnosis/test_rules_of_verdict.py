@@ -79,7 +79,7 @@ def repeated(chance, curves=0.0, drift=0.0, one_curve=True, neighbours=1.0, runs
     return search, apart
 
 
-ALARM, SHARE = VERDICT.repeats_alarm, VERDICT.drift_share
+ALARM, SHARE = VERDICT.beyond_doubt, VERDICT.drift_share
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,9 @@
 """Effects around a material of few relaxation times, between the lines of the first lattice."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 import springpot
-from springpot.identification.native import Fit
-from springpot.rheology.continuum import Continuum
 
 FREQUENCY = np.geomspace(0.1, 50.0, 15)
 WATER = (0.0, 5.0, 10.0, 15.0)
@@ -57,22 +53,3 @@ def test_a_column_behind_a_misfit_is_offered_to_a_master_curve():
     )
     joined = springpot.diagnose(measured(0.004), "material + free-shift:water")
     assert "same conditions" not in joined.says
-
-
-@pytest.mark.parametrize(
-    ("places", "weights", "placed"),
-    [
-        ([0.0, 1.0, 1.01], [1.0, 1.0, 1.0], 1),
-        ([0.0, 1.0, 1.01], [1.0, 1.0, 0.0], 2),
-        ([0.0, 0.01, 1.0], [1.0, 1.0, 0.0], 0),
-        ([1.01, 0.0, 1.0], [1.0, 1.0, 1.0], 1),
-        ([1.01, 0.0, 1.0], [1.0, 0.0, 0.0], 1),
-        ([], [], 0),
-    ],
-)
-def test_a_line_that_stands_alone_has_followed_the_data_by_its_place(places, weights, placed):
-    """Of two side by side the weights tell the place between them."""
-    material = Continuum(tuple(10.0 ** np.array(places)))
-    theta = np.array([3.0, 0.0, *weights])
-    fit = SimpleNamespace(model=SimpleNamespace(material=material), theta=theta)
-    assert Fit.placed.fget(fit) == placed

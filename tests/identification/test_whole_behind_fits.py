@@ -248,7 +248,7 @@ def test_a_trace_improves_within_its_count(at, values, evaluations, best, wrong)
 
 
 def test_two_sums_of_squares_agree_but_for_rounding():
-    agree, rounding = runs.AGREE, runs.ROUNDING
+    agree, rounding = runs.ALIKE, runs.ROUNDING
     assert not runs.same(None, 1.0, 1.0)
     assert runs.same((1.0 + 0.99 * agree) ** 2, 1.0, 0.0)
     assert not runs.same((1.0 + 1.02 * agree) ** 2, 1.0, 0.0)

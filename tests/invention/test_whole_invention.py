@@ -112,21 +112,26 @@ def test_terms_of_one_plane_alone_are_added(first, second, pairs, monkeypatch):
     monkeypatch.setattr(search, "_together", lambda found: [both])
     monkeypatch.setattr(search, "enough_for", lambda base, grown: True)
 
-    def refit(model, data, noise, seeds, starts):
+    def refit(model, data, noise, seeds, starts, effort):
         fitted.append((len(seeds), starts))
-        return SimpleNamespace(rss=1.0)
+        return SimpleNamespace(rss=1.0, theta=seeds[0])
 
     monkeypatch.setattr(search, "refit", refit)
     base = SimpleNamespace(
         model=springpot.parse_model("kelvin"), fit=SimpleNamespace(measurement=swept(lossy))
     )
     base.data = base.noise = None
-    found = list(search._with_terms(SimpleNamespace(base=base), []))
+    ends = {}
+    monkeypatch.setattr(search, "effort_of", lambda found: None)
+    found = list(search._with_terms(SimpleNamespace(base=base), [], ends))
     # Both starts of the same pair are those of one fit.
     assert fitted == [(2, 0)] * pairs
-    assert len(found) == pairs
+    assert len(found) == len(ends) == pairs
+    # Next time where it ended is a start as well.
+    list(search._with_terms(SimpleNamespace(base=base), [], ends))
+    assert fitted == [(2, 0), (3, 0)] * pairs
     monkeypatch.setattr(search, "enough_for", lambda base, grown: False)
-    assert list(search._with_terms(SimpleNamespace(base=base), [])) == []
+    assert list(search._with_terms(SimpleNamespace(base=base), [], {})) == []
 
 
 def grown(likelihood, name="one", **more):
@@ -319,14 +324,14 @@ def test_a_search_goes_on_while_something_is_left(monkeypatch, alarm, left, exac
     monkeypatch.setattr(search, "possible", lambda base, library: [])
     monkeypatch.setattr(search, "scan_effects", lambda *given: scan)
     monkeypatch.setattr(search, "battery", lambda *given: SimpleNamespace(p_value=left))
-    monkeypatch.setattr(search, "grown_with", lambda found, score: score)
+    monkeypatch.setattr(search, "_with_score", lambda found, score, ends: score)
     monkeypatch.setattr(search, "_promising", lambda scan, base, count: scan.scores[:count])
-    monkeypatch.setattr(search, "_shortened", lambda found: ["d"])
+    monkeypatch.setattr(search, "_shortened", lambda *given: ["d"])
     monkeypatch.setattr(search, "_sort", lambda found: asked.append(len(found.grown)))
     monkeypatch.setattr(search, "is_arithmetic", lambda fitted: exact)
     monkeypatch.setattr(search, "_with_conditions", lambda *given: ["a"])
     monkeypatch.setattr(search, "_with_terms", lambda *given: ["b", "c"])
-    search.sought(base, [], None)
+    search.seeker()(base, [], None)
     fitted = INVENTION.refined
     assert asked == [fitted] * (alarm == 0.0) + [fitted + 3, fitted + 4] * goes_on
 

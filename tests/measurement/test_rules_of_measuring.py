@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import bartlett, f
 
 from springpot.errors import DataError
 from springpot.measurement import (
@@ -17,9 +19,13 @@ from springpot.measurement import (
     mixed_tests,
     noise_of,
     reader,
+    replicates,
     rows,
     sign,
+    steady,
+    timenoise,
 )
+from springpot.measurement import measurement as measurement_module
 from springpot.measurement.reader import Choice, Part
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
@@ -178,3 +184,90 @@ def test_rows_that_were_written_again_tell_nothing_of_the_noise(moved, told):
     assert found.scatter.dof.tolist() == [told, told]
     assert found.mean.repeat is None
     np.testing.assert_allclose(found.mean.stiffness, stiffness[:2] * (1.0 + moved / 2.0), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "left"),
+    [
+        ([1.0 + 1.0j, 0.0 + 0.0j], []),
+        ([-1.0 + 1.0j, 2.0], ["note storage"]),
+        ([1.0 - 1.0j, 2.0], ["note loss"]),
+        ([-1.0 - 1.0j, 2.0], ["note storage", "note loss"]),
+        ([-1.0 - 1.0j, -1.0 - 1.0j, 2.0], ["note storage", "note loss", "note sign"]),
+    ],
+)
+def test_of_some_rows_a_note_on_a_sign_stays_where_one_of_them_has_it(values, left):
+    notes = {"note storage": "a", "note loss": "b", "note sign": "c", "rig": "d"}
+    kept = measurement_module._of_rows(notes, np.array(values, dtype=complex))
+    assert list(kept) == [*left, "rig"]
+
+
+@pytest.mark.parametrize("counts", [(5, 9), (8, 8, 8), (4, 30, 12)])
+def test_scatters_are_alike_by_the_test_of_bartlett(monkeypatch, counts):
+    rng = np.random.default_rng(7)
+    samples = [size * rng.normal(size=n) for n, size in zip(counts, (1.0, 2.2, 1.4), strict=False)]
+    sizes, worth = np.array([np.std(each, ddof=1) for each in samples]), np.array(counts) - 1.0
+    chance = bartlett(*samples).pvalue
+    monkeypatch.setattr(timenoise, "DOUBTED", 1.0001 * chance)
+    assert timenoise._unlike(sizes, worth) is not None
+    monkeypatch.setattr(timenoise, "DOUBTED", 0.9999 * chance)
+    assert timenoise._unlike(sizes, worth) is None
+
+
+def test_scatter_of_nothing_is_like_no_other():
+    assert timenoise._unlike(np.array([1.0, 0.0, 2.0]), np.full(3, 9.0)) == 1
+
+
+@pytest.mark.parametrize(
+    ("samples", "span", "omega", "seconds"),
+    [
+        (1000, 40.0, 2.0 * np.pi, 40.0),
+        (1000, 4.0, 2.0 * np.pi, 16.0),
+        (1 << 19, 400.0, 2.0 * np.pi, 100.0),
+    ],
+)
+def test_a_frequency_is_known_over_an_excerpt_or_some_cycles(samples, span, omega, seconds):
+    """The excerpt is of 2^17 samples, the cycles are sixteen."""
+    record = SimpleNamespace(span=span, time=np.empty(samples))
+    assert steady.excerpt_span(record, omega) == pytest.approx(seconds)
+
+
+def test_runs_differ_by_an_analysis_of_variance(monkeypatch):
+    """Gains of each run against what gains and slopes of each leave, by Fisher's test."""
+    rng, runs, omega = np.random.default_rng(3), 3, np.geomspace(1.0, 50.0, 8)
+    exact = 5.0 + 1j * omega**0.5
+    scatter = 0.01 * (rng.normal(size=(runs, 8)) + 1j * rng.normal(size=(runs, 8)))
+    gains = np.array([0.0, 0.012, -0.008])[:, None]
+    stiffness = exact * (1.0 + gains) * (1.0 + scatter)
+    data = Measurement(
+        np.tile(omega, runs), stiffness.ravel(), repeat=np.repeat(np.arange(runs), 8)
+    )
+    off = (stiffness / stiffness.mean(axis=0) - 1.0).ravel()
+    of_run = np.kron(np.eye(runs), np.ones((8, 1)))
+    centred = np.kron(np.eye(runs), (np.log(omega) - np.log(omega).mean())[:, None])
+
+    def left(design):
+        return np.sum(np.abs(off - design @ np.linalg.lstsq(design, off, rcond=None)[0]) ** 2)
+
+    both, spent = left(np.hstack([of_run, centred])), 2.0 * (runs - 1)
+    free = 2.0 * (runs - 1) * (8 - 2)
+    variance = both / free
+    by_gain = (np.sum(np.abs(off) ** 2) - left(of_run)) / spent / variance
+    by_slope = (left(of_run) - both) / spent / variance
+    chance = float(f.sf(by_gain, spent, free))
+    assert float(f.sf(by_slope, spent, free)) > 0.1 > chance
+    for share, differ in ((1.001, True), (0.999, False)):
+        levels = replace(replicates.REPEATS, runs_differ=share * chance)
+        monkeypatch.setattr(replicates, "REPEATS", levels)
+        found = average_repeats(data)
+        assert (found.gains is not None) is differ
+    # Each row pays its share of what the gains have taken.
+    monkeypatch.setattr(replicates, "REPEATS", replace(levels, runs_differ=1.001 * chance))
+    found = average_repeats(data)
+    np.testing.assert_allclose(found.scatter.dof, 2.0 * (1.0 - (runs - 1) / 16.0))
+    np.testing.assert_allclose(found.mean.stiffness, exact, rtol=0.02)
+    assert replicates.average_repeats(data).floor(
+        Noise(0.01 * found.mean.magnitude * (1.0 + 1.0j), np.inf, "given")
+    ) == pytest.approx(
+        np.hypot(0.01 * np.sqrt(2.0 * np.mean(found.scatter.dof + 1.0)), found.own_gain)
+    )

@@ -52,7 +52,7 @@ HARMLESS = {
         "search.alarm >= VERDICT.accepted",
     ): "a chance that is a level to the last bit",
     (
-        "identification/batch.py",
+        "identification/simulated.py",
         "first, width, iterations = first + width, width + (first > 0), 2 * iterations",
         "1",
     ): "how many starts are tried at once",
@@ -152,6 +152,31 @@ HARMLESS = {
         "objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12",
         "2e-12",
     ): "a tolerance",
+    (
+        "identification/free_factors.py",
+        "known = values > LOST * values[0]",
+        "values >= LOST * values[0]",
+    ): "a share that is a level to the last bit",
+    (
+        "invention/search.py",
+        'kind = (effect.plane, of_frequency, text.startswith("-"), "i*" in text)',
+        "'i*' not in text",
+    ): "whether two are alike is the same by what both have not",
+    (
+        "report/figures.py",
+        "_mark(fit.name, scene.fit_colour(i, 0), linewidth=4.0)",
+        "1",
+    ): "where a colour stands for a model it is that of all sweeps",
+    (
+        "rheology/elements.py",
+        "tall = column.ndim == 2 and row.ndim == 1 and len(column) > len(row)",
+        "len(column) >= len(row)",
+    ): "how a square table lies in memory",
+    (
+        "testreport/local.py",
+        "len(channel.within(each.time - half, each.time + half)[0]) > 2 * SMOOTH + 2",
+        "1",
+    ): "times and values are as many",
     (
         "superposition/laws.py",
         "block = np.ix_(used + offset, used + offset)",

@@ -11,7 +11,8 @@ import pytest
 from springpot.errors import DataError
 from springpot.hooks import GROUP
 from springpot.registry import Registry
-from springpot_plugins.datasets import folders, patterns, springpot_datasets
+from springpot_plugins.datasets import folders, springpot_datasets
+from springpot_plugins.datasets.manifest import checked, picked
 from springpot_plugins.datasets.names import inside, is_name
 
 GOOD = """
@@ -194,10 +195,10 @@ def test_the_costliest_pattern_that_is_taken_ends_soon():
 
     Some million steps, where nested ones would take 2^80.
     """
-    pattern = patterns.checked("a*a*a*a*(b)")
-    assert patterns.picked(pattern, "a" * 100_000) == ""
-    assert patterns.picked(patterns.checked(r"T=([-\d.]+) K"), "run 3, T=-12.5 K") == "-12.5"
-    assert patterns.picked(patterns.checked(r"[+*?(]+(x)"), "a+*x") == "x"
+    pattern = checked("a*a*a*a*(b)")
+    assert picked(pattern, "a" * 100_000) == ""
+    assert picked(checked(r"T=([-\d.]+) K"), "run 3, T=-12.5 K") == "-12.5"
+    assert picked(checked(r"[+*?(]+(x)"), "a+*x") == "x"
 
 
 def test_words_of_a_cell_that_may_take_long_are_cut(directory):

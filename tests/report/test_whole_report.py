@@ -12,11 +12,13 @@ from springpot.errors import SpringpotError
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.registry import parse_model, plugins
 from springpot.report import figures
+from springpot.report.canvas import blank
 from springpot.report.fit_text import many_csv, many_text
 from springpot.report.html import report_html
 from springpot.report.network import network_svg
+from springpot.report.residuals import VIEWS
 from springpot.report.told import shown, told
-from springpot.report.views import DrawnFit
+from springpot.report.views import DrawnFit, Scene, residual, storage_and_loss
 from springpot.rheology.model import Family
 
 pyplot = pytest.importorskip("matplotlib.pyplot")
@@ -156,9 +158,15 @@ def seen(name):
 
 
 @pytest.mark.parametrize("name", ["heavy", "several", "strains", "heated", "heated twice"])
-def test_all_views_of(name, stays, monkeypatch):
-    monkeypatch.setattr(figures, "save", lambda figure, path: figure)
-    stays({"views": figures.figure_comparison(*seen(name), "")}, within=1e-3)
+def test_all_views_of(name, stays):
+    scene = Scene(*seen(name))
+    drawings = [("storage and loss", storage_and_loss), ("residual", residual), *VIEWS]
+    with blank(11.0, 10.5) as figure:
+        for axes, (title, draw_view) in zip(figure.subplots(3, 2).flat, drawings, strict=True):
+            draw_view(axes, scene)
+            axes.set_title(title.partition(":")[0])
+        figures.headed(figure, scene)
+    stays({"views": figure}, within=1e-3)
 
 
 def test_page_of_a_ladder(known, stays, unpainted):

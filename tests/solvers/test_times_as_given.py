@@ -13,8 +13,7 @@ from springpot.constraints import at_times, times_of
 from springpot.errors import ModelError, OptionError
 from springpot.measurement.units import Units
 from springpot.registry import parse_model
-from springpot.solvers.exporting import exported
-from springpot.solvers.from_data import series_of
+from springpot.solvers.exporting import exported, series_of
 
 OMEGA = np.geomspace(1e-6, 1e6, 340)
 TIMES = times_of("1e-8:1e8")

@@ -7,7 +7,7 @@ import pytest
 
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, GroundMotion, motion_of
-from springpot.structure.heat import rises_of
+from springpot.structure.answers import rises_of
 
 STEP = 0.002
 PULSE = GroundMotion(STEP, np.where(np.arange(2500) < 100, 3.0, 0.0), "pulse")

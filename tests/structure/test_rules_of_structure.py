@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,9 +14,12 @@ from springpot.structure import (
     Damper,
     Frame,
     GroundMotion,
+    answers,
+    artificial,
     beside,
     motion,
     motion_of,
+    next_test,
     reading,
     records,
     tables,
@@ -296,3 +300,76 @@ def test_steps_are_parted_until_the_shortest_period_has_sixteen(periods, parts, 
     found = system.largest(system.run(a), a, np.eye(2))
     assert asked == ([] if parts == 1 else [pytest.approx(step / parts)])
     assert np.all(found > 0.0)
+
+
+def test_a_further_test_is_told_in_hertz():
+    points = SimpleNamespace(log_omega=np.log(2.0 * np.pi * np.array([0.5, 3.0])))
+    assert next_test._hertz(SimpleNamespace(points=points), 1) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(("samples", "step"), [(4000, 0.01), (100, 0.01), (100, 0.5)])
+def test_a_damper_is_followed_between_the_record_and_what_the_frame_can_show(
+    monkeypatch, samples, step
+):
+    """To ten of its slowest radians, or the record; to its fastest mode, or half the sampling."""
+    asked = []
+
+    def part(damper, frame, band, start):
+        asked.append(band)
+        raise ModelError("enough")
+
+    monkeypatch.setattr(motion, "_part", part)
+    model = parse_model("kelvin")
+    frame = Frame(np.full(2, 1.0), np.full(2, 100.0), 0.0, (Damper(model, np.array([1.0, 1.0])),))
+    slow, fast = (
+        10.0 * np.sqrt(0.5 * (3.0 - np.sqrt(5.0))),
+        10.0 * np.sqrt(0.5 * (3.0 + np.sqrt(5.0))),
+    )
+    with pytest.raises(ModelError, match="enough"):
+        motion._system(frame, GroundMotion(step, np.ones(samples)))
+    longest = max(samples * step, 10.0 / slow)
+    wanted = 1.0 / (motion.BEYOND * longest), max(motion.BEYOND * fast, np.pi / step)
+    assert asked[0] == pytest.approx(wanted)
+
+
+def test_an_artificial_record_swells_and_dies_as_it_says():
+    """Its envelope is t squared times exp(-12 t / duration), of noise that one oscillator felt."""
+    draws = np.array(
+        [artificial(np.random.default_rng(seed), duration=20.0, step=0.02, peak=3.0).acceleration
+         for seed in range(60)]
+    )  # fmt: skip
+    assert np.abs(draws).max(axis=1) == pytest.approx(np.full(60, 3.0))
+    assert draws[:, 0] == pytest.approx(np.zeros(60))
+    time = 0.02 * np.arange(draws.shape[1])
+    felt = np.sqrt(np.mean(draws**2, axis=0))
+    envelope = time**2 * np.exp(-12.0 * time / 20.0)
+    share = np.array([felt[(time > a) & (time < a + 1.0)].sum() for a in (1.0, 3.0, 6.0)])
+    wanted = np.array([envelope[(time > a) & (time < a + 1.0)].sum() for a in (1.0, 3.0, 6.0)])
+    np.testing.assert_allclose(share / share.sum(), wanted / wanted.sum(), rtol=0.12)
+    # The oscillator has 2.48 Hz: at 20 Hz the noise is heard little, at rest as it is.
+    heard = np.mean(np.abs(np.fft.rfft(draws, axis=1)) ** 2, axis=0)
+    hertz = np.fft.rfftfreq(draws.shape[1], 0.02)
+    at = [heard[(hertz > low) & (hertz < low + 1.0)].mean() for low in (2.0, 20.0)]
+    assert at[1] < 0.04 * at[0]
+
+
+@pytest.mark.parametrize(("warmer", "told"), [(2.0, "200 %"), (0.5, "50 %")])
+def test_of_what_a_damper_would_feel_of_its_heat_the_first_mode_is_told(warmer, told):
+    asked = []
+
+    def stiffness(s):
+        asked.append(s[0])
+        return (np.array([3.0 + 4.0j]),)
+
+    def after(s):
+        return (warmer * (3.0 + 4.0j) * np.ones(1),)
+
+    damper = SimpleNamespace(
+        temperature=20.0, model=SimpleNamespace(needs={"temperature"}), stiffness=stiffness
+    )
+    heated = SimpleNamespace(stiffness=after)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(answers, "replace", lambda damper, temperature: heated)
+        says = answers._felt(damper, 5.0, SimpleNamespace(frequency=1.5))
+    assert f"would end at {told} of that at 20 degC" in says
+    assert asked == [2j * np.pi * 1.5]

@@ -16,7 +16,7 @@ from springpot.measurement.timetest import TimeTest
 from springpot.rheology.levels import HELD
 from springpot.superposition import curve, laws, simplicity
 from springpot.superposition import laws as steps
-from springpot.thresholds import SUPERPOSITION
+from springpot.thresholds import SUPERPOSITION, VERDICT
 
 DECADE = np.log(10.0)
 ROOM = HELD["temperature"]
@@ -170,7 +170,7 @@ def test_a_law_is_judged_by_what_it_leaves():
     # chi-square of one degree of freedom: 6.63 at 1 %.
     verdict, chance = laws._verdict(6.634897, 1)
     assert chance == pytest.approx(0.01, rel=1e-5)
-    assert verdict == ("departs" if SUPERPOSITION.alarm > 0.01 else "holds")
+    assert verdict == ("departs" if VERDICT.structure_alarm > 0.01 else "holds")
     assert laws._verdict(100.0, 1)[0] == "departs"
     assert laws._verdict(0.5, 1)[0] == "holds"
 
@@ -396,7 +396,7 @@ def test_a_level_exceeds_by_squares_of_its_own_scatter_and_where_that_is_unknown
     np.testing.assert_allclose(simplicity._excess(alone, rows), [10.0 / 2.0 - 2.0, 8.0 - 0.5, 0.0])
 
 
-NEARLY, ADDED, ALARM = SUPERPOSITION.nearly, SUPERPOSITION.added, SUPERPOSITION.alarm
+NEARLY, ADDED, ALARM = SUPERPOSITION.nearly, SUPERPOSITION.added, VERDICT.structure_alarm
 
 
 @pytest.mark.parametrize(
@@ -429,3 +429,13 @@ def test_one_curve_is_simple_nearly_or_not(monkeypatch, chance, missed, shared, 
     assert (found.verdict, found.error, found.alone) == (verdict, pytest.approx(0.2), own)
     assert found.added == pytest.approx(np.sqrt(shared**2 - own**2))
     assert list(found.failures) == missed
+
+
+def test_a_curve_is_drawn_in_the_columns_of_its_tests():
+    """Over the time 1 / omega a relaxation, which is real; over omega storage and loss."""
+    omega, values = np.array([0.5, 4.0]), np.array([3.0 + 1.0j, 5.0 + 2.0j])
+    over = curve.MasterCurve.drawn
+    time, relaxed = over(SimpleNamespace(columns=("time", "relaxation")), omega, values)
+    assert (time.tolist(), relaxed.tolist()) == ([2.0, 0.25], [3.0, 5.0])
+    columns = over(SimpleNamespace(columns=("omega", "storage", "loss")), omega, values)
+    assert [column.tolist() for column in columns] == [[0.5, 4.0], [3.0, 5.0], [1.0, 2.0]]

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from known_loops import loop
 
+from springpot.testreport import deciding
+
 
 @pytest.fixture
 def record(write):
@@ -87,3 +89,10 @@ def test_a_figure_shows_the_loops(springpot, record, tmp_path, undrawn):
 ])  # fmt: skip
 def test_what_cannot_be_is_one_line(springpot, record, words, says):
     assert springpot("cycles", record, *words).is_one_line(says)
+
+
+def test_a_chance_is_told_as_far_as_tails_are_known():
+    told = [
+        deciding.chance(value) for value in (9.9e-5, 1e-4, 0.5, 0.996, 1.0 - 1e-4, 1.0 - 9.9e-5)
+    ]
+    assert told == ["< 0.01 %", "0.01 %", "50 %", "99.60 %", "99.99 %", "> 99.99 %"]

@@ -8,9 +8,8 @@ import pytest
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import plugins
-from springpot.timetests import diagnose
-from springpot.timetests import imposed_noise as imposed
-from springpot.timetests.imposed_noise import imposed_noise
+from springpot.timetests import diagnose, left
+from springpot.timetests.left import imposed_noise
 
 TIME = 0.005 * np.arange(1000)
 EFFECTS = ("inertia", "time-delay", "filter-mismatch")
@@ -59,19 +58,19 @@ def test_corners_and_smooth_motion_are_no_noise():
 
 def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(monkeypatch):
     at = np.linspace(0.0, 1.0, 400)
-    monkeypatch.setattr(imposed, "InTimePart", SimpleNamespace)
-    monkeypatch.setattr(imposed, "imposed_noise", lambda value: 0.3)
+    monkeypatch.setattr(left, "InTimePart", SimpleNamespace)
+    monkeypatch.setattr(left, "imposed_noise", lambda value: 0.3)
 
     def heard(sd, control="displacement", moved=0.0):
         loading = SimpleNamespace(time=at + moved, value=at)
         test = SimpleNamespace(loading=loading, control=control)
         part = SimpleNamespace(at=at, test=test, stiffness=4.0, sd=np.full(400, sd))
-        return imposed._heard(part)
+        return left._heard(part)
 
     # A variance is known to the root of two by their number.
-    most = 0.3 * np.sqrt(1.0 + imposed.DOUBT * np.sqrt(2.0 / (imposed.WORTH * 400)))
-    assert heard(0.99 * 1.2 / imposed.HEARD) == pytest.approx(most)
-    assert heard(1.01 * 1.2 / imposed.HEARD) == 0.0
-    assert heard(0.99 * 0.075 / imposed.HEARD, "force") == pytest.approx(most)
-    assert heard(1.01 * 0.075 / imposed.HEARD, "force") == 0.0
+    most = 0.3 * np.sqrt(1.0 + left.DOUBT * np.sqrt(2.0 / (left.WORTH * 400)))
+    assert heard(0.99 * 1.2 / left.HEARD) == pytest.approx(most)
+    assert heard(1.01 * 1.2 / left.HEARD) == 0.0
+    assert heard(0.99 * 0.075 / left.HEARD, "force") == pytest.approx(most)
+    assert heard(1.01 * 0.075 / left.HEARD, "force") == 0.0
     assert heard(0.1, moved=1e-3) == 0.0

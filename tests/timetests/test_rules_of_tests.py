@@ -128,7 +128,7 @@ def test_an_effect_is_untold_where_lines_do_what_it_did(slope, log, told):
     )
     found = material._Search.untold(search, weights, np.zeros(1))
     # Against it the row is off by 0.3 - slope, with it by 0.3 + slope: the nearer counts.
-    nearer = np.isinf(slope) or (slope - 0.3) ** 2 - 0.09 < material.SEEN
+    nearer = np.isinf(slope) or (slope - 0.3) ** 2 - 0.09 < material.TWO_DEVIATIONS
     if log:
         assert bool(found) == nearer
     else:

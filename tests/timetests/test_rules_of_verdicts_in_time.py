@@ -13,8 +13,8 @@ from springpot.diagnosis.evidence import unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.measurement import TimeTest
 from springpot.thresholds import EVIDENCE, VERDICT
+from springpot.timetests import exponentials, verdict, where
 from springpot.timetests import tried as trying
-from springpot.timetests import verdict
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 
@@ -249,3 +249,49 @@ def test_the_beginning_of_a_step_is_left_out_where_it_fails_from_the_first_sampl
     place = SimpleNamespace(low=low, high=2.0)
     steps = list(verdict._steps([part], "unexplained", [place]))
     assert steps == ([leaving_out_the_beginning(3.0)] if told else [])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("part", "word"), [(0, "storage"), (1, "loss")])
+@pytest.mark.parametrize(
+    ("errors", "side"), [([6.0, -1.0, -1.0], "larger"), ([2.0, 2.0, -5.0], "smaller")]
+)
+def test_what_misses_a_sweep_most_is_larger_or_smaller_by_its_mean(sign, part, word, errors, side):
+    """Further from nothing, whatever the sign of what was measured."""
+    omega, values = np.geomspace(1.0, 100.0, 6), np.full(6, sign * (1.0 + 1.0j))
+    sweep = springpot.Measurement(omega, values)
+    residual = np.zeros((2, 6))
+    residual[part, 3:] = sign * np.array(errors)
+    (place,) = where.places_in_sweep(sweep, residual.ravel())
+    assert f"the model's {word} is {side} there" in place.says
+    assert (place.low, place.high) == pytest.approx(sweep.frequency[[3, 5]])
+
+
+@pytest.mark.parametrize("control", ["displacement", "force"])
+def test_exponentials_follow_a_material_and_the_force_of_what_is_beside_it(control):
+    """Under a displacement K of Maxwell elements, under a force 1/K of Kelvin elements."""
+    time = np.linspace(0.0, 50.0, 300)
+    test = TimeTest(time, np.ones(300), springpot.measurement.Loading.step(), control, "mm", "N")
+    known = np.geomspace(1e-4, 1e4, 9)
+    quick = SimpleNamespace(test=test, known=(known, np.ones(9)))
+    kind = exponentials.QuickPart
+    for name in ("band", "times", "omega", "share"):
+        attribute = vars(kind)[name]
+        read = attribute.fget if isinstance(attribute, property) else attribute.func
+        setattr(quick, name, read(quick))
+    quick.solver = vars(kind)["solver"].func(quick)
+    quick._asked = lambda change: kind._asked(quick, change)
+    s, tau = 1j * quick.omega, 7.0
+    change = 3.0 + 2.0 * s * tau / (1.0 + s * tau)
+    beside = [0.4, 0.0]
+    if control == "force":
+        change, beside = 3.0 + 2.0 / (1.0 + s * tau), [0.0, 0.0]
+    change = change + beside[0] * s
+    (amounts,) = kind.followed(quick, change[None]).T
+    turned = s[:, None] * quick.times
+    if control == "force":
+        curve = amounts[0] + amounts[1] / s + (amounts[3:] / (1.0 + turned)).sum(1)
+    else:
+        curve = amounts[0] + amounts[1] * s + (amounts[3:] * turned / (1.0 + turned)).sum(1)
+    np.testing.assert_allclose(curve[:-2], change[:-2], rtol=1e-3)
+    assert amounts[1] == pytest.approx(beside[0], abs=0.01)

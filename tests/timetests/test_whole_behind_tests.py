@@ -32,13 +32,12 @@ from springpot.timetests import (
     digits,
     exponentials,
     floor,
-    imposed_noise,
     lines,
     scatter,
     start,
     where,
 )
-from springpot.timetests.left import Left
+from springpot.timetests.left import Left, felt, imposed_noise
 from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.specimen import Scales, runs_against, tries_of
@@ -84,7 +83,7 @@ def test_a_test_as_numbers(name, stays):
             part.places(missed), list(lines.lines_in(part, missed)),
         ],
         "spectrum": convex.lines_of(part),
-        "felt": imposed_noise.felt(part, model, theta, 293.15),
+        "felt": felt(part, model, theta, 293.15),
         "scatter": vars(part.scatter(missed)),
     }  # fmt: skip
     if name != "swept":
@@ -92,8 +91,7 @@ def test_a_test_as_numbers(name, stays):
             "against": runs_against(test),
             "apparent": part.apparent and [part.apparent.omega, part.apparent.stiffness],
             "digit": digits.digit_of(test.response),
-            "imposed": len(test.loading.value) > 9
-            and imposed_noise.imposed_noise(test.loading.value),
+            "imposed": len(test.loading.value) > 9 and imposed_noise(test.loading.value),
         }
         scales = Scales.of([part])
         found["tries"] = {

@@ -12,7 +12,7 @@ import pytest
 from browsing import IN_A_BROWSER, Open
 
 import springpot
-from springpot.diagnosis.examination import silent
+from springpot.diagnosis.result import silent
 from springpot.errors import DataError
 from springpot.report.text import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
@@ -82,6 +82,12 @@ def test_every_effect_that_was_fitted_comes_with_its_curve(answer: dict[str, Any
     left = np.array(preview["planes"]["signal"]["storage"])
     width = np.array(answer["model"]["planes"]["signal"]["width"])
     assert np.sqrt(np.mean((left / width) ** 2)) < 2.0
+
+
+def test_parameters_tell_how_they_move_together(answer: dict[str, Any]):
+    k, c = answer["parameters"]
+    assert k["correlated"] == {"c": c["correlated"]["k"]}
+    assert 0.1 < abs(k["correlated"]["c"]) < 1.0
 
 
 def test_views_are_told_to_the_page_as_data(relaxed: dict[str, Any]):

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from browsing import IN_A_BROWSER, Open
 
-from springpot.diagnosis.examination import silent
+from springpot.diagnosis.result import silent
 from springpot.errors import DataError, OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.web import Workbench

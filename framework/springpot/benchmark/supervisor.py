@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.identification.runs import AGREE, miscounted, mistraced, same
+from springpot.identification.runs import miscounted, mistraced, same
 from springpot.processes import end_group
 
+from ..numerics import ALIKE
 from .cases import drawn
 from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel, answer
 from .plan import Plan, WorkOrder
@@ -105,7 +106,7 @@ def _equal(own: Mapping[str, float], claimed: Mapping[str, float] | None) -> boo
         return False
     return bool(
         np.allclose(
-            list(own.values()), list(claimed.values()), rtol=AGREE, atol=0.0, equal_nan=True
+            list(own.values()), list(claimed.values()), rtol=ALIKE, atol=0.0, equal_nan=True
         )
     )
 

@@ -28,12 +28,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
+from springpot.errors import LONGEST_REASON
 from springpot.identification.problem import SpecimenProblem, watched
 from springpot.identification.recorder import Recorder, all_points
 from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ROUNDING
 from .cases import drawn, noise_free, noisy, problem_of, truth_fits
 from .plan import Cell, Plan, RaceCase, WorkOrder
 
@@ -167,7 +169,7 @@ def geometric_grid(last: int, per_decade: int = 20) -> NDArray[np.int64]:
     """Evaluation numbers (m,) from 1 to `last` in equal ratios, both ends included."""
     steps = np.arange(int(per_decade * np.log10(max(last, 1))) + 1)
     # A power that rounding has left just below a whole number is that number.
-    numbers = np.floor(10.0 ** (steps / per_decade) * (1 + 1e-12)).astype(np.int64)
+    numbers = np.floor(10.0 ** (steps / per_decade) * (1 + ROUNDING)).astype(np.int64)
     return np.unique(np.append(numbers[numbers <= last], last))
 
 
@@ -175,10 +177,6 @@ def at(evaluations: NDArray[np.int64], values: Real, grid: NDArray[np.int64]) ->
     """Value (m,) of a trace at evaluation numbers `grid` (m,), infinite before its first point."""
     index = np.searchsorted(evaluations, grid, side="right")
     return np.concatenate([[inf], values])[index]
-
-
-LONGEST_REASON = 300
-"""Signs of a reason that are kept: the message of an error may hold whole arrays."""
 
 
 class Status(StrEnum):

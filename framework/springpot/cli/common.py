@@ -31,6 +31,12 @@ FOLDER = click.Path(path_type=Path)
 """Where a command puts files, or finds those of earlier ones."""
 POSITIVE = click.IntRange(min=1)
 
+SPACED = 25
+"""Points of a range, evenly spaced in the logarithm.
+
+Eight and more for each decade of a usual sweep.
+"""
+
 
 def _files_meant(text: str) -> list[str]:
     """Names that a file may have where a part, columns and rows may be chosen behind it.
@@ -447,3 +453,28 @@ def emit(result: Any, as_json: bool, show: Callable[[], None], line: bool = Fals
         print_json(result)
     else:
         show()
+
+
+def numbers(text: str) -> list[float]:
+    """The numbers of ``1,5,10``, or those of a range ``0.1..100``.
+
+    Raises
+    ------
+    click.UsageError
+        If there are none.
+    """
+    from numpy import geomspace
+
+    first, dots, last = text.partition("..")
+    try:
+        if not dots:
+            return [float(part) for part in text.split(",")]
+        low, high = float(first), float(last)
+    except ValueError:
+        # Refused below, as a range that does not rise is.
+        low, high = 0.0, 0.0
+    if not 0.0 < low < high < float("inf"):
+        advice = "write numbers with commas, or a range such as 0.1..100"
+        raise click.UsageError(f"'{text}': {advice}", click.get_current_context())
+    spaced: list[float] = geomspace(low, high, SPACED).tolist()
+    return spaced

@@ -26,7 +26,7 @@ from .onward import suggested
 from .waiting import Waiting
 
 if TYPE_CHECKING:
-    from springpot.comparison.comparing import Comparison
+    from springpot.comparison.result import Comparison
     from springpot.measurement.measurement import Measurement
     from springpot.rheology.model import Model
 
@@ -103,7 +103,7 @@ def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> s
 
     Else what is missing from the best model, or its parameters where nothing is.
     """
-    from springpot.comparison.ranking import Ranking
+    from springpot.comparison.result import Ranking
 
     # Before any model: what sets several tests apart is part of none.
     if comparison.one_test:

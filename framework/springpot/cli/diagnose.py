@@ -100,7 +100,7 @@ Shown = Callable[["Diagnosis", "Measurement"], None]
 
 def _answer(measurement: Measurement, arguments: dict[str, Any], shown: Shown) -> None:
     from springpot.api import diagnose
-    from springpot.diagnosis.examination import within
+    from springpot.diagnosis.result import within
 
     with Waiting() as waiting:
         diagnosis: Any = diagnose(

@@ -267,7 +267,7 @@ def _next(ladder: Ladder, data: Sequence[str], model: str | None) -> str:
 def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
     """The ladder, as far as it was waited for, and the exit code that says which."""
     from springpot.api import discover
-    from springpot.diagnosis.examination import within
+    from springpot.diagnosis.result import within
     from springpot.measurement.opening import together
 
     # Ladders as far as they came, so that Ctrl-C costs the step that was under way and no more.

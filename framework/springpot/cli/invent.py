@@ -65,7 +65,7 @@ def command(
     law.json' makes a plugin of it.
     """
     from springpot.api import invent
-    from springpot.diagnosis.examination import within
+    from springpot.diagnosis.result import within
     from springpot.files import require_writable, write_text
     from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path

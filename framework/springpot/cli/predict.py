@@ -10,16 +10,10 @@ import click
 from springpot.identified import no_fit
 
 from . import timetests
-from .common import DATA, FILE, INPUT, at_place, emit, geometry_option, json_option
+from .common import DATA, FILE, INPUT, at_place, emit, geometry_option, json_option, numbers
 
 if TYPE_CHECKING:
     from springpot.identification.prediction import Prediction
-
-SPACED = 25
-"""Points of a range, evenly spaced in the logarithm.
-
-Eight and more for each decade of a usual sweep.
-"""
 
 
 @click.command(
@@ -126,31 +120,6 @@ def _require_one_question(
     if geometry is not None and history is None:
         advice = "--geometry is that of a --history: frequencies have none"
         raise click.UsageError(advice, click.get_current_context())
-
-
-def numbers(text: str) -> list[float]:
-    """The numbers of ``1,5,10``, or those of a range ``0.1..100``.
-
-    Raises
-    ------
-    click.UsageError
-        If there are none.
-    """
-    from numpy import geomspace
-
-    first, dots, last = text.partition("..")
-    try:
-        if not dots:
-            return [float(part) for part in text.split(",")]
-        low, high = float(first), float(last)
-    except ValueError:
-        # Refused below, as a range that does not rise is.
-        low, high = 0.0, 0.0
-    if not 0.0 < low < high < float("inf"):
-        advice = "write numbers with commas, or a range such as 0.1..100"
-        raise click.UsageError(f"'{text}': {advice}", click.get_current_context())
-    spaced: list[float] = geomspace(low, high, SPACED).tolist()
-    return spaced
 
 
 def show(predicted: Prediction) -> None:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .comparing import Comparison as Comparison
-    from .comparing import Judgement as Judgement
-    from .ranking import Ranking as Ranking
     from .ranking import rank as rank
+    from .result import Comparison as Comparison
+    from .result import Judgement as Judgement
+    from .result import Ranking as Ranking
 
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "comparing": "Comparison Judgement",
-        "ranking": "rank Ranking",
+        "result": "Comparison Judgement Ranking",
+        "ranking": "rank",
     },
 )

@@ -11,21 +11,20 @@ it gains from noise. Adequate are those of them that leave no more than noise, b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple, Self
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis.examination import Progress, silent
-from springpot.diagnosis.ladder import Ladder, discover
+from springpot.diagnosis.discovery import discover
+from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
+from springpot.identification.fitting import STARTS
 from springpot.identification.material import is_material
-from springpot.identification.problem import weighted
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic
+from springpot.misfit.floor import fitted_to_floor, is_arithmetic
 from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.material import MaterialFloor, any_material, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
@@ -34,16 +33,9 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
-from .comparing import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
+from .comparing import effects_of, harmonics_of, judgements, material_floors
+from .result import LOOKED_AT, Judgement, Ranking, Skipped
 
-STARTS = 8
-"""Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
-NEXT = 3
-"""Models shown beside the adequate ones, which tell how much worse the next are."""
-LOOKED_AT = 20
-"""Of the others, how many are looked at for these."""
-MOST_DRAWN = 6
-"""Models in a picture: more colours are not told apart."""
 TOO_FREE = (
     "what a free spectrum leaves is less,"
     " but by it none or only models of many parameters would be adequate"
@@ -55,136 +47,6 @@ ONE_FREQUENCY = "at one frequency any two parameters do the same"
 """Why a model of more is not fitted there."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
-
-
-class Skipped(NamedTuple):
-    """A model that these data cannot judge, and why."""
-
-    model: str
-    reason: str
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Ranking(Comparison):
-    """All installed models: the simplest adequate one first, the inadequate by their evidence.
-
-    Attributes
-    ----------
-    ladder : Ladder
-        The discovery from any material: what was accepted beside every model.
-    adequate : tuple of Judgement
-        Models beside which no material does better than noise allows and which leave no more than
-        noise, those with the fewest parameters first.
-    near : tuple of Judgement
-        Models beside which no material does better either, where any material leaves more than
-        noise.
-    skipped : tuple of Skipped
-        Models that were not fitted.
-
-    Examples
-    --------
-    >>> import numpy as np, springpot
-    >>> from springpot.comparison import rank
-    >>> names = ("kelvin-voigt", "fractional-zener", "fractional-maxwell")
-    >>> models = [springpot.parse_model(name) for name in names]
-    >>> effects = [springpot.plugins().effect(name) for name in ("inertia", "time-delay")]
-    >>> data = springpot.read("artificial-hidden")
-    >>> ranking = rank(data, models, effects, np.random.default_rng(0))
-    >>> [judged.model.name for judged in ranking.adequate]
-    ['fractional-maxwell + inertia + time-delay', 'fractional-zener + inertia + time-delay']
-    """
-
-    ladder: Ladder
-    adequate: tuple[Judgement, ...]
-    near: tuple[Judgement, ...]
-    skipped: tuple[Skipped, ...]
-
-    @property
-    def best(self) -> Judgement:
-        """The simplest adequate model, or the simplest near one.
-
-        Else that with the least information criterion.
-        """
-        return self.judgements[0]
-
-    @cached_property
-    def groups(self) -> tuple[tuple[Judgement, ...], ...]:
-        """Adequate and near models, grouped where the noise cannot tell their curves apart."""
-        return (*grouped(self.adequate), *grouped(self.near))
-
-    @cached_property
-    def next(self) -> tuple[Judgement, ...]:
-        """The best of those that are not adequate, one of each kind of curve."""
-        nearest = self.judgements[len(self.adequate) + len(self.near) :][:LOOKED_AT]
-        return tuple(group[0] for group in grouped(nearest)[:NEXT])
-
-    @property
-    def shown(self) -> tuple[Judgement, ...]:
-        """One of each group, and the best of those that are not adequate."""
-        return (*(group[0] for group in self.groups), *self.next)[:MOST_DRAWN]
-
-    @cached_property
-    def says(self) -> str:
-        """The answer in one sentence."""
-        name = self.best.model.name
-        if self.adequate:
-            return (
-                f"the simplest model that follows these data as well as any material does is {name}"
-            )
-        if self.near and beyond_floor(self.best.refit):
-            return (
-                f"{name} is as near as any linear material, but not at the noise: what is missing"
-                " is no part of the material"
-            )
-        if self.near and self.best.error.is_hardly_noise:
-            return f"{name} is as near as any linear material, but {self.best.error.advice}"
-        # As large as noise, and no noise by its pattern, or of too few numbers to tell.
-        if self.near:
-            return f"{name} is as near as any linear material: {self.best.says}"
-        return (
-            "no installed model follows these data as well as any material does; the nearest is"
-            f" {name}"
-        )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.comparison/2``, with the ranking."""
-        last = self.ladder.steps[-1]
-        return {
-            **super().to_dict(),
-            "ranking": {
-                "says": self.says,
-                "accepted": [effect.name for effect in last.model.effects],
-                "material": last.to_dict(),
-                "adequate": [one.model.name for one in self.adequate],
-                "near": [one.model.name for one in self.near],
-                "classes": [[one.model.name for one in group] for group in self.groups],
-                "next": [one.model.name for one in self.next],
-                "skipped": [one._asdict() for one in self.skipped],
-                "discovery": self.ladder.to_dict(),
-            },
-        }
-
-    @classmethod
-    def from_dict(cls, answer: Mapping[str, Any]) -> Self:
-        """What `to_dict` gave."""
-        ranking, kept = super().from_dict(answer), answer["ranking"]
-        judged = {one.model.name: one for one in ranking.judgements}
-        # Curves that are told apart by their fits.
-        groups = tuple(tuple(judged[name] for name in names) for names in kept["classes"])
-        following = tuple(judged[name] for name in kept["next"])
-        vars(ranking).update(next=following, groups=groups, says=kept["says"])
-        return ranking
-
-    @classmethod
-    def further(cls, answer: Mapping[str, Any], judged: Mapping[str, Judgement]) -> dict[str, Any]:
-        """The discovery behind a ranking, and its models by their merit."""
-        kept = answer["ranking"]
-        return {
-            "ladder": Ladder.from_dict(kept["discovery"]),
-            "adequate": tuple(judged[name] for name in kept["adequate"]),
-            "near": tuple(judged[name] for name in kept["near"]),
-            "skipped": tuple(Skipped(**row) for row in kept["skipped"]),
-        }
 
 
 def rank(
@@ -469,30 +331,7 @@ def _is_read_at_one_frequency(model: Model, effects: Sequence[Effect], data: Mea
     return at_one_frequency(data) and not model.needs and not shifted
 
 
-def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
-    """Models in order, each with the later ones whose curves the noise cannot tell from its own."""
-    groups: list[list[Judgement]] = []
-    # Against the first of each group only, or a chain of close neighbours would join curves that
-    # are far apart.
-    for one in judgements:
-        known = next(
-            (group for group in groups if _distance(group[0].refit, one.refit) < COMPARISON.alike),
-            None,
-        )
-        if known is None:
-            groups.append([one])
-        else:
-            known.append(one)
-    return tuple(map(tuple, groups))
-
-
 def _with(effects: tuple[Effect, ...]) -> str:
     if not effects:
         return ""
     return f" with {' and '.join(effect.name for effect in effects)}"
-
-
-def _distance(one: Refit, other: Refit) -> float:
-    """Standard deviations of the noise between two fitted curves, over all points together."""
-    apart = weighted(one.stiffness - other.stiffness, one.noise.weights, one.noise.turn)
-    return float(np.linalg.norm(apart))

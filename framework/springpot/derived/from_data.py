@@ -27,6 +27,13 @@ ENDS = 3
 """Points at an end of a sweep whose median tells what storage is there."""
 FITTED = 4.0
 """Falls up to so many times that are fitted: what comes later is another story."""
+STEPS = 60
+"""Steps at most of a search by Newton's rule, which mostly takes five."""
+ROUNDS = 6
+"""Times that the points before a fall are chosen by the last fit; they mostly stay from the second.
+"""
+LARGEST = 300.0
+"""Exponents beyond which powers have no number."""
 
 
 class Read(NamedTuple):
@@ -76,7 +83,7 @@ def crossings(x: Real, y: Real) -> Iterator[tuple[float, Read]]:
     found: list[float] = []
     for i in np.flatnonzero(np.sign(y[:-1]) * np.sign(y[1:]) < 0):
         place = float(x[i])
-        for _ in range(20):
+        for _ in range(STEPS):
             curve = read(x, y, place)
             if not curve.slope:
                 break
@@ -176,7 +183,7 @@ def _plateau(x: Real, sweep: OneSweep, data: Measurement) -> Iterator[Quantity]:
     """Storage at the least loss factor, where that is a minimum and no end."""
     damping = sweep.loss - sweep.storage
     place = float(x[np.argmin(damping)])
-    for _ in range(20):
+    for _ in range(STEPS):
         curve = read(x, damping, place)
         if curve.bend <= 2.0 * np.sqrt(curve.covariance[2, 2]):
             return
@@ -273,7 +280,7 @@ def linear_limit(x: Real, storage: Real) -> tuple[float, float, int] | None:
     """
     depth = -float(np.log1p(-FALL))
     level = float(np.median(storage[:ENDS]))
-    for _ in range(6):
+    for _ in range(ROUNDS):
         deep = np.flatnonzero(level - storage > FITTED * depth)
         used = max(int(deep[0]) if len(deep) else len(x), FEWEST)
         theta, covariance, dof = _onset(x[:used], storage[:used], level, depth)
@@ -291,14 +298,14 @@ def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, in
     theta, dof = np.array([level, float(start), 2.0]), len(x) - 3
 
     def model(at: Real) -> tuple[Real, Real]:
-        power = np.exp(np.clip(at[2] * (x - at[1]), -300.0, 300.0))
+        power = np.exp(np.clip(at[2] * (x - at[1]), -LARGEST, LARGEST))
         slopes = [np.ones_like(x), depth * at[2] * power, -depth * (x - at[1]) * power]
         return at[0] - depth * power, np.column_stack(slopes)
 
     def cost(at: Real) -> float:
         return float(np.sum((y - model(at)[0]) ** 2))
 
-    for _ in range(60):
+    for _ in range(STEPS):
         value, slopes = model(theta)
         step, *_ = np.linalg.lstsq(slopes, y - value, rcond=None)
         size = 1.0

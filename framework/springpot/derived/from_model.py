@@ -33,6 +33,8 @@ RISEN = 1e-4
 
 More would bend it, and less would lose digits.
 """
+HALVED = 50
+"""Times that an interval is halved, which leaves nothing of it but rounding."""
 STEP = 1e-3
 """Of differences of exact slopes along ln omega."""
 
@@ -145,7 +147,7 @@ class OfModel:
             if rising and values[i] > 0.0:
                 continue
             low, high = x[i], x[i + 1]
-            for _ in range(50):
+            for _ in range(HALVED):
                 middle = 0.5 * (low + high)
                 value = self.logs(np.array([middle])).damping[which][0]
                 if value * values[i] > 0.0:

@@ -32,6 +32,7 @@ from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, VERDICT
 
+from ..numerics import SMALLEST
 from .actions import ToDo, leaving_out, splitting, turning
 from .contest import openness, worth_telling_apart
 from .evidence import Evidence, best_with
@@ -141,7 +142,7 @@ def _beside(row: Candidate, leader: str, pair: Grown, alone: dict[str, Grown]) -
 
 def _predicted(before: Refit, left: float) -> float:
     """Relative error that is foretold, from the sum of squares that is."""
-    return before.error * float(np.sqrt(max(left, 0.0) / max(before.rss, 1e-300)))
+    return before.error * float(np.sqrt(max(left, 0.0) / max(before.rss, SMALLEST)))
 
 
 def _effect_verdict(
@@ -197,7 +198,7 @@ def course_instead(evidence: Evidence, verdict: Verdict) -> Course | None:
         What they amount to without the time.
     """
     search = evidence.search
-    drifts = search.repeats.p_value < VERDICT.repeats_alarm
+    drifts = search.repeats.p_value < VERDICT.beyond_doubt
     if verdict == "adequate" and not drifts:
         return None
     frame = search.base.frame()

@@ -20,7 +20,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EXPERIMENT
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, MOST_STEPS, SMALLEST
 from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
@@ -30,8 +30,6 @@ Of frequencies, a temperature or an empty rig, which take a while; of a
 specimen that must be made, or of several repeats."""
 ENOUGH = 3.0
 """Times the separation that settles the matter beyond which more is worth nothing."""
-EVALUATIONS = 40
-"""Evaluations of a fit of one explanation to the other."""
 FAR = 1000000000.0
 """Stands for a difference beyond all numbers."""
 TRIED = 3
@@ -114,7 +112,7 @@ class Contest(ABC):
         bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
         with np.errstate(divide="ignore", invalid="ignore"):
             limits = np.where(logs[:, None], np.log(bounds), bounds)
-        start = np.where(logs, np.log(np.maximum(self.rival.theta, 1e-300)), self.rival.theta)
+        start = np.where(logs, np.log(np.maximum(self.rival.theta, SMALLEST)), self.rival.theta)
         # The solver refuses a start on a bound, where fits often end.
         inside = np.clip(start, limits[:, 0] + ALIKE, limits[:, 1] - ALIKE)
 
@@ -138,7 +136,7 @@ class Contest(ABC):
             jacobian,
             (limits[:, 0], limits[:, 1]),
             x_scale="jac",
-            max_nfev=EVALUATIONS,
+            max_nfev=MOST_STEPS,
         )
         return float(np.sqrt(2.0 * nearest.cost))
 
@@ -264,7 +262,7 @@ def worth_telling_apart(chances: Mapping[str, float]) -> tuple[str, str] | None:
     """
     if openness(chances) < EXPERIMENT.rival:
         return None
-    if sorted(chances.values())[-2] < EXPERIMENT.believed:
+    if sorted(chances.values())[-2] < EXPERIMENT.rival:
         return None
     first, second = sorted(chances, key=lambda name: -chances[name])[:2]
     return first, second

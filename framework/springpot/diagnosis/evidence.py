@@ -15,10 +15,12 @@ from springpot.identification.held_material import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
+from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
+from ..numerics import ROUNDING, SMALLEST
 from .grown import Grown, Search, SweepDrift, drift_in_place
 from .marginal import (
     Unknown,
@@ -148,7 +150,7 @@ class Evidence:
         # not its name.
         impossible = sum(one.probability for one in explanations if one.grown.beyond_physics)
         explanations = [_if_possible(one) for one in explanations]
-        by_itself, unknown = unknown, min(unknown + impossible, EVIDENCE.most_unknown)
+        by_itself, unknown = unknown, min(unknown + impossible, 1.0 - ROUNDING)
         explanations.sort(key=lambda one: -one.probability)
         explanations, fault = _beside_a_fault(search, explanations)
         # What needs a condition that was not varied by itself shares the place of the likeliest
@@ -271,7 +273,7 @@ class Evidence:
 
     def _with_unknown(self, unknown: float) -> Evidence:
         unknown = float(unknown)
-        share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        share = (1.0 - unknown) / max(1.0 - self.unknown, SMALLEST)
         # All by one factor: what the unknown takes says nothing of which known explanation is
         # right.
         scaled = tuple(
@@ -467,7 +469,7 @@ def chances_of(logs: Real, log_unknown: float = -np.inf) -> tuple[Real, float]:
     weights = np.exp(logs - logs.max())
     # Within the exponents that a floating-point number has.
     odds = float(np.exp(np.clip(log_unknown - logs.max() - np.log(np.sum(weights)), -700, 700)))
-    unknown = min(odds / (1.0 + odds), EVIDENCE.most_unknown)
+    unknown = min(odds / (1.0 + odds), 1.0 - ROUNDING)
     weights *= (1.0 - unknown) / np.sum(weights)
     return weights, unknown
 
@@ -517,7 +519,7 @@ def unknown_odds(p_value: float) -> float:
     """
     # The bound holds below 1/e only; and the logarithm of a chance of zero would make the unknown
     # certain.
-    p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
+    p_value = min(max(p_value, ROUNDING), float(np.exp(-1.0)))
     return float(EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value)))
 
 
@@ -585,7 +587,7 @@ def log_prior(grown: Grown, library: float) -> float:
     for effect in grown.effects:
         prior *= effect.prior / library
     prior *= EVIDENCE.beyond_physics ** len(grown.beyond_physics)
-    return float(np.log(max(prior, 1e-300)))
+    return float(np.log(max(prior, SMALLEST)))
 
 
 def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
@@ -595,10 +597,7 @@ def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
     # change the answer.
     for each in sorted(grown, key=lambda one: one.names):
         key = tuple(sorted(each.names))
-        if (
-            key not in best
-            or each.refit.log_evidence > best[key].refit.log_evidence + EVIDENCE.rounding
-        ):
+        if key not in best or each.refit.log_evidence > best[key].refit.log_evidence + NEGLIGIBLE:
             best[key] = each
     return list(best.values())
 

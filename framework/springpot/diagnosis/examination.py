@@ -7,21 +7,20 @@ In units of a noise that is borne out, and without points that no physics explai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError
 from springpot.format_numbers import counted
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.measurement.independence import steadied
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.drift_search import Course
 from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, sharpened
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.outliers import (
@@ -41,16 +40,13 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 
 from .answer import answer, course_instead
+from .case import Case
 from .evidence import Evidence
-from .grown import Search
+from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
-from .result import Diagnosis
-from .scan import scan_effects
+from .result import Diagnosis, Progress, silent
 from .search import search_from
 from .verdict import facts_of, rule_for
-
-Seek: TypeAlias = Callable[[Refit, Sequence[Effect], np.random.Generator], Search]
-"""Looks for what is missing from a fitted model among some effects."""
 
 
 def search_data(
@@ -244,121 +240,6 @@ def _require_enough(base: Refit, measurement: Measurement) -> None:
             " signals FILE... -o SWEEP.csv makes one table of records), or diagnose the record"
             " itself: columns time [s], displacement [mm], force [N]"
         )
-
-
-Progress: TypeAlias = Callable[[str], None]
-"""Called with a stage in a few words when it begins; whatever it raises ends the work."""
-
-
-def silent(stage: str) -> None:
-    """For those who do not ask."""
-
-
-def within(whole: str, progress: Progress) -> Progress:
-    """Stages of a part, told as such: ``step 1: fitting fractional-maxwell``."""
-
-    def part(stage: str) -> None:
-        progress(f"{whole}: {stage}")
-
-    return part
-
-
-class GrownBy(NamedTuple):
-    """A model with one more effect.
-
-    Attributes
-    ----------
-    model : Model
-        The grown model.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    refitted : bool
-        Whether it was fitted with the effect; else the effect stands where the scan puts it, and
-        the rest as before.
-    """
-
-    model: Model
-    theta: Real
-    refitted: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """All that a diagnosis found, for those who go on from it.
-
-    Attributes
-    ----------
-    search : Search
-        Fits and scans of the model.
-    naming : Search
-        Those by which effects are named: of the model, or of any material where the model does not
-        follow it.
-    floor : MaterialFloor
-        The least error that any material reaches.
-    evidence : Evidence
-        Of every effect.
-    outliers : tuple of Outlier
-        Points set aside.
-    diagnosis : Diagnosis
-        The answer.
-    course : Course or None
-        How the specimen changed with time, where that is what the misfit goes with.
-    drawn : mapping or None
-        State of the generator of simulated noise after it, from which a further rung goes on.
-    """
-
-    search: Search
-    naming: Search
-    floor: MaterialFloor
-    evidence: Evidence
-    outliers: tuple[Outlier, ...]
-    diagnosis: Diagnosis
-    course: Course | None = None
-    drawn: Mapping[str, Any] | None = None
-
-    def __repr__(self) -> str:
-        return f"<Case {self.diagnosis!r:.200}>"
-
-    def grown_with(self, effect: Effect) -> GrownBy:
-        """The model as accepting one effect would make it, without a new fit.
-
-        Parameters
-        ----------
-        effect : Effect
-            Scanned or not: the ``physics`` of a candidate, or any other.
-
-        Raises
-        ------
-        ModelError
-            If the model cannot take the effect, the data lack a column that it needs, or nothing is
-            known of it.
-
-        Examples
-        --------
-        >>> import springpot
-        >>> ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept="inertia")
-        >>> case = ladder.steps[0].case
-        >>> grown = case.grown_with(case.diagnosis.best.physics)
-        >>> grown.model.name, grown.refitted
-        ('fractional-maxwell + inertia', True)
-        """
-        base = self.search.base
-        # A fit that was made is better than what the scan foretells of it.
-        for grown in self.search.grown:
-            if grown.names == (effect.name,):
-                return GrownBy(grown.refit.identified.model, grown.refit.identified.theta, True)
-        if effect.by_levels:
-            raise ModelError(
-                f"{effect.name} has a factor for each level, which only a fit can tell"
-            )
-        if not effect.element.parameters:
-            raise ModelError(f"{effect.name} has no parameter, and nothing of it can be fitted")
-        require_conditions(base.model + effect, base.fit.measurement)
-        scores = [score for score in self.search.scan.scores if score.influence.effect == effect]
-        for score in scores or scan_effects(base, self.search.frame, [effect]).scores:
-            for theta in score.starts[:1]:
-                return GrownBy(score.influence.model, theta, False)
-        raise ModelError(f"{effect.name} changes nothing that these data show of {base.model.name}")
 
 
 def diagnose(

@@ -28,7 +28,7 @@ from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 
 from ..format_numbers import NAMED
-from ..numerics import ALIKE
+from ..numerics import ALIKE, SMALLEST
 from .contest import TYPED_IN, WAITED_FOR, WORKED_FOR, Contest, Pair, most_telling
 from .result import NextExperiment
 from .untold import COLUMN, Untold
@@ -237,7 +237,7 @@ class Clash(Contest):
             # Without a specimen the force is small, and its noise is not.
             floor = np.maximum(floor, float(np.median(size)))
         # The mean of so many repeats is quieter by the root of their number.
-        weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
+        weights = np.sqrt(self.action.repeats) / np.maximum(floor, SMALLEST)
         weights = weights / relative.real + 1j * weights / relative.imag
         return np.concatenate([self.truth.stiffness, new]), np.concatenate(
             [1.0 / noise.real + 1j / noise.imag, weights]

@@ -450,7 +450,7 @@ def _kinds(search: Search) -> list[Unknown]:
     effect is missing.
     """
     kinds = list(unknowns(search.frame))
-    if search.repeats.p_value < VERDICT.repeats_alarm:
+    if search.repeats.p_value < VERDICT.beyond_doubt:
         kinds = [kind for kind in kinds if not kind.says]
     return kinds
 
@@ -497,7 +497,7 @@ def _evidence_of(search: Search, kind: Unknown) -> float:
     """Log-evidence of one kind on top of the base model, the mean over its places."""
     frame = search.frame
     misfit = float(frame.rest @ frame.rest)
-    fair = search.base.fair_rss / max(search.base.rss, 1e-300)
+    fair = search.base.fair_rss / max(search.base.rss, SMALLEST)
     each = [
         _discounted(search, fair * (misfit - drop), kind.shapes, 1) for drop in kind.drops.tolist()
     ]

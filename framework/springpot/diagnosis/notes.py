@@ -239,7 +239,7 @@ def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iter
         yield f"diagnosed on {used} of the {measured} points"
     if search.base.data.gains is not None:
         yield _of_own_gains(search.base.data)
-    if search.repeats.p_value < VERDICT.repeats_alarm:
+    if search.repeats.p_value < VERDICT.beyond_doubt:
         yield (
             f"repeats differ by more than chance ({search.repeats.kind}):"
             " drift or a disturbance common to a sweep"

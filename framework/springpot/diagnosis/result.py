@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.identification.value import PartResult, Value, parts_of, values_of
@@ -34,6 +34,9 @@ MOST_ACCEPTED = 3
 """Effects that are offered to be accepted."""
 RENAMED = frozenset({"physics", "alike"})
 """Of a candidate: told as its effect and its class."""
+
+Progress: TypeAlias = Callable[[str], None]
+"""Called with a stage in a few words when it begins; whatever it raises ends the work."""
 
 
 @dataclass(frozen=True)
@@ -402,3 +405,16 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         return html_of(self)
+
+
+def silent(stage: str) -> None:
+    """For those who do not ask."""
+
+
+def within(whole: str, progress: Progress) -> Progress:
+    """Stages of a part, told as such: ``step 1: fitting fractional-maxwell``."""
+
+    def part(stage: str) -> None:
+        progress(f"{whole}: {stage}")
+
+    return part

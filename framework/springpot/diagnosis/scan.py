@@ -35,6 +35,8 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
+from ..numerics import ROUNDING, SMALLEST
+
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""
 SETTINGS_OF_ONE = 64
@@ -176,7 +178,7 @@ class Directions:
         columns = frame.whiten(influence.change[small]).T
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
-        share = length / np.maximum(np.sqrt(np.sum(columns * columns, axis=0)), 1e-300)
+        share = length / np.maximum(np.sqrt(np.sum(columns * columns, axis=0)), SMALLEST)
         # What the parameters follow but for rounding would be a direction of rounding, and as
         # likely as any to win.
         seen = share > LEAST_SEEN
@@ -487,7 +489,7 @@ def _joint_gain(unit: Real, rest: Real) -> tuple[Real, Real]:
     """Drop of the sum of squares by each two directions (m, m), and the step along the first."""
     cosine = unit.T @ unit
     along = unit.T @ rest
-    room = np.maximum(1.0 - cosine**2, 1e-12)
+    room = np.maximum(1.0 - cosine**2, ROUNDING)
     first = (along[:, None] - cosine * along[None, :]) / room
     # Both steps forward, as sizes are; of two directions that are nearly one the difference would
     # be rounding.

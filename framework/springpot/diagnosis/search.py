@@ -20,10 +20,12 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery, repeats_structure
+from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from ..numerics import SMALLEST
 from .asked import AskedSet, beside, once, one_more, two_more
 from .exchange import in_each_place
 from .grown import Grown, Search
@@ -215,8 +217,8 @@ def _spread(search: Search, change: Complex) -> float:
     size = np.hypot(*search.frame.whiten(change).reshape(2, -1))
     # Relative to the largest: what is taken out may have been held by what is left, and the square
     # of the rest be no number.
-    size /= max(float(size.max()), 1e-300)
-    return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), 1e-300)
+    size /= max(float(size.max()), SMALLEST)
+    return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), SMALLEST)
 
 
 def _taken_out(grown: Grown) -> Complex:
@@ -272,7 +274,7 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
         np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta
     )
     again = refit(own.model, search.base.data, search.base.noise, [start], starts=0)
-    if again.log_evidence > own.log_evidence + EVIDENCE.rounding:
+    if again.log_evidence > own.log_evidence + NEGLIGIBLE:
         return replace(grown, refit=again)
     return grown
 
@@ -281,9 +283,9 @@ def effort_of(search: Search) -> Effort:
     """No longer than it takes to tell that a grown model is no rival of the best one."""
     least = min((grown.refit.rss for grown in search.grown), default=inf)
     if least == inf:
-        return Effort(SEARCH.negligible)
+        return Effort(NEGLIGIBLE)
     half = search.base.rss - SEARCH.hopeless * (search.base.rss - least)
-    return Effort(SEARCH.negligible, max(half, least + 2.0 * SEARCH.decisive))
+    return Effort(NEGLIGIBLE, max(half, least + 2.0 * SEARCH.decisive))
 
 
 def sort_by_evidence(search: Search) -> None:

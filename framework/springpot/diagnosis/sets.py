@@ -31,7 +31,7 @@ from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
 
 if TYPE_CHECKING:
-    from .examination import Case
+    from .case import Case
 
 
 def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:

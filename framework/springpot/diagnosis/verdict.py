@@ -327,7 +327,7 @@ def _chance_of_pairs(n: int, m: int, pairs: int) -> float:
 
 def drifted(search: Search) -> bool:
     """Whether repeats differ by a drift: what they tell of the noise is then the drift's size."""
-    beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
+    beyond_chance = search.repeats.p_value < VERDICT.beyond_doubt
     apart = sets_apart(search.base.data)
     # Replicates of specimens differ by slow curves too, but not by one that goes on from run to
     # run. Of what curves of each run explain, not of all: beside a drift there is always scatter.
@@ -342,12 +342,12 @@ def _carried_on(search: Search) -> bool:
     chances = search.repeats.parts
     if not chances:
         return False
-    in_repeats = max(search.repeats.p_value, chances[NEIGHBOURS]) < VERDICT.repeats_alarm
+    in_repeats = max(search.repeats.p_value, chances[NEIGHBOURS]) < VERDICT.beyond_doubt
     # The mean of the repeats holds a part of the same errors, at right angles to what sets them
     # apart: a second witness. Of the product x of two chances that of noise is x - x ln x (Fisher
     # 1932).
     both = chances[NEIGHBOURS] * search.structure.parts["runs"]
-    in_both = both - both * float(np.log(both)) < VERDICT.repeats_alarm
+    in_both = both - both * float(np.log(both)) < VERDICT.beyond_doubt
     # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told
     # in a note.
     return (in_repeats or in_both) and sets_apart(search.base.data).curves < VERDICT.own_curves

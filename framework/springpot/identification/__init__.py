@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .batch import fit_batch as fit_batch
     from .fitting import identify as identify
     from .held_material import intervals_beside_material as intervals_beside_material
     from .held_material import is_passive as is_passive
@@ -84,6 +83,7 @@ if TYPE_CHECKING:
         run_batch as run_batch,
     )
     from .simulated import bootstrap as bootstrap
+    from .simulated import fit_batch as fit_batch
     from .space import SearchSpace as SearchSpace
     from .starts import Window as Window
     from .starts import settings as settings
@@ -102,7 +102,6 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "batch": "fit_batch",
         "fitting": "identify",
         "held_material": "intervals_beside_material is_passive within_material",
         "leastsquares": "levenberg_marquardt",
@@ -114,7 +113,7 @@ __getattr__, __dir__ = offered(
         "regularisation": "regularised",
         "result": "Identification",
         "runs": "BatchedOptimiser Card Optimiser OptimiserFamily run run_batch",
-        "simulated": "bootstrap",
+        "simulated": "bootstrap fit_batch",
         "space": "SearchSpace",
         "starts": "settings shown Window",
         "uncertainty": "held_costs profile Uncertainty",

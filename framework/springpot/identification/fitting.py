@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.errors import DataError, ModelError, OptionError
+from springpot.errors import LONGEST_REASON, DataError, ModelError, OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
@@ -124,12 +124,10 @@ def _told(optimiser: Optimiser, problem: Searched, told: dict[str, Any]) -> Run:
         factor=float(told["factor"]),
         processor=float(told["processor"]),
         # One line each, whatever a library has put into it.
-        remarks=tuple(" ".join(str(text).split())[:LONGEST_REMARK] for text in told["remarks"]),
+        remarks=tuple(" ".join(str(text).split())[:LONGEST_REASON] for text in told["remarks"]),
     )
 
 
-LONGEST_REMARK = 300
-"""Signs of what an optimiser says of its run."""
 NATIVE = "native"
 BUDGET = 8000
 """Evaluations of a restart: 20 particles and 400 time instances, as in section 5.1 of the paper."""

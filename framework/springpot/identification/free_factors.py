@@ -17,7 +17,7 @@ from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL, SUPERPOSITION
+from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, ROUNDING
 from .expected_factors import Expected, expectation
@@ -572,4 +572,4 @@ def _needless(flat: FactorRows, best: FactorRows) -> bool:
         return False
     count, dof = len(best.elements[-1].free), max(best.fit.dof, 1)
     gain = (flat.fit.cost - best.fit.cost) / (count * best.unit)
-    return bool(f_sf(gain, count, dof) >= SUPERPOSITION.alarm)
+    return bool(f_sf(gain, count, dof) >= VERDICT.structure_alarm)

@@ -21,9 +21,9 @@ from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SUPERPOSITION
+from springpot.thresholds import VERDICT
 
-from ..numerics import ROUNDING
+from ..numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST
 from .allowed_shifts import laws_of_shift, refused_laws
 from .known_factors import ends_of_factors
 from .levels_alone import alike
@@ -76,7 +76,7 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
     whole = float(residual @ residual)
     rest = max((whole - gain) / left, ROUNDING**2 * whole / left)
     mean = gain / spare
-    if not mean > rest or float(f_sf(mean / rest, spare, left)) >= SUPERPOSITION.alarm:
+    if not mean > rest or float(f_sf(mean / rest, spare, left)) >= VERDICT.structure_alarm:
         return None
     return float(np.sqrt(mean)), float(spare)
 
@@ -114,7 +114,7 @@ def _spanned(columns: Real, whole: Real | None = None) -> Real:
     size = np.linalg.norm(columns, axis=0)
     if whole is None:
         whole = size
-    kept = size > np.sqrt(RANK) * np.maximum(whole, 1e-300)
+    kept = size > np.sqrt(RANK) * np.maximum(whole, SMALLEST)
     if not np.any(kept):
         return np.zeros((len(columns), 0))
     left, values, _ = np.linalg.svd(columns[:, kept] / size[kept], full_matrices=False)
@@ -212,10 +212,6 @@ FIRST_STEP = 0.01
 """First step from the best fit, in coordinates, most of them logarithms: a per cent."""
 GROWTH = 1.6
 """Factor from step to step: thirty of them go from a per cent to ten decades."""
-MOST_STEPS = 40
-"""Steps after which an interval has no end."""
-PRECISE = 1e-4
-"""Error of an end, in coordinates: below the four digits that are printed."""
 
 
 def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
@@ -342,7 +338,7 @@ def _crossing(
     for _ in range(MOST_STEPS):
         outer = start + sign * min(step, abs(limit - start))
         if above(outer) > 0.0:
-            return float(brentq(above, inner, outer, xtol=PRECISE))
+            return float(brentq(above, inner, outer, xtol=PRINTED))
         if outer == limit:
             return None
         inner, step = outer, GROWTH * step

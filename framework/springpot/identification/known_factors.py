@@ -112,7 +112,7 @@ def known_factors(rows: FactorRows, fitted: Factors, factors: Factors, own: Alon
     flat = flat_levels(rows) & joined & others
     # A factor at the end of the search is where this ended, whatever its interval.
     ended = np.abs(fitted.log_a) >= (1.0 - ALIKE) * FURTHEST
-    wide = factors.reach_a >= SUPERPOSITION.undetermined
+    wide = factors.reach_a >= DECADE
     few = wide & (_frequencies(rows) < FEW)
     reasons = np.full(len(factors), "", dtype=object)
     # The gravest last, as it stands above the others.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, ROUNDING
+from ..numerics import ALIKE, ROUNDING, SMALLEST
 
 Rows: TypeAlias = NDArray[np.intp]
 Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
@@ -297,7 +297,7 @@ def _step(state: _State, lower: Real, upper: Real) -> Real:
     stiffest = diagonal.max(axis=1, keepdims=True)
     # A parameter that moves no residual has nothing on the diagonal: it is damped as if by a trace
     # of the stiffest.
-    diagonal += state.damping[:, None] * np.maximum(diagonal, 1e-8 * stiffest) + 1e-300
+    diagonal += state.damping[:, None] * np.maximum(diagonal, 1e-8 * stiffest) + SMALLEST
     if frozen.any():
         # Rows and columns of the unit matrix, which leave the other equations as they are.
         matrix[frozen] = 0.0
@@ -305,7 +305,7 @@ def _step(state: _State, lower: Real, upper: Real) -> Real:
         diagonal[frozen] = 1.0
         downhill = np.where(frozen, 0.0, downhill)
     step = _solved(matrix, downhill)
-    longest = np.abs(step).max(axis=1, keepdims=True, initial=1e-300)
+    longest = np.abs(step).max(axis=1, keepdims=True, initial=SMALLEST)
     shortened: Real = step * np.minimum(1.0, REACH / longest)
     return shortened
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import f_sf
+from springpot.distributions import LIKENESS, f_sf
 from springpot.measurement.independence import frequency_numbers
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.continuum import Continuum
@@ -16,9 +16,9 @@ from springpot.rheology.effect import Layer
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import SUPERPOSITION
+from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import ROUNDING
+from ..numerics import ROUNDING, SMALLEST
 from .material import is_material
 from .native import fit
 from .problem import Objective, default_objective, relative_objective
@@ -119,7 +119,7 @@ def each_alone(
             continue
         own = fit(material, part, objective)
         line = own.model.stiffness(own.theta, part.points)
-        cost[level], dof[level] = own.cost, own.dof - own.placed
+        cost[level], dof[level] = own.cost, own.dof
         error[level] = float(np.sqrt(np.mean(np.abs(line / part.stiffness - 1.0) ** 2)))
     return Alone(cost, dof, error, repeat_scatter(measurement, number))
 
@@ -197,8 +197,8 @@ def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
     if np.any(same):
         product = float(np.mean((pairs[1:] * pairs[:-1])[same]))
     # A negative correlation would narrow the intervals, on no more than a guess.
-    variance = max(float(np.mean(pairs**2)), 1e-300)
-    r = float(np.clip(product / variance, 0.0, SUPERPOSITION.most_alike))
+    variance = max(float(np.mean(pairs**2)), SMALLEST)
+    r = float(np.clip(product / variance, 0.0, LIKENESS))
     return (1.0 + r) / (1.0 - r)
 
 
@@ -338,7 +338,7 @@ def _by_own_size(
             if left <= SUPERPOSITION.missed:
                 continue
             ratio = (left / max(part.scatter, ROUNDING**2)) ** 2
-            if looked * float(f_sf(ratio, own.dof[level], part.dof)) < SUPERPOSITION.alarm:
+            if looked * float(f_sf(ratio, own.dof[level], part.dof)) < VERDICT.structure_alarm:
                 factors[level, i] = 1.0 / max(part.share, ROUNDING**2)
     return np.asarray(factors[:, 0] + 1j * factors[:, 1], dtype=np.complex128)
 
@@ -349,4 +349,4 @@ def _too_large(own: Alone) -> float:
     # Where each level's own material leaves as much as is given, it is that of scatter.
     if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return 0.0
-    return float(np.sqrt(dof / max(cost, 1e-300)))
+    return float(np.sqrt(dof / max(cost, SMALLEST)))

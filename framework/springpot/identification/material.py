@@ -24,10 +24,10 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE, ROUNDING
+from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
 from .coordinates import Coordinates
-from .problem import Objective, numbers_of, weighted
+from .problem import BLOCK, Objective, numbers_of, weighted
 from .trials import Solving, Trial, Way
 
 PER_DECADE = 3
@@ -45,10 +45,10 @@ REFINEMENTS = 3
 
 A single Maxwell element lies between lines.
 """
-ITERATIONS = 40
-"""Steps at most of a descent."""
 QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
+ITERATIONS = 40
+"""Steps at most of a descent."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
 WIDEST = 60.0 * float(np.log(10.0))
@@ -64,8 +64,6 @@ So that its residual tells something of the scatter. Most
 data with noise make it use far fewer lines; few or exact ones would be followed by a line for every
 number.
 """
-AT_ONCE = 7000
-"""Numbers of dK/dtheta that are worked out at once, so that they stay in the processor's cache."""
 STEP = float(np.log(10.0)) / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 FINE = STEP / 8
@@ -291,7 +289,7 @@ class SpectrumSearch:
         responses: dict[int, Response] = {}
         for rows in alike.values():
             one = trials[rows[0]]
-            most = max(1, AT_ONCE // (len(one.weights) * len(self.data)))
+            most = max(1, BLOCK // (len(one.weights) * len(self.data)))
             for some in (rows[k : k + most] for k in range(0, len(rows), most)):
                 for i, response in zip(some, self._at_once([trials[i] for i in some]), strict=True):
                     responses[i] = response
@@ -434,7 +432,7 @@ class SpectrumSearch:
         carrying = self.weigh(response.by_theta[:count][trial.weights > 0.0]).T
         # What the weights of the spectrum would take up of a change is no gain of the effects
         # (Golub and Pereyra).
-        basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
+        basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), SMALLEST))
         slopes = slopes - basis @ (basis.T @ slopes)
         if len(self.expected):
             residual = np.concatenate([residual, -self.surprise(trial.u)])
@@ -495,13 +493,13 @@ class SpectrumSearch:
         columns = self.weigh(response.by_theta[2 + len(trial.log_rates) : len(weights)])
         # Of columns of one size, so that the square of a slope is what a line there alone would
         # explain.
-        size = np.maximum(np.linalg.norm(columns, axis=1), 1e-300)
+        size = np.maximum(np.linalg.norm(columns, axis=1), SMALLEST)
         slope = columns @ self.weigh(self.data - response.value) / size
         worth = slope[1:-1] > NEGLIGIBLE * np.sqrt(trial.cost)
         peaks = 1 + np.flatnonzero((slope[1:-1] >= slope[:-2]) & (slope[1:-1] >= slope[2:]) & worth)
         before, at, after = slope[peaks - 1], slope[peaks], slope[peaks + 1]
         # The top of the parabola through three neighbours; of a flat one its middle.
-        bend = np.minimum(before - 2.0 * at + after, -1e-300)
+        bend = np.minimum(before - 2.0 * at + after, -SMALLEST)
         tops = grid[peaks] + 0.5 * FINE * (before - after) / bend
         # On a lattice of their own, so that what rounding adds to the data moves no line.
         return np.asarray(FINEST * np.unique(np.round(tops / FINEST)), dtype=np.float64)

@@ -27,7 +27,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
-from ..numerics import DECADE
+from ..numerics import DECADE, SMALLEST
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
@@ -131,7 +131,7 @@ def _vertex(values: Real, i: int) -> float:
     if not 0 < i < len(values) - 1:
         return 0.0
     before, here, after = values[i - 1 : i + 2]
-    return float(0.5 * (before - after) / max(before - 2.0 * here + after, 1e-300))
+    return float(0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST))
 
 
 def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
@@ -388,10 +388,11 @@ def fit_spectrum(
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
-    best = _on_closer_lines(search, best)
+    # Closer lines make no rival of what is hopeless.
+    best = _on_closer_lines(search, best) if best.cost <= hopeless else best
     if settings_of_each and expected is None:
-        lower = [end for end in _on_laws(search, measurement, objective) if end.cost < best.cost]
-        ends = (_on_closer_lines(search, end) for end in lower)
+        ends = _on_laws(search, measurement, objective)
+        ends = [_on_closer_lines(search, end) for end in ends if end.cost < best.cost]
         best = min(ends, key=lambda each: each.cost, default=best)
     return search.result(best, converged)
 

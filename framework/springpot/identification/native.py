@@ -24,8 +24,9 @@ from springpot.rheology.points import Real
 from ..numerics import ALIKE, NEGLIGIBLE
 from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
-from .material import FINE, STILL, is_material, own_parameters
+from .material import STILL, SpectrumSearch, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
+from .places import followed_by_places
 from .problem import Objective, Problem, default_objective, numbers_of, weighted
 from .recorder import Recorder
 from .space import require_conditions, require_size
@@ -119,13 +120,21 @@ class Fit:
         """The data as a batch of one."""
         return _task(self.model, self.measurement, self.objective)
 
-    @property
-    def dof(self) -> int:
+    @cached_property
+    def dof(self) -> float:
         """Degrees of freedom.
 
-        The numbers measured less the number of parameters that follow them.
+        The numbers measured less those that the parameters follow, and the places of a spectrum.
         """
-        return numbers_of(self.task.weights) - len(self.theta) + self.silent
+        left = numbers_of(self.task.weights) - len(self.theta) + self.silent
+        if not is_material(self.model):
+            return left
+        search = SpectrumSearch.of(self.model, self.measurement, self.objective)
+        follows = np.ones(len(self.theta), dtype=bool)
+        follows[: len(self.model.material.parameters)] = self._weights > 0.0
+        placed = followed_by_places(search, self.theta, self.residual, self.jacobian_u[:, follows])
+        # Of exact data the lines stand for numbers, of which no place can take more than there are.
+        return max(left - placed, min(left, 1.0))
 
     @property
     def silent(self) -> int:
@@ -135,22 +144,11 @@ class Fit:
         """
         if not is_material(self.model):
             return 0
-        return int(np.sum(self.theta[: len(self.model.material.parameters)] == 0.0))
+        return int(np.sum(self._weights == 0.0))
 
     @property
-    def placed(self) -> int:
-        """Lines of a spectrum that stand alone: of these the place follows the data as well.
-
-        A line goes where it explains most. Of two side by side the weights tell the place between
-        them; of one alone it is a further parameter, which is not among the weights.
-        """
-        material = self.model.material
-        if not isinstance(material, Continuum):
-            return 0
-        carrying = self.theta[2 : len(material.parameters)] > 0.0
-        places = np.sort(np.log(material.rates)[carrying])
-        apart = np.diff(places, prepend=-np.inf, append=np.inf) > FINE
-        return int(np.sum(apart[1:] & apart[:-1]))
+    def _weights(self) -> Real:
+        return self.theta[: len(self.model.material.parameters)]
 
     @cached_property
     def residual(self) -> Real:

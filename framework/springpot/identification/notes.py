@@ -16,6 +16,7 @@ from .kept import note_on_levels
 from .native import Fit
 from .specimens import told
 from .uncertainty import Uncertainty
+from .value import LOST
 
 WEAK = 1.0
 """Width of an interval, over its value, from which a parameter is called weakly identified."""
@@ -23,11 +24,6 @@ CORRELATED = 0.98
 """Correlation from which a pair is told.
 
 Either interval is then five times what it were with the other known.
-"""
-LOST = 1000.0
-"""Width of an interval, over its value, from which a parameter is not determined.
-
-Not even its decade is known.
 """
 LOOSE = 2.0
 """Given standard deviations that a misfit may be on average before intervals by them are called too

@@ -17,11 +17,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import SMALLEST
 from .kept import levels_in_words
+from .specimens import FEWEST
 from .value import Value
 
-FEWEST = 3
-"""Specimens from which their scatter is told: two leave one degree of freedom."""
 SIZES = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 400)])
 """Standard deviations between specimens, relative to the mean, among which it is sought."""
 
@@ -172,7 +172,7 @@ def component(value: Real, error: Real, design: Real) -> Component:
     """The scatter of values (n,) about `design` (n, b) times means, beside their errors (n, n)."""
     spread, ways = np.linalg.eigh(error)
     turned, columns = ways.T @ value, ways.T @ design
-    weight = 1.0 / (np.maximum(spread, 0.0) + SIZES[:, None] ** 2 + 1e-300)
+    weight = 1.0 / (np.maximum(spread, 0.0) + SIZES[:, None] ** 2 + SMALLEST)
     power = np.einsum("sn,nb,nc->sbc", weight, columns, columns)
     pull = np.einsum("sn,nb,n->sb", weight, columns, turned)
     means = np.linalg.solve(power, pull[..., None])[..., 0]
@@ -224,7 +224,7 @@ def of_one(
         mean, spare = float(outer.means[0]), design.shape[1] - 1
         variance = _of_mean(error, design, within, outer)
         # What is sure of itself stays where it is, wherever its batch is drawn to.
-        spread = error + (within.value**2 + 1e-300) * np.eye(count)
+        spread = error + (within.value**2 + SMALLEST) * np.eye(count)
         moved = error @ (outer.drawn - within.means)[groups]
         drawn = within.drawn + np.linalg.solve(spread, moved)
         compared = _compared(within, names, count, unit, log)
@@ -283,9 +283,9 @@ def _of_mean(error: Real, design: Real, within: Component, outer: Component) -> 
     """
     count = len(within.means)
     variance = float(outer.covariance[0, 0]) * outer.misfit / (count - 1)
-    whole = within.covariance + (outer.value**2 + 1e-300) * np.eye(count)
+    whole = within.covariance + (outer.value**2 + SMALLEST) * np.eye(count)
     share = np.linalg.solve(whole, np.ones(count))
-    single = np.linalg.solve(error + (within.value**2 + 1e-300) * np.eye(len(error)), design)
+    single = np.linalg.solve(error + (within.value**2 + SMALLEST) * np.eye(len(error)), design)
     weight = single @ within.covariance @ (share / share.sum())
     return max(variance, float(weight @ error @ weight))
 

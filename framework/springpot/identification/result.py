@@ -27,6 +27,7 @@ from springpot.rheology.parameters import SearchForm
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ROUNDING
 from .calibration import Calibration
 from .kept import (
     bounds_of,
@@ -108,7 +109,7 @@ def _shared(fit: Fit, form: SearchForm, x: Real) -> list[tuple[int, int]]:
     """
     names = fit.model.names[: len(form.parameters)]
     places = [(i, names.index(p.name)) for i, p in enumerate(form.parameters) if p.name in names]
-    return [(i, j) for i, j in places if np.isclose(x[i], fit.theta[j], rtol=1e-12)]
+    return [(i, j) for i, j in places if np.isclose(x[i], fit.theta[j], rtol=ROUNDING)]
 
 
 def _reach(known: Uncertainty, form: SearchForm, x: Real) -> Real:

@@ -15,17 +15,13 @@ import numpy as np
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NORMAL
+from ..numerics import MOST_STEPS, NEGLIGIBLE, NORMAL
 from .native import Fit
 from .problem import Objective
 from .uncertainty import Uncertainty
 
 TUNED = {"huber": 1.345, "soft-l1": 1.29}
 """Standard deviations at which a loss bends: of normal noise 95 % of the efficiency is kept."""
-ROUNDS = 60
-"""Of weighing anew; a third of them are needed where a tenth of the numbers is far off."""
-STILL = 1e-6
-"""Change of any weight that is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +76,7 @@ def robust_fit(
     """
     base, best = begun.objective, begun
     spare, counts = max(begun.dof, 1), np.ones(len(begun.residual))
-    for _ in range(ROUNDS):
+    for _ in range(MOST_STEPS):
         residual = replace(best, objective=base).residual
         scale = NORMAL * float(np.median(np.abs(residual))) * np.sqrt(len(residual) / spare)
         # Of a fit that goes through its data nothing is far off.
@@ -88,7 +84,7 @@ def robust_fit(
             return Uncertainty.of(begun), f"{loss}: no number lies off"
         found = np.sqrt(influence(residual / scale, loss)[0])
         moved, counts = float(np.max(np.abs(found - counts))), found
-        if moved < STILL:
+        if moved < NEGLIGIBLE:
             break
         best = refit(counted(base, counts, loss), best.theta)
     known = replace(Uncertainty.of(best), spread=_spread(best, residual / scale, scale, loss))

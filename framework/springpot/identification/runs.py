@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from springpot.errors import OptionError, StudyError
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, ROUNDING
 from .problem import Searched
 from .recorder import BudgetSpent, Diary, Ledger, Recorder, RecorderGroup
 
@@ -409,13 +410,6 @@ def _status(ledger: Ledger, fault: BaseException | None) -> str:
     return "converged"
 
 
-AGREE, ROUNDING = 1e-9, 1e-12
-"""Roots of two sums of squares are the same within this share of them and this share of the
-problem's own size: stacked and single evaluations differ in their last bits, 1e-16 of |K| in a
-residual, and a model may lose four digits of them.
-"""
-
-
 def miscounted(evaluations: int, gradients: int, batched: int, budget: int) -> str:
     """What is wrong with the counts of a run, or nothing."""
     if not 1 <= evaluations <= budget:
@@ -442,13 +436,14 @@ def same(claimed: float | None, evaluated: float, size: float) -> bool:
     if claimed is None:
         return False
     # By their roots, the sizes of residuals: squares near zero would agree by no share of
-    # themselves.
+    # themselves. Stacked and single evaluations differ in their last bits, 1e-16 of |K| in a
+    # residual, and a model may lose four digits of them.
     one, other, own = (
         np.sqrt(claimed),
         np.sqrt(evaluated),
         float(np.nan_to_num(np.sqrt(size), posinf=0.0)),
     )
-    return bool(abs(one - other) <= AGREE * other + ROUNDING * own)
+    return bool(abs(one - other) <= ALIKE * other + ROUNDING * own)
 
 
 def contradiction(run: Run, problem: Searched, budget: int) -> str:

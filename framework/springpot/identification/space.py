@@ -15,6 +15,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
+from ..numerics import ROUNDING
+
 TINY = 1e-9
 """Smallest positive value of a searched parameter, as a fraction of its upper bound."""
 
@@ -217,7 +219,11 @@ def rounded_up(value: float) -> float:
     # A power of ten comes out of the logarithm with rounding: 1000 must not become 2000.
     power = 10.0 ** np.floor(np.log10(value))
     return float(
-        next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1 - 1e-12))
+        next(
+            step * power
+            for step in (1.0, 2.0, 5.0, 10.0)
+            if step * power >= value * (1.0 - ROUNDING)
+        )
     )
 
 

@@ -12,7 +12,9 @@ from springpot.distributions import f_sf
 from springpot.measurement.joining import FILE
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.points import Real
+from springpot.thresholds import WHERE
 
+from ..numerics import SMALLEST
 from .material import is_material
 from .native import Fit
 
@@ -21,8 +23,6 @@ FEWEST = 3
 
 Two leave one degree of freedom.
 """
-ALARM = 0.01
-"""Chance that noise alone makes specimens differ as much, below which they are said to differ."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class Specimens:
         within = sum(float(np.sum((part - part.mean()) ** 2)) for part in parts) / spare
         whole = float(np.average(means, weights=sizes))
         between = float(np.sum(sizes * (means - whole) ** 2)) / (self.count - 1)
-        if f_sf(between / max(within, 1e-300), self.count - 1, spare) > ALARM:
+        if f_sf(between / max(within, SMALLEST), self.count - 1, spare) > WHERE.levels_differ:
             return 0.0
         return float(np.sqrt(max(between - within, 0.0) / sizes.mean()))
 

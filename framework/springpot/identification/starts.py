@@ -26,6 +26,7 @@ from springpot.rheology.nodes import GRADIENT, Chain, Node, Parallel, Renamed, S
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Complex, Points, Real
 
+from ..numerics import SMALLEST
 from .coordinates import Coordinates
 
 LEAST_GAIN = 1e-7
@@ -238,7 +239,7 @@ def project(shares: Real, target: Real) -> tuple[Real, Real, Real]:
     gram = np.matmul(shares, shares.transpose(0, 2, 1))
     m = gram.shape[-1]
     # All columns and the target get length one, so that the least gain is a share of the data.
-    unit = 1.0 / np.sqrt(gram.reshape(-1, m * m)[:, :: m + 1] + 1e-300)
+    unit = 1.0 / np.sqrt(gram.reshape(-1, m * m)[:, :: m + 1] + SMALLEST)
     units = unit[:, :, None] * unit[:, None, :]
     size = np.sqrt((target * target).sum(axis=1, keepdims=True))
     right = np.matmul(shares, target[:, :, None])[:, :, 0] * unit
@@ -393,7 +394,7 @@ class Shapes:
             right[..., i] = moment @ one.T
             for j, other in enumerate(self.responses[: i + 1]):
                 matrix[..., i, j] = matrix[..., j, i] = square @ (one * other).T
-        norm = np.sqrt(np.diagonal(matrix, axis1=-2, axis2=-1) + 1e-300)
+        norm = np.sqrt(np.diagonal(matrix, axis1=-2, axis2=-1) + SMALLEST)
         matrix /= norm[..., :, None] * norm[..., None, :]
         return matrix, right / norm, norm
 
@@ -521,7 +522,7 @@ class Window:
         """The window of a measurement."""
         log_omega = np.log10(measurement.omega)
         amplitude = np.log10(
-            np.maximum(measurement.conditions.get("amplitude", np.ones(1)), 1e-300)
+            np.maximum(measurement.conditions.get("amplitude", np.ones(1)), SMALLEST)
         )
         return cls(
             float(np.exp(np.mean(np.log(measurement.magnitude)))),
@@ -580,7 +581,9 @@ def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real
         )
     decades = _reach(parameter, window)
     return np.clip(
-        natural * 10.0 ** (decades * (2.0 * u - 1.0)), max(parameter.lower, 1e-300), parameter.upper
+        natural * 10.0 ** (decades * (2.0 * u - 1.0)),
+        max(parameter.lower, SMALLEST),
+        parameter.upper,
     )
 
 

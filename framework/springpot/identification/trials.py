@@ -8,9 +8,8 @@ import numpy as np
 
 from springpot.rheology.points import Real
 
-REACH = 3.0
-"""Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
-
+from ..numerics import ALIKE
+from .leastsquares import REACH
 
 SHORTEST = 1e-7
 """Step in coordinates, most of them logarithms, that changes nothing that is printed."""
@@ -72,7 +71,7 @@ def _step(residual: Real, slopes: Real, damping: float) -> Real:
     size = np.linalg.norm(slopes, axis=0)
     # Slopes so small that their squares are zero have no size: divided by less they would drown the
     # damping.
-    size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-150))
+    size = np.maximum(size, ALIKE * max(float(size.max()), 1e-150))
     scaled = slopes / size
     matrix = scaled.T @ scaled + damping * np.eye(len(size))
     step: Real = np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)

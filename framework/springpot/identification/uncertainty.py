@@ -19,7 +19,7 @@ from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import ALIKE, NEGLIGIBLE, PRINTED
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
@@ -35,8 +35,6 @@ PART = 1e-3
 
 Rounding mixes directions by 1e-16 / RANK.
 """
-PROFILED = 1e-4
-"""Relative error of the ends of a profile's interval: below the four digits that are printed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +118,7 @@ class Uncertainty:
         """-1 where a parameter (p,) is at its lower bound or about zero, 1 at its upper, else 0."""
         low, high = (bound[0] for bound in self.fit.task.coordinates.bounds())
         log, u = self.fit.task.coordinates.log, self.fit.u
-        linear = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+        linear = ALIKE * np.where(np.isfinite(high - low), high - low, 1.0)
         # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good
         # as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
@@ -216,10 +214,7 @@ class Uncertainty:
         fit = self.fit
         turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
         with np.errstate(all="ignore"):
-            covariance = turn @ self.covariance @ turn.T
-            sd = np.sqrt(np.diag(covariance))
-            correlation: Real = covariance / (sd[:, None] * sd[None, :])
-        return correlation
+            return correlation_of(turn @ self.covariance @ turn.T)
 
     def interval(self) -> tuple[Real, Real]:
         """Ends (p,) of the intervals of all parameters.
@@ -290,6 +285,14 @@ def uses_sd(fit: Fit) -> bool:
     )
 
 
+def correlation_of(covariance: Real) -> Real:
+    """Correlations (p, p) of what has a covariance; NaN where that is no number."""
+    with np.errstate(all="ignore"):
+        sd = np.sqrt(np.diag(covariance))
+        correlation: Real = covariance / (sd[:, None] * sd[None, :])
+    return correlation
+
+
 def lost_and_known(covariance: Real) -> tuple[NDArray[np.bool_], Real]:
     """Search coordinates (p,) that the data leave undetermined, covariance (p, p) of the others."""
     lost = np.isinf(np.diag(covariance))
@@ -302,7 +305,7 @@ def spread_of(turn: Real, covariance: Real) -> Real:
     """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite if undetermined."""
     lost, known = lost_and_known(covariance)
     spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
-    touched = np.any((np.abs(turn) > 1e-9) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
+    touched = np.any((np.abs(turn) > ALIKE) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
     return np.where(touched, np.inf, spread)
 
 
@@ -512,7 +515,7 @@ class Path:
             outer = float(steps[first])
             if first:
                 inner = float(steps[first - 1])
-            if outer - inner <= PROFILED * outer:
+            if outer - inner <= PRINTED * outer:
                 break
             steps = np.linspace(inner, outer, 10)[1:]
         end, size = start + sign * outer, float(self.coordinates.size[0, self.i])
@@ -531,7 +534,7 @@ class Path:
         u = np.tile(self.u, (len(places), 1))
         u[:, self.i] = places
         solve = levenberg_marquardt
-        return solve(self.evaluate, u, lower, upper, floor=0.0, flat=1e-9, iterations=60).cost
+        return solve(self.evaluate, u, lower, upper, floor=0.0, flat=ALIKE, iterations=60).cost
 
 
 def tied_values(

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.diagnosis.examination import Progress, prepared, search_data, silent
+from springpot.diagnosis.examination import prepared, search_data
 from springpot.diagnosis.experiment import next_experiment
 from springpot.diagnosis.grown import Grown, Search
-from springpot.diagnosis.result import NextExperiment
+from springpot.diagnosis.result import NextExperiment, Progress, silent
 from springpot.errors import OptionError
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
@@ -44,7 +44,7 @@ from .result import (
     verdict_of,
     weighed,
 )
-from .search import sought
+from .search import seeker
 
 ASKED = 3
 """Rivals of the likeliest law of which it is asked what would tell them from it."""
@@ -192,13 +192,13 @@ def invent(
         # There a law of the clock is no law: through the spectrum it can be any curve.
         laws = [each for each in laws if each.plane != "shift"]
     progress(f"trying {len(laws)} laws beside {model.name}")
-    search, _ = search_data(data, model, laws, rng, seek=sought)
+    search, _ = search_data(data, model, laws, rng, seek=seeker())
     progress("weighing what was found")
     found = weighed(search)
     verdict = verdict_of(search, found)
     error = error_of(search.base, material_floor(search.base, rng))
     rivals = rivals_of(found)
-    rows = [_told(search, each, rivals, library) for each in rivals[: INVENTION.told]]
+    rows = [_told(search, each, rivals, library, verdict) for each in rivals[: INVENTION.told]]
     return Invention(
         data=measurement.name,
         model=model,
@@ -230,21 +230,29 @@ def _conditions(measurement: Measurement, along: Sequence[str] | None) -> list[s
 
 
 def _told(
-    search: Search, each: Weighed, rivals: Sequence[Weighed], library: Sequence[Effect]
+    search: Search,
+    each: Weighed,
+    rivals: Sequence[Weighed],
+    library: Sequence[Effect],
+    verdict: Verdict,
 ) -> FoundLaw:
-    """What is told of a law; named effects are held against the likeliest alone."""
+    """What is told of a law; named effects are held against the likeliest alone.
+
+    What is only the nearest is no answer, and its intervals are those by the slopes.
+    """
     element = each.effect.element
     assert isinstance(element, Written)
     alike: list[Grown] = []
-    if each is rivals[0]:
+    if each is rivals[0] and verdict != "none":
         alike = known_alike(search, each, library)
+    by_profile = verdict != "none" and each.probability > VERDICT.profiled
     causes = "amplitude" in element.needs or causal(element)
     return FoundLaw(
         text=text_of(each.effect),
         plane=text_of(each.effect).partition(":")[0],
         probability=each.probability,
         alike=tuple(text_of(law.effect) for law in rivals),
-        parameters=_parameters(each.grown, each.probability > VERDICT.profiled),
+        parameters=_parameters(each.grown, by_profile),
         error_after=each.grown.refit.error,
         causal=causes,
         passive=None if element.plane in FACTORS else passive(element),

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from functools import partial
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from springpot.diagnosis.grown import Grown, Search
+from springpot.diagnosis.grown import Grown, Search, Seek
 from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
-from springpot.diagnosis.search import grown_with, sort_by_evidence
+from springpot.diagnosis.search import effort_of, sort_by_evidence
 from springpot.identification.held_material import within_material
 from springpot.misfit.floor import is_arithmetic
 from springpot.misfit.refit import Refit, refit
@@ -39,6 +40,8 @@ from .grammar import (
     times,
 )
 
+ELSEWHERE = 2
+"""Starts beside those that the scan gives a law."""
 RATIO = "r"
 """The size of a second term in that of the first."""
 _LOSSY = re.compile(r"(?P<whole>\*\(1 (?P<sign>[+-]) i\*(?P<h>h\d?)\))")
@@ -116,18 +119,20 @@ OF_A_CONDITION = frozenset({"n", "n2", "Xc", "Xc2"})
 """Parameters of the form of a condition."""
 
 
-def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
-    """Look for a law that is missing from a fitted model.
+Ends: TypeAlias = dict[str, Real]
+"""Where the fit of the model with a law ended (p,), by the law's text."""
 
-    Parameters
-    ----------
-    base : Refit
-        The fit of the model.
-    library : sequence of Effect
-        The candidates.
-    rng : numpy.random.Generator
-        For simulated noise.
+
+def seeker() -> Seek:
+    """A search for the law that is missing from a fitted model.
+
+    It remembers where its fits ended, so that it is quicker on the same data in other units of
+    their noise, or without a row: their best parameters are nearby.
     """
+    return partial(_sought, {})
+
+
+def _sought(ends: Ends, base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
     effects = possible(base, library)
     frame = base.frame()
     search = Search(base, frame, scan_effects(base, frame, effects, rng), battery(frame, rng))
@@ -135,19 +140,45 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     # Where noise alone goes as far, nothing is fitted: that is what keeps laws from being invented.
     if search.alarm >= SEARCH.look_further:
         return search
-    leaders = _promising(search.scan, base, INVENTION.refined)
-    search.grown = [grown_with(search, score) for score in leaders]
+    # One after the other: what is far from the best so far is not searched to its end.
+    for score in _promising(search.scan, base, INVENTION.refined):
+        search.grown.append(_with_score(search, score, ends))
     _sort(search)
     search.left = battery(search.best.frame(), rng)
     # Of computed data the first law to reach arithmetic is the law, whatever rounding looks like.
     done = search.left.p_value >= SEARCH.left_over or is_arithmetic(search.best)
     if search.grown and not done:
-        search.grown += [*_with_conditions(search, effects), *_with_terms(search, effects)]
+        search.grown += [
+            *_with_conditions(search, effects, ends),
+            *_with_terms(search, effects, ends),
+        ]
         _sort(search)
-        search.grown += _shortened(search)
+        search.grown += _shortened(search, ends)
         _sort(search)
         search.left = battery(search.best.frame(), rng)
     return search
+
+
+def _with_score(search: Search, score: Score, ends: Ends) -> Grown:
+    """The model with a law, from where the scan saw it."""
+    effect = score.influence.effect
+    return _with_law(search, effect, list(score.starts), ends, ELSEWHERE)
+
+
+def _with_law(
+    search: Search,
+    effect: Effect,
+    seeds: list[Real],
+    ends: Ends,
+    starts: int = 0,
+) -> Grown:
+    """The model with a law, from seeds, and where its fit to nearly the same data ended."""
+    base, text = search.base, text_of(effect)
+    if text in ends:
+        seeds, starts = [ends[text], *seeds], 0
+    fitted = refit(base.model + effect, base.data, base.noise, seeds, starts, effort_of(search))
+    ends[text] = fitted.theta
+    return Grown((effect,), fitted, fitted.rss)
 
 
 def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
@@ -196,7 +227,7 @@ def _has_numbers(grown: Grown) -> bool:
     return bool(np.all(np.isfinite(at.value)) and np.all(np.isfinite(at.by_theta)))
 
 
-def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
+def _with_conditions(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterator[Grown]:
     """The best laws, each with a further condition."""
     base, measurement = search.base, search.base.fit.measurement
     conditions = frozenset[str]().union(*(effect.needs for effect in effects))
@@ -210,7 +241,7 @@ def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grow
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))
         for score in _promising(scanned, base, INVENTION.seconds):
-            yield grown_with(search, score)
+            yield _with_score(search, score, ends)
 
 
 def _times(effect: Effect, form: str) -> str:
@@ -232,7 +263,7 @@ class _Two(NamedTuple):
     start: Real
 
 
-def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
+def _with_terms(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterator[Grown]:
     """Laws of two terms, each pair once."""
     starts: dict[str, list[_Two]] = {}
     for two in (*_after_the_best(search, effects), *_together(search)):
@@ -247,8 +278,7 @@ def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
             model = base.model + both
             if enough_for(base, model):
                 seeds = [_carried(two, model, both) for two in tried]
-                fitted = refit(model, base.data, base.noise, seeds, starts=0)
-                yield Grown((both,), fitted, fitted.rss)
+                yield _with_law(search, both, seeds, ends)
 
 
 def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]:
@@ -276,7 +306,7 @@ def _together(search: Search) -> Iterator[_Two]:
         yield _Two(first, second, pair.model, pair.start)
 
 
-def _shortened(search: Search) -> Iterator[Grown]:
+def _shortened(search: Search, ends: Ends) -> Iterator[Grown]:
     """The best laws with one thing less, each once."""
     base = search.base
     done = {text_of(grown.effects[0]) for grown in search.grown}
@@ -290,9 +320,8 @@ def _shortened(search: Search) -> Iterator[Grown]:
                 continue
             done.add(text)
             for law in laws([text], base.fit.measurement):
-                model = base.model + law
-                fitted = refit(model, base.data, base.noise, [_seed(model, known, law, start)], 0)
-                yield Grown((law,), fitted, fitted.rss)
+                seed = _seed(base.model + law, known, law, start)
+                yield _with_law(search, law, [seed], ends)
 
 
 def _joined(first: Effect, second: Effect) -> str:

@@ -13,6 +13,8 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology.points import Real
 
+from ..numerics import SMALLEST
+
 STEADY = 0.02
 """Share of its largest value by which what is called held may move.
 
@@ -133,7 +135,7 @@ def _late_unrest(value: Real) -> float:
     """How much a channel moves after a first quarter of its samples, which brought it there."""
     late = value[len(value) // 4 :]
     # A channel that is zero throughout is at rest, not undefined.
-    return float(np.ptp(late) / max(np.abs(value).max(), 1e-300))
+    return float(np.ptp(late) / max(np.abs(value).max(), SMALLEST))
 
 
 def _at_levels(value: Real) -> float:

@@ -39,7 +39,7 @@ DECIMALS = 6
 Instruments print six or seven.
 """
 HELD_ALIKE = 1e-3
-"""Distance of neighbouring ln omega within which a frequency was held.
+"""Distance of neighbouring ln omega, or relative spread of a condition, within which it was held.
 
 Instruments set it to a part in a thousand.
 """
@@ -140,11 +140,13 @@ WANDER: Mapping[str, float] = {
 """What moves without being varied, in a whole test."""
 CHOSEN: Mapping[str, float] = {
     "amplitude": VARIED.amplitude_chosen,
-    "temperature": VARIED.temperature_chosen,
+    "temperature": VARIED.temperature_wanders,
 }
 """Least distance of values that were chosen."""
 SMOOTH_DEGREE = 5
 """Highest degree of the polynomial in the logarithm of the frequency that counts as moving with it.
+
+And of a sweep that counts as structure, not as noise.
 """
 POINTS_PER_DEGREE = 3
 """Distinct frequencies that a degree needs.

@@ -20,7 +20,7 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 from springpot.terminal_safe import plain
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
 from .rows import Rows, rows_without
 from .units import Units
@@ -522,7 +522,7 @@ def _levels(name: str, column: Real) -> NDArray[np.int64]:
     x = column
     # How nearly an amplitude is held is a share of it: a step of the logarithm.
     if name == "amplitude":
-        x = np.log(np.maximum(np.abs(column), 1e-300))
+        x = np.log(np.maximum(np.abs(column), SMALLEST))
     return numbers_of_levels(x, HELD.get(name, 0.0))
 
 

@@ -469,7 +469,7 @@ def temperatures_differ(measurement: Measurement) -> bool:
     False
     """
     column = measurement.conditions.get("temperature")
-    return column is not None and float(np.ptp(column)) >= VARIED.temperature_chosen
+    return column is not None and float(np.ptp(column)) >= VARIED.temperature_wanders
 
 
 def sweeps_of(measurement: Measurement) -> list[Sweep]:

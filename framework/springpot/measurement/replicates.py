@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import REPEATS, VARIED
+from springpot.thresholds import OUTLIERS, REPEATS, VARIED
 
+from ..numerics import SMALLEST
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
 from .mixed_tests import NOTE as TOGETHER
@@ -177,7 +178,7 @@ def _replicate_gains(
     # About the middle of each run, so that its gain and its slope do not share what sets it apart.
     x = x - _means(x.astype(np.complex128), run).real[run]
     slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
-    slope = slope / np.maximum(np.bincount(run, x**2), 1e-300)
+    slope = slope / np.maximum(np.bincount(run, x**2), SMALLEST)
     # An analysis of variance: what a gain of each run explains, against what is left when slopes
     # are gone too.
     by_gain = float(np.sum(np.abs(mean[run]) ** 2))
@@ -188,11 +189,11 @@ def _replicate_gains(
     if free < 1.0:
         return None, 0.0
     # Replicates may be equal to the last digit.
-    unit = max(left / free, 1e-300)
+    unit = max(left / free, SMALLEST)
     strength = by_gain / (2.0 * gain_spent) / unit
-    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < REPEATS.runs_differ
+    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < OUTLIERS.rare
     slope_differs = (
-        f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < REPEATS.runs_differ
+        f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < OUTLIERS.rare
     )
     if not gain_differs or slope_differs:
         return None, 0.0
@@ -227,7 +228,7 @@ def _by_settling(relative: Complex, group: Rows, usable: NDArray[np.bool_]) -> f
         [curve - _means(curve.astype(np.complex128), group).real[group] for curve in curves.T]
     )
     curves = curves[:, usable]
-    taken = np.abs(curves @ relative[usable]) ** 2 / np.maximum(np.sum(curves**2, axis=1), 1e-300)
+    taken = np.abs(curves @ relative[usable]) ** 2 / np.maximum(np.sum(curves**2, axis=1), SMALLEST)
     return float(np.max(taken))
 
 
@@ -430,7 +431,7 @@ def stands_again(measurement: Measurement) -> NDArray[np.int64] | None:
         return None
     if told_apart(measurement):
         return None
-    for name, width in (("temperature", VARIED.temperature_chosen), ("amplitude", SAME_AMPLITUDE)):
+    for name, width in (("temperature", VARIED.temperature_wanders), ("amplitude", SAME_AMPLITUDE)):
         column = measurement.conditions.get(name)
         if column is None:
             continue

@@ -21,6 +21,7 @@ from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 
 from ..format_numbers import LISTED
+from ..numerics import ALIKE
 from .units import Units
 
 
@@ -180,7 +181,7 @@ def _matching(measured: Asked, key: str, value: str) -> NDArray[np.bool_]:
         reach = KELVINS
     elif key in ("row", "sample"):
         reach = 0.0
-    rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + 1e-9)
+    rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + ALIKE)
     if not rows.any():
         known = np.unique([float(f"{v:.3g}") for v in np.unique(column[np.isfinite(column)])])
         raise DataError(
@@ -210,7 +211,7 @@ def _between(measured: Asked, key: str, value: str, column: Real) -> NDArray[np.
         low = _number(measured, key, first)
     if last.strip():
         high = _number(measured, key, last)
-    slack = 1e-9 * float(
+    slack = ALIKE * float(
         np.max(np.abs(column))
     )  # a frequency in Hz was once rad/s, and ends are included
     rows: NDArray[np.bool_] = (column >= low - slack) & (column <= high + slack)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import SCATTER
+from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
@@ -25,8 +25,6 @@ Source = Literal["given", "repeats", "estimated"]
 
 LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
-LEAST_VARIANCE = 1e-30
-"""Stands for no scatter at all, of which there is no logarithm."""
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
 STUDENT_DOF = 4.0
@@ -235,7 +233,7 @@ class Shape:
             real = imag = 0.5 * (real + imag)
             scales = 1
         # Repeats that agree to the last digit would have a logarithm without end.
-        real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
+        real, imag = max(real, SMALLEST), max(imag, SMALLEST)
         logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
         cost = total * (np.log(real) + np.log(imag)) + logs
         # As the Bayesian information criterion counts a parameter: by the logarithm of the number
@@ -253,21 +251,21 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
         for part in (measurement.storage, measurement.loss)
     ]
     yield Shape(size, size, True, 0.0)
-    yield Shape(size, size, False, SCATTER.unusual_shape)
-    yield Shape(parts[0], parts[1], True, SCATTER.unusual_shape)
+    yield Shape(size, size, False, SEARCH.decisive)
+    yield Shape(parts[0], parts[1], True, SEARCH.decisive)
     # A load cell's floor is a force: in K it is the larger the smaller the amplitude.
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
     if force.max() > SCATTER.force_range * force.min():
         for level in FORCE_LEVELS:
             floor = np.hypot(size, level * force.min() / amplitude)
-            yield Shape(floor, floor, True, SCATTER.force_floor)
+            yield Shape(floor, floor, True, VERDICT.clear_evidence)
 
 
 def along_k(measurement: Measurement, turn: Complex) -> Shape:
     """Noise of one size along K and of another across it, both proportional to |K|."""
     size = measurement.magnitude
-    return Shape(size, size, False, SCATTER.parts_differ, turn)
+    return Shape(size, size, False, VERDICT.clear_evidence, turn)
 
 
 def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterator[Shape]:
@@ -282,10 +280,10 @@ def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterato
         np.maximum(np.abs(part), NEGLIGIBLE * size)
         for part in (measurement.storage, measurement.loss)
     ]
-    yield Shape(size, size, False, SCATTER.parts_differ)
-    yield Shape(parts[0], parts[1], False, SCATTER.parts_differ)
+    yield Shape(size, size, False, VERDICT.clear_evidence)
+    yield Shape(parts[0], parts[1], False, VERDICT.clear_evidence)
     for rise in _rises(np.log(measurement.omega)):
-        yield Shape(size * rise, size * rise, True, SCATTER.unusual_shape)
+        yield Shape(size * rise, size * rise, True, SEARCH.decisive)
 
 
 def _rises(log_omega: Real) -> Iterator[Real]:
@@ -409,12 +407,12 @@ def _student_scale(size: Real) -> Real:
     """Scale (...) of each row of sizes (..., m), by iterated reweighting."""
     square = size**2
     # A residual of nothing but zeros has a scale as well, or its logarithm would be no number.
-    variance = np.maximum(np.mean(square, axis=-1), LEAST_VARIANCE)
+    variance = np.maximum(np.mean(square, axis=-1), SMALLEST)
     for _ in range(STUDENT_ROUNDS):
         # Expectation and maximisation: the further off a point lies, the less it counts for the
         # scale.
         weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance[..., None])
-        variance = np.maximum(np.mean(weight * square, axis=-1), LEAST_VARIANCE)
+        variance = np.maximum(np.mean(weight * square, axis=-1), SMALLEST)
     return np.asarray(np.sqrt(variance), dtype=np.float64)
 
 
@@ -492,7 +490,7 @@ def plausible_variance(dof: float) -> tuple[float, float]:
     >>> round(low, 2), round(high, 2)
     (0.35, 2.11)
     """
-    low, high = chi2_quantile([SCATTER.misstated / 2, 1 - SCATTER.misstated / 2], dof) / dof
+    low, high = chi2_quantile([OUTLIERS.rare / 2, 1 - OUTLIERS.rare / 2], dof) / dof
     return float(low), float(high)
 
 
@@ -521,8 +519,7 @@ def at_least_rounding(
     """
     # A number that is rounded lies anywhere within its step: the standard deviation of that is step
     # / sqrt(12).
-    steps = rounding_step(measurement.storage) + 1j * rounding_step(measurement.loss)
-    digit = steps / np.sqrt(12.0)
+    digit = rounding_steps(measurement) / np.sqrt(12.0)
     if turn is not None:
         digit = turned_sd(digit, turn)
     # Computed data are exact to single precision at the most: they too get a noise, or weights
@@ -533,6 +530,34 @@ def at_least_rounding(
         for part, least in ((sd.real, digit.real), (sd.imag, digit.imag))
     ]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
+
+
+def rounding_steps(measurement: Measurement) -> Complex:
+    """Steps (n,) to which K' (real part) and K'' (imaginary part) were rounded when written.
+
+    Of a column that is the same throughout its one value tells how coarse it may have been written,
+    never that it was: an exact 90 ends in a nought as well. It is taken to be written as finely as
+    the column beside it.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The values as they were written.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement.scatter import rounding_steps
+    >>> rounding_steps(Measurement([1.0, 2.0], [90.0 + 1.25j, 90.0 + 2.5j])).tolist()
+    [(0.01+0.01j), (0.01+0.01j)]
+    """
+    columns = measurement.storage, measurement.loss
+    own = [rounding_step(column) for column in columns]
+    finest = np.minimum(*own)
+    told = [
+        step if np.ptp(column) > 0.0 else finest for column, step in zip(columns, own, strict=True)
+    ]
+    return np.asarray(told[0] + 1j * told[1], dtype=np.complex128)
 
 
 def rounding_step(values: Real) -> Real:

@@ -10,6 +10,7 @@ from shlex import split
 
 import numpy as np
 
+from springpot.distributions import samples_of_one
 from springpot.rheology.points import Real
 from springpot.thresholds import SIGNALS
 
@@ -17,11 +18,6 @@ from .timetest import TimeTest
 
 NOTE = "note sign"
 """Where the doubt is kept among what is told of a test."""
-_LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed.
-
-Beyond, a record would be worth no sample.
-"""
 
 
 def said_of_sign(provenance: Mapping[str, str]) -> list[str]:
@@ -90,13 +86,9 @@ def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
     if rank < columns.shape[1]:
         return False
     rest = pulled - (columns / size) @ amounts
-    power = float(np.mean(rest**2))
-    likeness = 0.0
-    if power > 0.0:
-        # What is left of a record is alike from sample to sample, so that it holds fewer than it
-        # seems.
-        likeness = float(np.clip(np.mean(rest[1:] * rest[:-1]) / power, 0.0, _LIKENESS))
+    # What is left of a record is alike from sample to sample: it holds fewer than it seems.
+    power = float(np.mean(rest**2)) * samples_of_one(rest)
     inverse = np.linalg.inv((columns / size).T @ (columns / size))
-    sd = np.sqrt(np.diag(inverse) * power * (1.0 + likeness) / (1.0 - likeness))
+    sd = np.sqrt(np.diag(inverse) * power)
     stiffness, damping = amounts[1:] / np.maximum(sd[1:], np.finfo(float).tiny)
     return bool(damping < -SIGNALS.negative and stiffness < SIGNALS.negative)

@@ -14,6 +14,8 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 
+from ..numerics import ROUNDING
+
 FEWEST = 8
 """Complete samples below which nothing is made of a record."""
 BLOCK = 1 << 16
@@ -229,7 +231,7 @@ def _peak(record: MendedSignals, rows: slice) -> tuple[float, float]:
     time, moved = np.asarray(record.time[rows]), np.asarray(record.displacement[rows])
     good = np.isfinite(moved)
     time, moved = time[good] - time[0], moved[good]
-    if len(time) < 8 or not np.ptp(moved) > 1e-12 * np.max(np.abs(moved)):
+    if len(time) < 8 or not np.ptp(moved) > ROUNDING * np.max(np.abs(moved)):
         raise DataError(f"{record.name}: the displacement does not move")
     # A Fourier transform needs even sampling; interpolation is good enough for a first guess.
     even = np.linspace(time[0], time[-1], len(time))
@@ -281,7 +283,7 @@ def _explained(time: Real, values: Real, omega: Real) -> Real:
     # Within a small part of a period cosine and sine look like level and drift, and explain nothing
     # more.
     spare = cc * ss - cs**2
-    apart = spare > 1e-12 * cc * ss
+    apart = spare > ROUNDING * cc * ss
     gain = np.where(apart, ss * cr**2 - 2.0 * cs * cr * sr + cc * sr**2, 0.0)
     explained: Real = gain / np.where(apart, spare, 1.0)
     return explained

@@ -27,6 +27,7 @@ from ..numerics import (
     NORMAL,
     ROUNDING,
     SMALLEST,
+    TWO_DEVIATIONS,
 )
 from .measurement import Measurement
 from .timetest import TimeTest
@@ -47,8 +48,6 @@ FEWEST_IN_BIN = 16
 """Samples of a level of the signal whose scatter is worth a number."""
 ROUNDS = 6
 """Of reweighting: after four the parts change in the third digit only."""
-PLAINLY = 4.0
-"""By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
 DOUBTED = 0.05
 """Chance of noises as unlike as several tests', below which they are not held to be one."""
 RULED_OUT = 1e-3
@@ -328,7 +327,7 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
     alone, both = tried[:2], tried[2]
     parts, cost = map(np.array, zip(*alone, strict=True))
     # Both kinds at once only where the data plainly ask for it.
-    if both[1] < cost.min() - PLAINLY:
+    if both[1] < cost.min() - TWO_DEVIATIONS:
         constant, in_proportion = both[0]
         return _Parts(float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels, whole)
     # Where they do not tell one from the other, the mean of what these say: else a few small

@@ -16,6 +16,7 @@ from springpot.errors import DataError
 from springpot.rheology.points import KELVIN, Real
 from springpot.terminal_safe import plain
 
+from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
@@ -445,7 +446,7 @@ class TimeTest:
         if not self.after_step:
             return 1.0 / self.duration, 1.0 / float(np.median(np.diff(self.time)))
         # While the step still rises, its answer is that of the ramp.
-        return 1.0 / self.duration, 1.0 / max(shortest, self.rise, 1e-300)
+        return 1.0 / self.duration, 1.0 / max(shortest, self.rise, SMALLEST)
 
     @cached_property
     def start(self) -> float:
@@ -481,7 +482,7 @@ class TimeTest:
         if is_released(value, largest):
             return "recovery"
         # A startup is one ramp from its beginning to its end.
-        line = (clock - self.start) / max(clock[-1] - self.start, 1e-300) * value[-1]
+        line = (clock - self.start) / max(clock[-1] - self.start, SMALLEST) * value[-1]
         if np.abs(np.where(clock >= self.start, value - line, 0.0)).max() <= STRAIGHT * largest:
             return "startup"
         return "history"

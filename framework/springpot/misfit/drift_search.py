@@ -21,6 +21,7 @@ from springpot.measurement.units import TIME_UNITS
 from springpot.rheology.points import Real
 from springpot.thresholds import COURSE, VERDICT
 
+from ..numerics import SMALLEST
 from .frame import LEAST_SEEN, NoiseFrame, orthonormal
 from .words import plain
 
@@ -249,11 +250,11 @@ def _seen(frame: NoiseFrame, time: Real, aside: NDArray[np.bool_]) -> tuple[floa
     judged = frame.rest - lost @ (lost.T @ frame.rest)
     misfit = float(judged @ judged)
     taken, beside = (float(np.sum((each.T @ judged) ** 2)) for each in (basis, others))
-    rest = max(misfit - taken - beside, 1e-300)
+    rest = max(misfit - taken - beside, SMALLEST)
     chance = f_sf((taken / spent) / (rest / spare), spent, spare)
     # Of both without their noise: of a small misfit most is noise.
     excess = max(misfit - spare - float(others.shape[1]) - spent, taken - spent)
-    share = (taken - spent) / max(excess, 1e-300)
+    share = (taken - spent) / max(excess, SMALLEST)
     if share <= VERDICT.takes_most or chance >= VERDICT.sentence_alarm:
         return None
     return share, taken - spent * float(np.log(frame.size))
@@ -416,7 +417,7 @@ def _force_was_held(data: Measurement) -> bool:
     if time is None or reach is None:
         return False
     order = np.argsort(time, kind="stable")
-    moved = np.log(np.maximum(np.abs(reach[order]), 1e-300))
+    moved = np.log(np.maximum(np.abs(reach[order]), SMALLEST))
     force = moved + np.log(data.magnitude[order])
     steadier = np.std(force) < COURSE.held_force * np.std(moved)
     smoother = _roughness(force) < COURSE.held_force * _roughness(moved)

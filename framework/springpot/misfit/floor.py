@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_quantile, f_sf
+from springpot.identification.fitting import STARTS as STARTS_AGAIN
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
@@ -27,17 +28,12 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import NoiseFrame, chance_of_squares, phase_of
+from .frame import LEAST_LEFT, NoiseFrame, chance_of_squares, phase_of
 from .outliers import Trimmed, trimmed
 from .refit import Refit, refit
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
-STARTS_AGAIN = 8
-"""Starts beside the fit before, in units of another noise.
-
-Where it is smaller, another minimum may be the least.
-"""
 STARTS_RESCALED = 4
 """The same for noise multiplied by one number, which leaves the minima where they are."""
 STARTS_OF_A_ROUND = 2
@@ -48,8 +44,6 @@ larger.
 """
 LEAST_RISE = 0.01
 """Relative change of noise over |K| along a sweep from which its shape is not that of |K|."""
-LEAST_LEFT = 0.1
-"""Share of a point's variance that curves leave, from which the rest says anything of it."""
 ROUNDS = 2
 """Times that the noise is estimated anew about the fit that it gave."""
 TRIMMED_FITS = 6

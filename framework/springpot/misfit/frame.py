@@ -21,15 +21,15 @@ from scipy.optimize import brentq
 
 from springpot.distributions import chi2_sf, f_sf
 from springpot.identification.problem import weighted
-from springpot.measurement.independence import frequency_numbers
+from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.scatter import LEAST_RELATIVE, rounding_step
+from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import VERDICT
+from springpot.thresholds import REPEATS, VERDICT
 
-SMOOTH_DEGREE = 5
-"""Highest degree of slow polynomials along a sweep that count as structure, not as noise."""
+from ..numerics import ALIKE, SMALLEST
+
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
 MOST_SHARED = 60
@@ -53,7 +53,7 @@ def phase_of(stiffness: Complex, measurement: Measurement) -> Complex:
     return np.asarray(whole / np.abs(whole), dtype=np.complex128)
 
 
-def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
+def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
     """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
     size = np.sqrt(np.sum(columns * columns, axis=0))
     columns = columns[:, size > 0] / size[size > 0]
@@ -180,17 +180,12 @@ def drift_shapes(count: int) -> Real:
 
 DEALT_ALONE = 8
 """Points of a sweep from which its scatter is dealt out anew by itself."""
-FEWEST_ROUGH = 8
-"""Degrees of freedom that slow curves leave to the scatter at least.
-
-Its size is then known to a quarter.
-"""
 FEWEST_OWN = 20.0
 """Degrees of freedom below which a scatter says too little of itself."""
-LEAST_LOCAL = 0.1
-"""Share of a narrow shape that the parameters must leave.
+LEAST_LEFT = 0.1
+"""Share of a point, a level or a narrow shape that the fitted curves must leave.
 
-Less of a single point is their own noise.
+Of what they leave less of, the rest is their own noise and says nothing.
 """
 MOST_LOCAL = 600
 """Narrow shapes looked at; more points than these have slow structure enough."""
@@ -205,8 +200,6 @@ SURE = 3.5
 """Standard errors of a chance beyond the edge of the alarms from which no more draws are needed."""
 LEAST_SEEN = 1e-3
 """Share of a shape that fitted curves must leave for it to be seen: of less the rest is theirs."""
-LEAST_SPREAD = 1e-3
-"""Relative spread of a condition below which it was held."""
 DRAWN = np.float32
 """Precision of simulated residuals: seven digits of a chance that is known to one."""
 ROUNDED = 0.1
@@ -226,8 +219,11 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
 
 
 def near_an_alarm(chance: float, draws: int) -> bool:
-    """Whether so many draws leave it open on which side of an alarm a chance lies."""
-    low, high = VERDICT.alarms
+    """Whether so many draws leave it open on which side of an alarm a chance lies.
+
+    All alarms lie between these two: there the verdict must not be left to the seed.
+    """
+    low, high = VERDICT.accepted, VERDICT.library_alarm
     return low < chance < high + SURE * float(np.sqrt(high / draws))
 
 
@@ -325,7 +321,7 @@ class NoiseFrame:
         # Noise that goes along K is told only where it is larger than rounding.
         if self.turn is not None:
             return None
-        steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
+        steps = rounding_steps(self.measurement)
         # Where it is small beside the noise, uniform errors are as good as part of it, and drawing
         # them costs time.
         real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
@@ -352,9 +348,9 @@ class NoiseFrame:
         levels = [self._own_level(np.arange(n) + k, step, weights) for k in (0, n)]
         own = np.concatenate([level * np.abs(self.model_stiffness) for level in levels])
         values = exact + own * rng.standard_normal((count, self.size))
-        grid = np.where(step > 0.0, step, 1.0)
-        written = np.where(step > 0.0, np.round(values / grid) * grid, values)
-        return np.asarray((written - exact) * weights, dtype=DRAWN)
+        coarse = np.flatnonzero(step)
+        values[:, coarse] = np.round(values[:, coarse] / step[coarse]) * step[coarse]
+        return np.asarray((values - exact) * weights, dtype=DRAWN)
 
     def _own_level(self, rows: NDArray[np.int64], step: Real, weights: Real) -> float:
         """Noise over |K| of some rows beside uniform errors of rounding.
@@ -367,13 +363,13 @@ class NoiseFrame:
 
         def excess(level: float) -> float:
             variance = level**2 * size**2 + step[rows] ** 2 / 12.0
-            return float(np.sum(squares / (variance + 1e-300))) - free
+            return float(np.sum(squares / (variance + SMALLEST))) - free
 
         # Rounding alone may be as large as the residual: then there is no other noise to be found.
         if excess(LEAST_RELATIVE) <= 0.0:
             return LEAST_RELATIVE
         largest = float(np.sqrt(np.sum(squares / size**2) / free))
-        return float(brentq(excess, LEAST_RELATIVE, largest * (1.0 + 1e-9)))
+        return float(brentq(excess, LEAST_RELATIVE, largest * (1.0 + ALIKE)))
 
     def standard(self, rest: Drawn) -> Drawn:
         """Residuals (m, 2n) over their own scatter, if the noise is estimated (Student 1908)."""
@@ -477,7 +473,7 @@ class NoiseFrame:
         free = self.size - self.absorbed.shape[1]
         for degree in range(SMOOTH_DEGREE, -1, -1):
             basis = self.beyond(self.relative(slow_shapes(self.measurement, degree)))
-            if free - basis.shape[1] >= FEWEST_ROUGH:
+            if free - basis.shape[1] >= REPEATS.enough:
                 return basis
         return np.zeros((self.size, 0))
 
@@ -520,7 +516,7 @@ class NoiseFrame:
         size = np.linalg.norm(left, axis=0)
         # A share: of one that is there in many sweeps a hundredth is as long as a tenth of a point,
         # and holds more of how the parameters bend than of the noise.
-        seen = size > LEAST_LOCAL * np.linalg.norm(whole, axis=0)
+        seen = size > LEAST_LEFT * np.linalg.norm(whole, axis=0)
         return np.asarray(left[:, seen] / size[seen], dtype=np.float64)
 
     @cached_property
@@ -543,7 +539,7 @@ class NoiseFrame:
         Shape (n,).
         """
         column = self.measurement.conditions.get(name)
-        if column is None or np.ptp(column) < LEAST_SPREAD * np.max(np.abs(column)):
+        if column is None or np.ptp(column) < HELD_ALIKE * np.max(np.abs(column)):
             return None
         x = column
         # Nonlinear effects go with powers of the amplitude, which is measured over decades.

@@ -28,17 +28,16 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SUPERPOSITION, VERDICT
+from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
 
 from ..format_numbers import NAMED
+from ..numerics import SMALLEST
 from .error import Error
 from .refit import Refit, refit
 from .residual_battery import Battery, battery
-from .where import where, with_unit
-from .words import percent, times
+from .where import where
+from .words import percent, times, with_unit
 
-FEWEST_LEVELS = 3
-"""Levels from which one can stand out from the others."""
 POINTS_OF_EACH = 6
 """Points of a level from which a free spectrum can fail at it."""
 FOLLOWED = 0.1
@@ -292,7 +291,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         {name for effect in free for name in effect.needs} & set(measurement.conditions)
     ):
         levels = each_alone(base, name)
-        if len(levels) < FEWEST_LEVELS:
+        if len(levels) < EVIDENCE.fewest_levels:
             continue
         strange = levels_of_no_material(levels)
         if strange:
@@ -301,7 +300,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         # the others.
         sound = [level for level in levels if level not in strange]
         joining = [effect for effect in free if effect.needs == {name}]
-        if len(sound) >= FEWEST_LEVELS:
+        if len(sound) >= EVIDENCE.fewest_levels:
             yield from _joined(base, name, sound, joining)
 
 
@@ -348,7 +347,7 @@ def needs_each(together: Refit, levels: Sequence[ConditionLevel]) -> bool:
     spent = max(together.fit.dof - spare, 1)
     # Against the scatter about each level's own material, not the noise: that may have been
     # misjudged.
-    ratio = (together.rss - apart) / spent / max(apart / spare, 1e-300)
+    ratio = (together.rss - apart) / spent / max(apart / spare, SMALLEST)
     return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
 
 
@@ -365,7 +364,7 @@ def levels_of_no_material(levels: Sequence[ConditionLevel]) -> list[ConditionLev
         others = [other for other in levels if other is not level]
         variance = float(np.median([other.variance for other in others]))
         dof = sum(other.fitted.fit.dof for other in others)
-        ratio = level.variance / max(variance, 1e-300)
+        ratio = level.variance / max(variance, SMALLEST)
         chance = float(f_sf(ratio, max(level.fitted.fit.dof, 1), dof))
         # Of any level it might have been said: the alarm is shared among them.
         if level.error > VERDICT.stands_out * middle and chance < VERDICT.sentence_alarm / len(

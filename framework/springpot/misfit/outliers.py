@@ -30,8 +30,9 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
-from ..numerics import ALIKE, ROUNDING
+from ..numerics import ALIKE, ROUNDING, SMALLEST
 from .frame import (
+    LEAST_LEFT,
     LEAST_SEEN,
     NoiseFrame,
     chance_of_squares,
@@ -42,8 +43,8 @@ from .frame import (
 )
 from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
-from .where import Where, with_unit
-from .words import plain
+from .where import Where
+from .words import plain, point_in_words
 
 MOST_TURNS = 10
 """Times that the points which stand out are found anew; nearly all settle in three."""
@@ -168,9 +169,9 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     if spent == 0.0 or scatter.dof <= spent:
         return False
     explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
-    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
+    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, SMALLEST)
     ratio = (explained / spent) / (left / (scatter.dof - spent))
-    return bool(f_sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
+    return bool(f_sf(ratio, spent, scatter.dof - spent) < OUTLIERS.rare)
 
 
 def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
@@ -198,7 +199,7 @@ def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
     chances = gamma_sf(power / (2.0 * scatter.variance), pairs)
     peak = first + int(np.argmin(chances[first:]))
     # The strongest of so many periods is told: each of them might have been it (Bonferroni).
-    if longest * float(chances[peak]) > SCATTER.ripple_alarm:
+    if longest * float(chances[peak]) > OUTLIERS.rare:
         return 0.0
     # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at
     # the ends.
@@ -297,8 +298,6 @@ END = 2
 
 A mass that has just
 come up at the last row bends the model there, and the row before it then stands out."""
-LEAST_LEFT = 0.1
-"""A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
 """Degrees of freedom and scale of the scatter that may be: normal first.
 
@@ -366,21 +365,11 @@ class Outlier:
     def counted_in(self, measurement: Measurement) -> Outlier:
         """The same with its row in the whole measurement, of which a fit may use a part."""
         # By what was measured: thinning and exclusion have renumbered the rows.
-        same = np.isclose(measurement.stiffness, self.stiffness, rtol=1e-9, atol=0.0)
-        rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=1e-9))
+        same = np.isclose(measurement.stiffness, self.stiffness, rtol=ALIKE, atol=0.0)
+        rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=ALIKE))
         if len(rows) == 0:
             return self
         return replace(self, row=int(rows[0]) + 1)
-
-
-def point_in_words(measurement: Measurement, row: int) -> str:
-    """Where a point was measured: ``50 Hz``, or ``50 Hz, 20 degC, 0.5 mm`` if conditions vary."""
-    words = [measurement.units.at(float(measurement.frequency[row]))]
-    for name in ("temperature", "amplitude"):
-        column = measurement.conditions.get(name)
-        if column is not None and len(np.unique(measurement.levels(name))) > 1:
-            words.append(with_unit(measurement, name, float(column[row])))
-    return ", ".join(words)
 
 
 def outlying(frame: NoiseFrame) -> NDArray[np.int64]:
@@ -440,7 +429,7 @@ def pulling(frames: Iterable[NoiseFrame]) -> NDArray[np.int64]:
         lost[seen] = np.sum(
             rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1
         )
-        share = float(lost.max()) / max(float(frame.rest @ frame.rest), 1e-300)
+        share = float(lost.max()) / max(float(frame.rest @ frame.rest), SMALLEST)
         # Of few points one carries half of a residual by chance.
         if n >= FEWEST_POINTS and share > largest:
             largest, row = share, int(np.argmax(lost))
@@ -525,11 +514,11 @@ def _chance(squares: NDArray[np.float64]) -> float:
     """
     half = 0.5 * np.sort(squares)
     doubtful = max(2, int(OUTLIERS.most * len(half)))
-    inner = np.maximum(half[:-doubtful], 1e-12)
+    inner = np.maximum(half[:-doubtful], ROUNDING)
     likelihood = []
     for nu, scale in TAILS:
         of_inner = float(np.sum(f_log_density(inner / scale, 2, nu) - np.log(scale)))
-        beyond = np.maximum(f_sf(inner[-1] / scale, 2, nu), 1e-300)
+        beyond = np.maximum(f_sf(inner[-1] / scale, 2, nu), SMALLEST)
         likelihood.append(of_inner + doubtful * float(np.log(beyond)))
     best = int(np.argmax(likelihood))
     # Normal unless the others clearly say otherwise: some long tail always fits few points a little

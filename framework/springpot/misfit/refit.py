@@ -24,10 +24,10 @@ from springpot.measurement.scatter import Noise
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import VERDICT
+from springpot.thresholds import EVIDENCE, VERDICT
 
-from ..numerics import NEGLIGIBLE
-from .frame import Drawn, NoiseFrame, phase_of
+from ..numerics import NEGLIGIBLE, SMALLEST
+from .frame import LEAST_LEFT, Drawn, NoiseFrame, phase_of
 from .words import times
 
 
@@ -312,12 +312,8 @@ def refit(
 
 FOLDS = 4
 """Levels or bands left out at most, each by itself."""
-POINTS_OF_EACH = 4
-"""Points of each level at least: of fewer one says little."""
 FEWEST_LEVELS = 4
 """Levels from which two inner ones can be left out between others."""
-LEAST_FREE = 0.1
-"""Share of a level's residual that the other levels must leave along an axis to predict it."""
 BANDS = 6
 """Bands into which a swept condition is divided, or the frequency if no condition differs."""
 
@@ -369,7 +365,7 @@ def prediction_gain(before: Refit, after: Refit) -> float:
     # Both on the same data in units of the same noise: outliers may have been set aside on one rung
     # only.
     again = refit(before.model, after.data, after.noise, [before.theta], starts=2)
-    return left_out_error(after, folds) / max(left_out_error(again, folds), 1e-300)
+    return left_out_error(after, folds) / max(left_out_error(again, folds), SMALLEST)
 
 
 def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
@@ -408,7 +404,7 @@ def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
     count = int(level.max()) + 1
     if count < FEWEST_LEVELS:
         return []
-    if len(level) >= POINTS_OF_EACH * count:
+    if len(level) >= EVIDENCE.points_of_each * count:
         return [level == number for number in _inner(count)]
     # Bands of what moved with the frequency would be bands of the frequency.
     if name not in telling(measurement):
@@ -467,7 +463,7 @@ def unseen_error(frame: NoiseFrame, sample: Drawn, name: str) -> Real | None:
         # By the axes of H, not by a refit of each draw: thousands of draws are asked.
         followed = frame.absorbed[rows]
         axes, shares, _ = np.linalg.svd(followed, full_matrices=False)
-        seen = 1.0 - shares**2 > LEAST_FREE
+        seen = 1.0 - shares**2 > LEAST_LEFT
         # Along an axis of which the parameters follow the share h, 1 / (1 - h) of the residual is
         # missed.
         gain = np.where(seen, 1.0 / np.where(seen, 1.0 - shares**2, 1.0), 0.0)

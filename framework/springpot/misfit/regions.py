@@ -23,6 +23,8 @@ from scipy.optimize import brentq
 from springpot.distributions import chi2_quantile
 from springpot.rheology.points import Real
 
+from ..numerics import ROUNDING, SMALLEST
+
 Rows: TypeAlias = NDArray[np.int64]
 Span: TypeAlias = tuple[int, int]
 
@@ -233,7 +235,7 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
         heavy tail, to which Gumbel's law would be blind.
     """
     # By moments, which have a closed form.
-    width = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-300)
+    width = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, SMALLEST)
     middle = float(np.mean(largest)) - width * np.euler_gamma
     undivided = middle - width * float(np.log(-np.log1p(-alarm)))
     low, high = undivided / float(np.max(divisor)), undivided / float(np.min(divisor))
@@ -243,7 +245,7 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
             return float(np.mean(-np.expm1(-np.exp((middle - value * divisor) / width)))) - alarm
 
     # Where the scale is known there is nothing between the two.
-    if high - low <= 1e-12 * abs(high):
+    if high - low <= ROUNDING * abs(high):
         return float(low)
     return float(brentq(above, low, high))
 

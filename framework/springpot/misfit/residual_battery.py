@@ -197,7 +197,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     rng : numpy.random.Generator
         For the simulated noise.
     """
-    if np.sum(data.scatter.dof) < REPEATS.fewest:
+    if np.sum(data.scatter.dof) < REPEATS.enough:
         return Battery(1.0, {})
     # Simulated repeats lose the mean of their group, as the measured ones did.
     count = data.scatter.dof + 1.0

@@ -34,7 +34,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, ROUNDING
+from ..numerics import MOST_STEPS, ROUNDING, SMALLEST
 from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal, relative_to
 from .refit import Refit
 from .where import where
@@ -172,7 +172,7 @@ def _evidence_of_bumps(columns: Real, values: Real, sizes: Real) -> Real:
     """Log-evidence of columns with normal coefficients of each size, over that of noise alone."""
     power, directions = np.linalg.eigh(columns.T @ columns)
     # Directions of hardly any power are differences of nearly equal bumps: rounding.
-    kept = power > 1e-10 * max(float(power[-1]), 1e-300)
+    kept = power > 1e-10 * max(float(power[-1]), SMALLEST)
     power = power[kept]
     along = (directions[:, kept].T @ (columns.T @ values)) ** 2 / power
     gain = power * sizes[:, None] ** 2
@@ -319,7 +319,7 @@ def column_behind(frame: NoiseFrame) -> Column | None:
         taken, spent = _seen(frame, basis).energy, int(basis.shape[1])
         if spent == 0 or spare <= spent:
             continue
-        left = max(misfit - taken, 1e-300)
+        left = max(misfit - taken, SMALLEST)
         chance = f_sf((taken / spent) / (left / (spare - spent)), spent, spare - spent)
         share = taken / misfit
         # Each of the columns might have been it (Bonferroni); and what takes less than most of it

@@ -13,11 +13,11 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS
 
+from ..numerics import SMALLEST
 from .frame import Drawn, NoiseFrame, relative_to, spectrum
 from .mains_hum import near_mains
-from .outliers import point_in_words
 from .refit import unseen_error, unseen_in_words
-from .words import plain, times
+from .words import plain, point_in_words, times
 
 Rows: TypeAlias = NDArray[np.int64]
 FEWEST_OFF_MAINS = 10
@@ -111,7 +111,7 @@ def _along_in_words(
         basis = basis_of(frame)
         there = float(np.sum((basis.T @ frame.rest) ** 2)) / basis.shape[1]
         scatter = float(frame.rough @ frame.rough) / max(frame.rough_dof, 1)
-        ratio = float(np.sqrt(there / max(scatter, 1e-300)))
+        ratio = float(np.sqrt(there / max(scatter, SMALLEST)))
         return ratio, f"{word} is {times(ratio)} what point-to-point scatter leaves"
 
     return says
@@ -267,7 +267,7 @@ def _hum(frame: NoiseFrame, sample: Drawn) -> Real | None:
     # In double precision: of exact data next to nothing is left, whose square is none in single.
     others = np.mean(off[:, ~near] ** 2, axis=1, dtype=np.float64)
     at_mains = np.mean(off[:, near] ** 2, axis=1, dtype=np.float64)
-    return np.asarray(at_mains / np.maximum(others, 1e-300), dtype=np.float64)
+    return np.asarray(at_mains / np.maximum(others, SMALLEST), dtype=np.float64)
 
 
 def _hum_in_words(frame: NoiseFrame) -> tuple[float, str]:

@@ -19,9 +19,10 @@ from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
+from ..numerics import SMALLEST
 from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
-from .words import plain
+from .words import plain, with_unit
 
 WIDE = 0.7
 """Range of ln omega, a factor of two, from which it is told how a misfit changes along it."""
@@ -125,7 +126,7 @@ def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     column, number = measurement.conditions[name], measurement.levels(name)
     x = column
     if name == "amplitude":  # a rig holds it to a share, a temperature to a part of a kelvin
-        x = np.log(np.maximum(np.abs(column), 1e-300))
+        x = np.log(np.maximum(np.abs(column), SMALLEST))
     part = np.zeros_like(number)
     for value in range(int(number.max()) + 1):
         rows = np.flatnonzero(number == value)
@@ -156,16 +157,6 @@ def level_words(measurement: Measurement, axis: MeasuredAxis, rows: Rows) -> str
     if level.max() == axis.count - 1:
         return f"{start}{with_unit(measurement, axis.name, low)} and above"
     return f"{start}{_number(low)} to {with_unit(measurement, axis.name, high)}"
-
-
-def with_unit(measurement: Measurement, name: str, value: float) -> str:
-    """A temperature or an amplitude as it is printed."""
-    if name == "temperature":
-        return f"{_number(value)} degC"
-    unit = measurement.units.amplitude
-    if unit == "-":
-        return _number(value)
-    return f"{_number(value)} {unit}"
 
 
 def _number(value: float) -> str:

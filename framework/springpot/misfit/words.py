@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from springpot.format_numbers import number
+from springpot.measurement.measurement import Measurement
 
 
 def times(ratio: float) -> str:
@@ -44,3 +47,23 @@ def plain(value: float, digits: int = 3) -> str:
     if "e+" in text and value < 1e6:
         return f"{float(text):.0f}"
     return text
+
+
+def point_in_words(measurement: Measurement, row: int) -> str:
+    """Where a point was measured: ``50 Hz``, or ``50 Hz, 20 degC, 0.5 mm`` if conditions vary."""
+    words = [measurement.units.at(float(measurement.frequency[row]))]
+    for name in ("temperature", "amplitude"):
+        column = measurement.conditions.get(name)
+        if column is not None and len(np.unique(measurement.levels(name))) > 1:
+            words.append(with_unit(measurement, name, float(column[row])))
+    return ", ".join(words)
+
+
+def with_unit(measurement: Measurement, name: str, value: float) -> str:
+    """A temperature or an amplitude as it is printed."""
+    if name == "temperature":
+        return f"{value:.3g} degC"
+    unit = measurement.units.amplitude
+    if unit == "-":
+        return f"{value:.3g}"
+    return f"{value:.3g} {unit}"

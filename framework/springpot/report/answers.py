@@ -11,7 +11,7 @@ from math import isfinite
 
 import numpy as np
 
-from springpot.comparison.comparing import Comparison, Judgement
+from springpot.comparison.result import Comparison, Judgement
 from springpot.diagnosis.result import Candidate, Diagnosis, Shelf
 from springpot.errors import ModelError
 from springpot.format_numbers import counted, number

@@ -23,7 +23,7 @@ from springpot.rheology.points import Real
 
 from ..format_numbers import NAMED
 from . import views
-from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .population import draw_populations
 from .text import cut, percent
 from .views import WIDE_RANGE, DrawnFit, Scene
@@ -120,29 +120,6 @@ def figure_identification(
         above.set_xlabel("")
         headed(figure, scene, beside=beside)
         return finished(figure, path)
-
-
-def figure_comparison(measurement: Measurement, fits: Sequence[DrawnFit], path: str | Path) -> Path:
-    """All the views that rheologists use, of data and models.
-
-    Parameters as in `figure_identification`.
-    """
-    scene = Scene(measurement, fits)
-    drawings = (
-        views.storage_and_loss,
-        views.residual,
-        views.loss_factor,
-        views.cole_cole,
-        views.black,
-        views.van_gurp_palmen,
-    )
-    names = ("storage and loss", "residual", "loss factor", "Cole-Cole", "Black", "van Gurp-Palmen")
-    with blank(11.0, 10.5) as figure:
-        for axes, draw, name in zip(figure.subplots(3, 2).flat, drawings, names, strict=True):
-            draw(axes, scene)
-            axes.set_title(name)
-        headed(figure, scene)
-        return save(figure, path)
 
 
 def _headline(scene: Scene, beside: str) -> str:

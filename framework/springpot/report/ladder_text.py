@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.comparison.comparing import Judgement
-from springpot.comparison.ranking import Ranking
-from springpot.diagnosis.examination import Case
+from springpot.comparison.result import Judgement, Ranking
+from springpot.diagnosis.case import Case
 from springpot.diagnosis.ladder import Ladder, Step
 from springpot.format_numbers import number
 from springpot.measurement.measurement import Measurement

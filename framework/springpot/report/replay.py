@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
-from springpot.diagnosis.examination import Case
+from springpot.diagnosis.case import Case
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import OutputError
 from springpot.files import write_with

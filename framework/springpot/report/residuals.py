@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.comparison.comparing import Comparison
+from springpot.comparison.result import Comparison
 from springpot.markup import Html, joined, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
@@ -30,7 +30,7 @@ from . import views
 from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .figures import DASHES, headed, literal
 from .text import cut, percent
-from .views import DrawnFit, Scene, draw_bands, sweep_colours
+from .views import WIDE_RANGE, DrawnFit, Scene, draw_bands, sweep_colours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,9 +39,6 @@ if TYPE_CHECKING:
 
 TITLE = 44
 """Letters of a model's name above a panel before it is cut."""
-WIDE = 30.0
-"""A residual whose largest size exceeds this many times its band gets a symmetric logarithmic axis.
-"""
 
 
 def residual_in(
@@ -100,7 +97,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: type[Composition]) -> None:
     # falsely.
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
-    if middle > 0 and largest > WIDE * middle:
+    if middle > 0 and largest > WIDE_RANGE * middle:
         symmetric(axes, middle, largest)
     if scene.axis.logarithmic:
         logarithmic(axes, "x")

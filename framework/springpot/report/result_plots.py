@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.comparison.comparing import Comparison
+from springpot.comparison.result import Comparison
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError

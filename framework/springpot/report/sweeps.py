@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
+from springpot.thresholds import VARIED
 
 Rows = NDArray[np.int64]
 
@@ -21,8 +22,6 @@ More colours than this cannot be told apart.
 """
 VARIES = 1.2
 """A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
-WARMS = 1.0
-"""A temperature varies if it spans more than this, in kelvin."""
 SAME = 2e-3
 """Share of the largest by which neighbouring values of one set condition differ at most."""
 JITTER = {"temperature": 0.7, "amplitude": 0.05}
@@ -61,7 +60,7 @@ def varies(name: str, column: Real) -> bool:
     low, high = float(np.min(column)), float(np.max(column))
     # Degrees have no zero of their own, so that their ratio means nothing.
     if name == "temperature":
-        return high - low > WARMS
+        return high - low > VARIED.temperature_wanders
     return high > VARIES * low
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.comparison.ranking import MOST_DRAWN
+from springpot.comparison.result import MOST_DRAWN
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest

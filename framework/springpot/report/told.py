@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import singledispatch
 from typing import Any
 
-from springpot.comparison.comparing import Comparison
-from springpot.comparison.ranking import Ranking
+from springpot.comparison.result import Comparison, Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.identification.result import Identification

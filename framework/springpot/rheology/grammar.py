@@ -287,7 +287,7 @@ class Formula(Node):
         """The law, in the shapes that compositions expect."""
         value, slopes, by_log_omega = self.law(at, *self._columns(theta))
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape, np.shape(value))
-        whole = _spread(value, shape)
+        whole = spread(value, shape)
         if depth == VALUE:
             return Response(whole)
         # Filled in place: laws give slopes of any shape that broadcasts.
@@ -296,14 +296,14 @@ class Formula(Node):
             by_theta[..., i, :] = slope
         if depth == GRADIENT:
             return Response(whole, by_theta)
-        return Response(whole, by_theta, _spread(by_log_omega, shape))
+        return Response(whole, by_theta, spread(by_log_omega, shape))
 
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """Third harmonic of force over displacement amplitude; None where no law is known."""
         if self.third is None:
             return None
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
-        return _spread(self.third(at, *self._columns(theta)), shape)
+        return spread(self.third(at, *self._columns(theta)), shape)
 
     def third_harmonic_at_most(self, theta: Real, at: Points) -> Real | None:
         """The most that the third harmonic may be, over the displacement amplitude.
@@ -316,7 +316,8 @@ class Formula(Node):
         return np.broadcast_to(self.third_at_most(at, *self._columns(theta)), shape)
 
 
-def _spread(value: Any, shape: tuple[int, ...]) -> Complex:
+def spread(value: Any, shape: tuple[int, ...]) -> Complex:
+    """A value of any shape that broadcasts, as complex numbers of this one."""
     whole = np.asarray(value, dtype=complex)
     # Mostly it has that shape; a view takes longer than the law itself.
     if whole.shape == shape:

@@ -31,7 +31,7 @@ from .grammar import Formula
 from .nodes import FULL, VALUE, Node, Response
 from .nonlinear import NEEDS_AMPLITUDE, balanced_series, slip_film
 from .parameters import FORCE, PURE, Parameter, stiffness
-from .points import Complex, Points, Real
+from .points import FURTHEST, Complex, Points, Real
 
 NODES = 24
 """Nodes on each half of z; the error falls by a factor of ten with every three more."""
@@ -39,8 +39,6 @@ FLATNESS = 4
 """Power with which the variable is flat at its ends: then roots at the tips become squares."""
 NEWTON_STEPS = 5
 """Four reach rounding from the start below for kX/F from 1e-8 to 1e8 and n from 0.5 to 8."""
-OVERFLOW = 700.0
-"""Exponent beyond which an exponential is no floating-point number."""
 BLOCK = 2**12
 """Loops that are integrated at once: what fits a processor's cache."""
 
@@ -211,7 +209,7 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
     regular = (cycle.regular + bend, tip * log_z * lower * np.expm1(log_z) / lost**2, 0.0 * slip)
     by_hand = (-power / lost, -(cycle.log_part + log_z * power / lost) / n, 0.0 * slip)
     # How the tip moves, so that the way from tip to tip stays 2 k X / F.
-    odds = 1.0 / np.expm1(np.minimum(n * cycle.depth, OVERFLOW))
+    odds = 1.0 / np.expm1(np.minimum(n * cycle.depth, FURTHEST))
     pull = [((u + r) @ RULE.weight)[..., None] for u, r in zip(unloading, regular, strict=True)]
     tip_by_n = (cycle.depth * odds - np.log(tip)) / n
     drive = (2.0 + 0.0 * a, -(pull[1] + pull[0] * tip_by_n), -pull[2])

@@ -199,7 +199,7 @@ class Passive:
         if not slopes:
             alone = modes.weights[:, None]
             return Traced(
-                value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0],
+                value + driven(modes.rates, steps, changes, alone, np.zeros_like(alone))[:, 0],
                 np.zeros((len(t), 0)),
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
@@ -258,7 +258,7 @@ class Passive:
         value = start + (modes.glass + modes.weights.sum().real) * more + modes.fluidity * impulse
         if not slopes:
             alone = -modes.weights[:, None]
-            value = value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0]
+            value = value + driven(modes.rates, steps, changes, alone, np.zeros_like(alone))[:, 0]
             return Traced(value, np.zeros((len(t), 0)))
         mix = -np.column_stack([modes.weights, by.weights])
         rate_mix = -np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])

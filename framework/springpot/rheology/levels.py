@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
+from ..numerics import ALIKE
 from .nodes import GRADIENT, VALUE, Node, Response, rename
 from .parameters import Parameter
 from .points import KELVIN, LARGEST_SHIFT, Points, Real
@@ -265,7 +266,7 @@ def free_vertical_factors(column: str = "temperature") -> Levels:
 def _as_written(value: float) -> float:
     # Ten digits: 253.15 - 273.15 is not -20 to the last bit, and what is left of 273.15 - 273.15 is
     # zero.
-    if not abs(value) > 1e-9:
+    if not abs(value) > ALIKE:
         return 0.0
     return float(f"{value:.10g}")
 

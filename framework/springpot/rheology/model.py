@@ -13,6 +13,7 @@ import numpy as np
 
 from springpot.markup import tag
 
+from ..numerics import ALIKE
 from .drawing import drawing_of
 from .history import InTime
 from .named import NamedNetwork
@@ -131,7 +132,7 @@ class Model(NamedNetwork):
         *,
         temperature: float | Real | None = None,
         reference_temperature: float = ROOM,
-        tolerance: float = 1e-9,
+        tolerance: float = ALIKE,
     ) -> InTime:
         """The model with its parameters, to be asked for relaxation, creep or any history.
 

@@ -39,16 +39,6 @@ from .slipping import FOUR_OVER_PI, slip_fraction
 
 CUBIC = Dimension(stiffness=1, amplitude=-2)
 CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
-TYPICAL_LIMIT = 3.0
-"""Where softening is sought, over the middle of what was measured.
-
-Mostly a test ends soon after it has begun.
-"""
-STEEPEST = 3.0
-"""Power of the amplitude with which K falls at most.
-
-A yielding gel's falls as its square, and a little faster.
-"""
 NEARLY_SINE = 1.0 / 12.0
 """Most that the third harmonic of filled rubber may be of dK / d ln X.
 

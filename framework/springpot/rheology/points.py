@@ -31,9 +31,9 @@ HALF_PI = 0.5j * np.pi
 GAS_CONSTANT = 8.31446261815324e-3
 """Molar gas constant in kJ/(mol K), exact in the SI of 2019."""
 FURTHEST = 700.0
-"""Logarithm of a frequency that is no floating-point number any more.
+"""Logarithm of what is no floating-point number any more.
 
-It was meant as the frequency itself.
+As that of a frequency it was meant as the frequency itself.
 """
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from springpot.errors import ModelError
 
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .effect import Effect, Layer
-from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import HALF_PI, ROOM, Complex, Points, Real
 from .poles import (
@@ -37,6 +36,9 @@ from .poles import (
     resolved,
 )
 from .rational import Rational, rational_of
+
+if TYPE_CHECKING:
+    from .named import NamedNetwork
 
 FINEST = 2
 """Times that a smaller step is tried before an error is accepted as it is."""

@@ -15,7 +15,8 @@ from springpot.errors import ModelError
 
 from ..numerics import ALIKE, NEGLIGIBLE
 from .dimensional import units_of
-from .grammar import OWN, free_names, names_in, parsed
+from .grammar import OWN, free_names, names_in, parsed, spread
+from .nodes import VALUE, Response
 from .nonlinear import Compliant
 from .parameters import PURE, Dimension, Parameter, order
 from .points import HALF_PI, LARGEST_SHIFT, ROOM, Complex, Points, Real
@@ -82,9 +83,13 @@ class TypedLaw:
             self.__dict__["_last"] = (at, term, known)
         return term, known
 
-    def joined(self, at: Points, values: Iterable[Any]) -> Dual:
-        """What the network adds, with its slope by ln Y under `OWN`."""
-        return self._of(self._joined, self._known(at), values)
+    def joined(self, at: Points, values: Iterable[Any], by: str = "") -> Dual:
+        """What the network adds, with no slope but one: that by ln Y under `OWN`."""
+        known = {name: Dual(value, {}) for name, value in zip(self.free, values, strict=True)}
+        for name, (value, slopes) in self._known(at).items():
+            known[name] = Dual(value, {by: slopes[by]} if by in slopes and by else {})
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return self._joined.at(known)
 
     @cached_property
     def _joined(self) -> Term:
@@ -157,10 +162,21 @@ class Written(Compliant):
         """Whether it asks for the amplitude of its own, not for that of the whole."""
         return self.plane == "compliance" and OWN in names_in(parsed(self.text))
 
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The law; slopes are worked out only where they are asked for."""
+        if depth != VALUE:
+            return super().respond(theta, at, depth)
+        assert isinstance(self.law, TypedLaw)
+        value, _ = self.law.joined(at, self._columns(theta))
+        if self.plane == "shift":
+            value, *_ = _logarithm(value, [], 0.0)
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape, np.shape(value))
+        return Response(spread(value, shape))
+
     def growing(self, theta: Real, at: Points) -> tuple[Complex, Complex]:
         """K and its derivative by the logarithm of its own amplitude."""
         assert isinstance(self.law, TypedLaw)
-        whole = self.law.joined(at, self._columns(theta))
+        whole = self.law.joined(at, self._columns(theta), OWN)
         return whole.value, whole.slopes.get(OWN, 0.0) * np.ones(1)
 
     @property
@@ -462,7 +478,7 @@ def passive(element: Written) -> bool:
             values = [value * by for value, by in zip(usual, (*share, 1.0, 1.0), strict=False)]
             values += usual[len(values) :]
             value = np.asarray(element.law.dual(at, values).value, dtype=complex)
-            if np.any(sign * value.imag < -1e-9 * np.abs(value)):
+            if np.any(sign * value.imag < -ALIKE * np.abs(value)):
                 return False
     return True
 

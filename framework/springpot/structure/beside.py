@@ -16,18 +16,13 @@ import numpy as np
 
 from springpot.rheology.points import Real
 
-from ..numerics import NEGLIGIBLE, ROUNDING
+from ..numerics import MOST_STEPS, NEGLIGIBLE, ROUNDING
 from .damper import Damper
 
 CLOSE = 1e-7
 """Relative change of the forces at which they are found.
 
 Far below what the length of a step changes.
-"""
-ROUNDS = 40
-"""Of putting the motion back into the laws.
-
-Three do for a force that moves the structure little within a step.
 """
 CALM = 8
 """Rounds after which only half of a change is taken, and so on.
@@ -137,7 +132,7 @@ def forces(
     way_by, speed_by = by_force
     force, share = guess, 1.0
     low, high = np.full(len(guess), np.nan), np.full(len(guess), np.nan)
-    for turn in range(ROUNDS):
+    for turn in range(MOST_STEPS):
         end, end_speed = last + way_by @ force, last_speed + speed_by @ force
         motion = zip(
             besides,

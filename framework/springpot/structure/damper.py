@@ -18,13 +18,10 @@ from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import FULL
-from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
+from springpot.rheology.points import HALF_PI, KELVIN, ROOM, Complex, Points, Real
 
 from ..numerics import NEGLIGIBLE
 from .unknown import axes_of, moved
-
-QUARTER = 0.5j * np.pi
-"""By which ln s exceeds ln omega where s = i omega."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +213,7 @@ class Damper:
         kelvin = None
         if self.kelvin is not None:
             kelvin = np.full(len(s), self.kelvin)
-        turned: Any = np.log(s) - QUARTER
+        turned: Any = np.log(s) - HALF_PI
         at = Points(turned, None, kelvin, self.reference)
         response = self.linear.network.respond(self.linear_theta, at, FULL)
         # By ln s: dK/ds is dK/d(ln s) over s.

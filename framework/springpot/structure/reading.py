@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -14,13 +15,18 @@ from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, stated
 from springpot.inputs import toml_in
-from springpot.measurement.geometry import EXAMPLE, parse_geometry
-from springpot.measurement.units import STIFFNESS_UNITS
+from springpot.measurement.geometry import (
+    EXAMPLE,
+    Geometry,
+    parse_geometry,
+    to_modulus,
+    to_stiffness,
+)
+from springpot.measurement.units import STIFFNESS_UNITS, Units
 from springpot.rheology.points import KELVIN, Real
 
 from .damper import Damper
 from .frame import Frame
-from .scaling import scale_of
 
 MOST_DAMPERS = 1e6
 """Dampers of one kind in a storey: more is a slip of the pen."""
@@ -271,3 +277,55 @@ def _count(value: object, what: str, most: int) -> int:
     raise DataError(
         f"{what}: {value!r:.40} is no number that it can be; give a whole one from 1 to {most}"
     )
+
+
+@dataclass(frozen=True)
+class _Tested:
+    """What a geometry converts, named as the message shall name it."""
+
+    name: str
+    units: Units
+    conditions: Mapping[str, Real] = field(default_factory=dict)
+
+
+def scale_of(
+    name: str, units: Units, geometry: Geometry, specimen: Geometry | None = None
+) -> tuple[float, float]:
+    """Stiffness in N/m and displacement in m of a damper for one of each of what was tested.
+
+    Parameters
+    ----------
+    name : str
+        Of the damper, for messages.
+    units : Units
+        Of what was tested.
+    geometry : Geometry
+        Of the damper.
+    specimen : Geometry, optional
+        Of what was tested, where that was a stiffness and no modulus.
+
+    Raises
+    ------
+    SpringpotError
+        If these do not fit each other, in one line.
+
+    Examples
+    --------
+    >>> from springpot.measurement import parse_geometry
+    >>> from springpot.measurement.units import Units
+    >>> from springpot.structure.reading import scale_of
+    >>> pads = parse_geometry("shear-pads area=0.02m^2 gap=10mm")
+    >>> scale_of("damper 1", Units("kPa", "-"), pads)
+    (2000.0, 0.01)
+    """
+    if units.stiffness in STIFFNESS_UNITS and specimen is None:
+        raise ModelError(
+            f"{name}: what was tested is a stiffness in {units.stiffness}: give its own geometry"
+            f" too, specimen = '{EXAMPLE}'"
+        )
+    factor, reach = 1.0, 1.0
+    if specimen is not None:
+        there = to_modulus(_Tested(name, units), specimen, "Pa")
+        factor, reach, units = there.factor, there.reach, there.units
+    here = to_stiffness(_Tested(name, units), geometry, "N/m", "m")
+    return here.factor / factor, reach / here.reach

@@ -30,9 +30,9 @@ from springpot.rheology.nodes import shift
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
-from springpot.thresholds import INTERVAL, SUPERPOSITION
+from springpot.thresholds import INTERVAL, SUPERPOSITION, VERDICT
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, SMALLEST
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12
@@ -235,7 +235,7 @@ def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str
     score = float(weighing @ log_a) / float(np.sqrt(weighing @ away))
     # Where factors share much of their error, their weighted slope may have the sign of none of
     # them.
-    if float(away @ log_a) > 0.0 and normal_sf(score) < SUPERPOSITION.alarm:
+    if float(away @ log_a) > 0.0 and normal_sf(score) < VERDICT.structure_alarm:
         return [SLOWER]
     return []
 
@@ -274,7 +274,7 @@ class _Task:
         # Laws of horizontal factors give ln a themselves.
         if not self.law.vertical:
             return value
-        return np.log(np.maximum(value, 1e-300))
+        return np.log(np.maximum(value, SMALLEST))
 
     def solve(self, starts: list[Real], own: float = 0.0) -> tuple[Real, float, Real]:
         """Best parameters, chi-square and slopes, the law being off by `own` at each level."""
@@ -379,7 +379,7 @@ def _verdict(square: float, spare: int) -> tuple[Verdict, float]:
     if spare == 0:
         return "cannot-tell", float("nan")
     chance = float(chi2_sf(square, spare))
-    if chance < SUPERPOSITION.alarm:
+    if chance < VERDICT.structure_alarm:
         return "departs", chance
     return "holds", chance
 

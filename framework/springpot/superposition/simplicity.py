@@ -18,9 +18,9 @@ from springpot.identification.free_factors import FactorRows, without
 from springpot.identification.levels_alone import Alone, parts_of
 from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
-from springpot.thresholds import SUPERPOSITION
+from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import DECADE, ROUNDING
+from ..numerics import DECADE, ROUNDING, SMALLEST
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 
@@ -140,7 +140,7 @@ def simplicity(rows: FactorRows, alone: Alone) -> Simplicity:
     added = float(np.sqrt(max(shared**2 - own**2, 0.0)))
     verdict: Verdict = "not-simple"
     missed = _missed_parts(rows, alone)
-    if chance >= SUPERPOSITION.alarm and not missed:
+    if chance >= VERDICT.structure_alarm and not missed:
         verdict = "simple"
     elif shared <= SUPERPOSITION.nearly * own or added <= SUPERPOSITION.added:
         verdict = "nearly-simple"
@@ -202,7 +202,7 @@ def _chance(rows: FactorRows, alone: Alone) -> float:
     """
     counts, judged = np.bincount(rows.number), alone.judged
     nu = alone.dof[judged]
-    left = rows.fit.dof - rows.fit.placed
+    left = rows.fit.dof
     saved = left * counts[judged] / counts.sum() - nu
     # Nothing is saved by one material for all: there is nothing to be tested. And four degrees of
     # freedom at a level tell no variance of its scatter.
@@ -222,16 +222,14 @@ def _no_material(rows: FactorRows, alone: Alone) -> list[Failure]:
         ratio = (alone.error[level] / usual) ** 2
         by_one = float(f_sf(ratio, alone.dof[level], np.median(alone.dof[judged])))
         chance = by_one * int(judged.sum())
-        if chance < SUPERPOSITION.alarm:
+        if chance < VERDICT.structure_alarm:
             off, at = alone.error[level], rows.named(level)
             says = (
                 f"at {at} no linear material comes nearer than {_percent(off)}, elsewhere"
                 f" {_percent(usual)}: this is the instrument, the amplitude or the specimen, not"
                 " superposition"
             )
-            failures.append(
-                Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says)
-            )
+            failures.append(Failure("no-material", values[level], off, chance, float("nan"), says))
     return sorted(failures, key=lambda one: -one.size)
 
 
@@ -253,16 +251,14 @@ def _missed_parts(rows: FactorRows, alone: Alone) -> list[Failure]:
             typical = float(np.median(np.abs(off)))
             ratio = float(np.mean(off**2)) / max(part.scatter**2, ROUNDING**2)
             chance = looked * float(f_sf(ratio, len(off), part.dof))
-            if typical <= SUPERPOSITION.missed or chance >= SUPERPOSITION.alarm:
+            if typical <= SUPERPOSITION.missed or chance >= VERDICT.structure_alarm:
                 continue
             says = (
                 f"at {rows.named(level)} the line misses the {word} by {typical:.2g} times its"
                 f" size, which is {_percent(typical * part.share)} of |K|: less than |K| scatters,"
                 " and more than its own points do"
             )
-            failures.append(
-                Failure("part", values[level], typical, min(chance, 1.0), float("nan"), says)
-            )
+            failures.append(Failure("part", values[level], typical, chance, float("nan"), says))
     return sorted(failures, key=lambda one: -one.size)
 
 
@@ -276,7 +272,7 @@ def _levels(rows: FactorRows, alone: Alone, error: Real) -> list[Failure]:
         ratio = (excess[level] + alone.dof[level]) / count
         # All levels are looked at, and any one of them may look like this by chance.
         chance = float(f_sf(ratio, count, alone.dof[level])) * int(judged.sum())
-        if chance < SUPERPOSITION.alarm:
+        if chance < VERDICT.structure_alarm:
             off, own = _percent(error[level]), _percent(alone.error[level])
             share = float(excess[level]) / whole
             says = (
@@ -284,7 +280,7 @@ def _levels(rows: FactorRows, alone: Alone, error: Real) -> list[Failure]:
                 f" a material of its own {own}{_of_all(share)}"
             )
             size = float(error[level] / alone.error[level])
-            failures.append(Failure("level", values[level], size, min(chance, 1.0), share, says))
+            failures.append(Failure("level", values[level], size, chance, share, says))
     return failures
 
 
@@ -315,7 +311,7 @@ def _storage_and_loss(rows: FactorRows, alone: Alone) -> list[Failure]:
     columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(count)])
     size, chance, share = _one_step(rows, alone, columns)
     values, failures = rows.elements[0].shown, []
-    for i in np.flatnonzero(chance < SUPERPOSITION.alarm).tolist():
+    for i in np.flatnonzero(chance < VERDICT.structure_alarm).tolist():
         shifted = float(size[i])
         says = (
             f"at {rows.named(i)} the loss asks for {_percent(abs(float(np.expm1(shifted))))} "
@@ -350,7 +346,7 @@ def _branches(rows: FactorRows, alone: Alone) -> list[Failure]:
         return []
     size, chance, share = _one_step(rows, alone, np.array(columns))
     failures = []
-    for i in np.flatnonzero(chance < SUPERPOSITION.alarm).tolist():
+    for i in np.flatnonzero(chance < VERDICT.structure_alarm).tolist():
         # The branch is a decade wide, and the place its middle.
         low, high = places[i] / 10.0**0.5, places[i] * 10.0**0.5
         shifted = float(size[i])
@@ -384,7 +380,7 @@ def _one_step(
     slopes = without(np.column_stack([spectrum, rows.factors]) / scale, asked)
     square = np.sum(slopes**2, axis=0)
     whole = np.sum(asked**2, axis=0)
-    seen = square > LEFT * np.maximum(whole, 1e-300)
+    seen = square > LEFT * np.maximum(whole, SMALLEST)
     square = np.where(seen, square, 1.0)
     residual = rows.residual / scale[:, 0]
     size = np.where(seen, slopes.T @ residual / square, 0.0)

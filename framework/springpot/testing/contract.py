@@ -28,6 +28,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 
+from ..numerics import ROUNDING
 from .effects import check_effect
 from .models import check_model
 from .networks import (
@@ -209,7 +210,7 @@ def _value(objective: Objective) -> Iterator[str]:
         if residual.shape != (2 * len(data),):
             yield f"{which}: residuals have the shape {residual.shape}, not ({2 * len(data)},)"
         if not np.allclose(
-            objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12
+            objective.value(computed, data, weights), np.sum(residual**2), rtol=ROUNDING
         ):
             yield f"{which}: the value is not the sum of the squared residuals"
         if not np.allclose(objective.value(data.stiffness.copy(), data, weights), 0.0, atol=1e-20):

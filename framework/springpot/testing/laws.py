@@ -18,13 +18,11 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.specimen import Scales, tries_of
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, DIFFERENCE
 from .networks import SEED, Aspect
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
 THETA = np.array([50.0, 400.0, 60.0, 0.5])
-STEP = 1e-6
-"""Relative step of the central difference that derivatives are held against."""
 AGREE = 2e-3
 """Relative difference from it up to which a derivative is right.
 
@@ -97,18 +95,18 @@ def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
     for test in tests:
         theta = _theta(effect, test)
         # Closer than usual, or differences this small would show the tolerance.
-        slopes = recorded(model, theta, test, tolerance=1e-9).by_theta
+        slopes = recorded(model, theta, test, tolerance=ALIKE).by_theta
         for i, name in enumerate(model.names):
-            step = STEP * max(abs(theta[i]), STEP)
+            step = DIFFERENCE * max(abs(theta[i]), DIFFERENCE)
             moved = step * (np.arange(len(theta)) == i)
             ends = [
-                recorded(model, theta + sign * moved, test, tolerance=1e-9).value
+                recorded(model, theta + sign * moved, test, tolerance=ALIKE).value
                 for sign in (1.0, -1.0)
             ]
             wanted = (ends[0] - ends[1]) / (2.0 * step)
             off = np.abs(wanted - slopes[:, i])[1:]
             size = float(np.abs(wanted[1:]).max())
-            wrong = float(np.mean(off > AGREE * size + 1e-9))
+            wrong = float(np.mean(off > AGREE * size + ALIKE))
             # A parameter that does nothing in this kind of test has no derivative to be wrong.
             if size > 0.0 and wrong > APART:
                 where = f"at {100.0 * wrong:.0f} % of the samples"

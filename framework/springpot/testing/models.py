@@ -13,6 +13,7 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.drawing import drawing_of
 from springpot.rheology.model import Family, Model
 
+from ..numerics import ROUNDING
 from .networks import (
     EXACT,
     OMEGA,
@@ -166,5 +167,5 @@ def _passive(model: Model) -> Iterator[str]:
     stiffness = model.stiffness(theta, OMEGA)
     for name, part in (("storage", stiffness.real), ("loss", stiffness.imag)):
         # A loss of zero, as of a spring, is computed to rounding only.
-        if np.any(part < -1e-12 * np.abs(stiffness)):
+        if np.any(part < -ROUNDING * np.abs(stiffness)):
             yield f"the {name} is negative for lawful parameters"

@@ -29,6 +29,8 @@ from springpot.rheology.nodes import FULL, parallel, series
 from springpot.rheology.parameters import MAXWELL_FORM, Parameter
 from springpot.rheology.points import Points, Real, power_of_s
 
+from ..numerics import ALIKE
+
 DEADLINE = 120.0
 """Seconds in which a plugin must have shown all that is asked of it.
 
@@ -390,7 +392,7 @@ def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -
     nearer = derivative(function, x, 1e-3)
     # A derivative that is nothing beside the others is held against them, not against its own
     # roundings.
-    natural = np.maximum(natural, 1e-9 * np.max(natural))
+    natural = np.maximum(natural, ALIKE * np.max(natural))
     smooth = np.abs(near - nearer) <= 0.1 * EXACT * natural
     wrong = np.abs(exact - nearer) / natural
     # A derivative that is not a number is wrong, kink or not; and where all is rough, nothing has

@@ -22,6 +22,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE
 from .networks import DEADLINE, SAMPLE, SEED, complaints, kept_random_state, name_and_summary
 
 BUDGETS = (1, 2, 9, 57)
@@ -160,7 +161,7 @@ def _box(optimiser: Optimiser) -> Iterator[str]:
     if outcome.failed:
         yield f"the run ends as '{outcome.status}'"
     # Rounding may put a point that was meant for the edge a little beyond it.
-    room = 1e-9 * (problem.upper - problem.lower)
+    room = ALIKE * (problem.upper - problem.lower)
     for i, name in enumerate(problem.space.names):
         if low[i] < problem.lower[i] - room[i]:
             yield (

@@ -377,4 +377,7 @@ def chance(value: float) -> str:
         return "< 0.01 %"
     if value > 1.0 - SURE:
         return "> 99.99 %"
+    # With two digits it would be a hundred.
+    if value > 0.99:
+        return f"{100.0 * value:.2f} %"
     return f"{100.0 * value:.2g} %"

@@ -21,6 +21,8 @@ EIGHTH = 0.125
 """Share of a cycle to either side: a sinusoid is a polynomial of degree four there to 2e-4."""
 SMOOTH, STEEP = 4, 5
 """Degrees of the polynomials for a value and for a slope."""
+MOVES = 4
+"""Times that a window is laid anew about what was found in it; the second moves it by rounding."""
 EXPONENTS = (0.1, 1.0)
 """Powers of the speed by which a force can go; below the least it is friction."""
 
@@ -149,7 +151,7 @@ def crossing(
 ) -> tuple[Estimate, Estimate]:
     """When a channel crosses a level, and its slope there."""
     moment = guess
-    for _ in range(4):
+    for _ in range(MOVES):
         solution, covariance = polynomial_at(channel, moment, width, STEEP)
         if solution[1] == 0.0:
             break
@@ -165,7 +167,7 @@ def crossing(
 def turning_point(channel: Channel, guess: float, width: float, sign: float) -> Turning:
     """Where a channel is greatest (`sign` 1) or least (-1), near a guess."""
     moment = guess
-    for _ in range(4):
+    for _ in range(MOVES):
         solution, covariance = polynomial_at(channel, moment, width, SMOOTH)
         bend = 2.0 * solution[2]
         if sign * bend >= 0.0:

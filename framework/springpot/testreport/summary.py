@@ -14,7 +14,7 @@ from springpot.distributions import f_quantile, student
 from springpot.errors import DataError, OptionError
 from springpot.measurement.steady import TOLERANCE
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL
+from springpot.thresholds import INTERVAL, WHERE
 
 from .local import EIGHTH, Estimate
 from .quantities import BY_NAME, QUANTITIES, Cycle, cycles_of, energy_of
@@ -22,8 +22,6 @@ from .record import Found, LoopRecord, find_cycles
 
 FEWEST = 3
 """Cycles from which their scatter says anything."""
-UNLIKELY = 0.01
-"""Chance by which cycles that only noise parts are said to scatter, as in step one of the paper."""
 
 
 class Told(NamedTuple):
@@ -270,7 +268,7 @@ def _mean(values: Sequence[Estimate]) -> Told:
 
 def _more(variance: float, of_noise: float, freedom: int) -> bool:
     """Whether a variance is larger than noise makes it by chance."""
-    return variance > of_noise * float(f_quantile(1.0 - UNLIKELY, freedom, 1e9))
+    return variance > of_noise * float(f_quantile(1.0 - WHERE.levels_differ, freedom, 1e9))
 
 
 def _remarks(record: LoopRecord, found: Found, means: dict[str, Told]) -> list[str]:

@@ -10,9 +10,9 @@ import numpy as np
 
 from springpot.distributions import f_quantile, student
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL
+from springpot.thresholds import INTERVAL, WHERE
 
-from .summary import UNLIKELY, EvaluatedTest
+from .summary import EvaluatedTest
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ def velocity_law(tests: Sequence[EvaluatedTest]) -> VelocityLaw | None:
     freedom, source = float("inf"), "noise"
     chi = float(np.sum(left**2 / variance))
     count = len(x) - 2
-    if count and chi > count * float(f_quantile(1.0 - UNLIKELY, count, 1e9)):
+    if count and chi > count * float(f_quantile(1.0 - WHERE.levels_differ, count, 1e9)):
         # Tests that scatter by more than their own noise count alike: what parts them is theirs.
         design = np.stack([np.ones_like(x), x], axis=1)
         level, exponent = np.linalg.lstsq(design, y, rcond=None)[0].tolist()

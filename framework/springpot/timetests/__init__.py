@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from .comparing import compare as compare
     from .diagnosis import diagnose as diagnose
     from .diagnosis import examine as examine
     from .discovery import discover as discover
-    from .fitting import compare as compare
     from .fitting import identify as identify
     from .prediction import predict_test as predict_test
     from .recording import predicted as predicted
@@ -25,7 +25,8 @@ __getattr__, __dir__ = offered(
     {
         "diagnosis": "diagnose examine",
         "discovery": "discover",
-        "fitting": "compare identify",
+        "comparing": "compare",
+        "fitting": "identify",
         "prediction": "predict_test",
         "recording": "predicted recorded",
         "residuals_of_tests": "Test",

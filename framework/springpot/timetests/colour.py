@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.rheology.points import Real
-from springpot.thresholds import SCATTER
+from springpot.thresholds import SEARCH
 
 from ..numerics import MEDIAN_WORTH, NORMAL
 
@@ -107,7 +107,7 @@ def colour_of(residual: Real, memories: Real) -> Colour | None:
             # Of a few numbers some higher order follows chance, and tells of slow noise what is
             # not so.
             if len(colour.past) > 2:
-                cost += SCATTER.unusual_shape
+                cost += SEARCH.decisive
             if cost < best and not _remembers_long(colour.past):
                 scale = float(np.mean(level / shape))
                 best, found = cost, Colour(scale * colour.variance, colour.past, corner)

@@ -26,7 +26,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .experiment import next_test
 from .exponentials import quick_parts
 from .fitting import identify
@@ -281,7 +281,7 @@ def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Lef
     for part, old, new, missed in zip(
         parts, before.residuals, each.left.residuals, unit.residuals, strict=True
     ):
-        of_one = max(part.sampled(missed), 1e-300)
+        of_one = max(part.sampled(missed), SMALLEST)
         gain += float(old @ old - new @ new) / of_one
         count += float(missed @ missed) / of_one
     return gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 
-from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by, with_rivals
+from springpot.diagnosis.result import Progress, silent
 from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect

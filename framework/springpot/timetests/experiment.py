@@ -26,6 +26,7 @@ from springpot.misfit.words import plain
 from springpot.rheology.intime import Traced
 from springpot.rheology.points import KELVIN, Real
 
+from ..numerics import SMALLEST
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, units_of
 from .verdict import TimeCase
 from .where import rms
@@ -229,5 +230,5 @@ def _sweep(parts: Sequence[TestPart], fit: Identification, omega: Real) -> Sweep
         omega, np.ones(len(omega), dtype=np.complex128), conditions=conditions, units=units
     )
     size = np.abs(fit.model.stiffness(fit.theta, replace(plan, reference=fit.reference).points))
-    share = float(np.median([rms(part.sd) / max(rms(part.measured), 1e-300) for part in parts]))
+    share = float(np.median([rms(part.sd) / max(rms(part.measured), SMALLEST) for part in parts]))
     return SweepPart(plan).with_sd(share * np.tile(size, 2))

@@ -61,10 +61,10 @@ There they are read off.
 """
 CLOSE = 0.05
 """How nearly K must go there as omega or omega squared."""
+
+
 STEP = 1e-5
 """Relative step of the derivative by a clock's parameters, which a search needs to three digits."""
-
-
 KEPT = ("sd", "rows", "t", "seen", "times", "omega", "share", "answers", "solver", "record")
 """What does not depend on how a part is weighed."""
 

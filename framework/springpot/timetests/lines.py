@@ -15,6 +15,7 @@ from springpot.misfit.mains_hum import HARMONICS, MAINS
 from springpot.misfit.words import plain
 from springpot.rheology.points import Real
 
+from ..numerics import SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import UPPER
 from .where import rms
@@ -53,7 +54,7 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
         np.pad(power, AROUND, mode="reflect"), 2 * AROUND + 1
     )
     # Of an exponential the median is ln 2 times the mean, and a line does not move it.
-    ratio = power / np.maximum(np.median(around, axis=1) / np.log(2.0), 1e-300)
+    ratio = power / np.maximum(np.median(around, axis=1) / np.log(2.0), SMALLEST)
     # As near as the record tells frequencies apart.
     mains = np.outer(MAINS, HARMONICS).ravel()
     of_mains = np.min(np.abs(hertz[:, None] - mains), axis=1) <= 1.5 * hertz[0]

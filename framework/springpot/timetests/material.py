@@ -24,7 +24,7 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE
+from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, SMALLEST, TWO_DEVIATIONS
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
@@ -34,8 +34,6 @@ from .where import rms
 
 STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
-NEARLY_STILL = 1e-4
-"""The same of an error alone, of which three digits are printed."""
 KEPT = 2
 """Convex forms of single tests from which a search of all of them begins."""
 BRIEF = 3
@@ -190,7 +188,7 @@ def descended_from(
         raise ModelError(f"{model.name} cannot be followed in these tests")
     # Where a search ends is not told by where it begins; of many tests the nearest will do.
     nearest = sorted(starts, key=lambda each: each[1].cost)[: KEPT + 1]
-    ends = [(each, each.descended(start, MOST_STEPS, NEARLY_STILL)) for each, start in nearest]
+    ends = [(each, each.descended(start, MOST_STEPS, PRINTED)) for each, start in nearest]
     return _best(ends, parts, spared=False)
 
 
@@ -239,8 +237,6 @@ VISIBLE = 0.1
 
 No test is run for less.
 """
-SEEN = 4.0
-"""Rise of the sum of squares over the noise that such a move must cost: two standard deviations."""
 
 
 class MaterialPoint(NamedTuple):
@@ -375,7 +371,7 @@ class _Search:
         search.rates = np.exp(rates)
         search._lined(self.model)
         begun = place._replace(weights=np.concatenate([place.weights[:2], before[first]]))
-        return search, search.descended(begun, MOST_STEPS, STILL if spared else NEARLY_STILL)
+        return search, search.descended(begun, MOST_STEPS, STILL if spared else PRINTED)
 
     def found(self, place: MaterialPoint, evaluations: int) -> FoundLines:
         """What is known of this place."""
@@ -474,12 +470,15 @@ class _Search:
                 amount = (
                     VISIBLE
                     * float(np.linalg.norm(signal))
-                    / max(float(np.linalg.norm(effect)), 1e-300)
+                    / max(float(np.linalg.norm(effect)), SMALLEST)
                 )
             change = effect * amount
             least = _left(by_weights, others, by_weights @ weights - value)
             for moved in (change, -change):
-                if _left(by_weights, others, by_weights @ weights - value - moved) - least < SEEN:
+                if (
+                    _left(by_weights, others, by_weights @ weights - value - moved) - least
+                    < TWO_DEVIATIONS
+                ):
                     return (
                         f"{names[i]}: another material could have done the same in these tests:"
                         " name a model in place of 'material', or add a test of another kind"

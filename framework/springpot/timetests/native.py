@@ -25,7 +25,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ROUNDING
+from ..numerics import MOST_STEPS, ROUNDING
 from .exponentials import UnfollowedError, quick_parts
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of
 from .specimen import Scales, runs_against, tries_of
@@ -34,8 +34,6 @@ from .where import rms
 
 QUICK = 20
 """Steps with some of the samples."""
-AT_LEISURE = 60
-"""Steps of the best start where each costs next to nothing."""
 LAST = 30
 """Steps with all of them."""
 ORDERS = (0.3, 0.5, 0.8)
@@ -254,7 +252,7 @@ class TimeSearch:
             u, spent, rests = self._near(quick, [*starts, *further])
             if rests:
                 return u, spent
-            last = self._descend(quick, u[None], True, AT_LEISURE, AFAR)
+            last = self._descend(quick, u[None], True, MOST_STEPS, AFAR)
             return last.u[0], spent + last.evaluations
         # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
@@ -394,7 +392,7 @@ class TimeSearch:
         # A direction that no test sees is left with next to no information, and so with endless
         # variance.
         scale = np.sqrt(np.maximum(np.diag(information), ROUNDING))
-        scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
+        scaled = information / np.outer(scale, scale) + ROUNDING * np.eye(len(u))
         covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
         return covariance
 

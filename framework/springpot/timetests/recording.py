@@ -26,7 +26,7 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import KELVIN, ROOM, Real
 
-from ..numerics import NEGLIGIBLE, ROUNDING
+from ..numerics import DIFFERENCE, NEGLIGIBLE, ROUNDING, SMALLEST
 
 
 def warming(
@@ -198,13 +198,6 @@ def _respond(inside: InTime, t: Real, imposed: Real, control: str) -> Traced:
     if control == "displacement":
         return inside.respond(t, imposed)
     return inside.respond_force(t, imposed)
-
-
-STEP = 1e-6
-"""Relative step of the one derivative that is a difference.
-
-Of what is not linear, by a changed loading.
-"""
 
 
 def recorded(
@@ -399,17 +392,20 @@ def reached(
 
 
 def _carried(law: Node, values: Real, before: Loading, slope: Loading) -> Loading:
+    width, moved = _either_way(before, slope)
+    more, less = (acting(law, values, each)[0] for each in moved)
+    return Loading(more.time, (more.value - less.value) / width)
+
+
+def _either_way(loading: Loading, slope: Loading) -> tuple[float, list[Loading]]:
+    """A loading with a little more and a little less of its change, and how much apart they are."""
     # Relative to the load itself: a step of any fixed size would be rounding in one unit and a leap
     # in another.
-    size = STEP * np.abs(before.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
-    times = np.union1d(before.time, slope.time)
-    ends = []
-    for sign in (1.0, -1.0):
-        moved = np.interp(times, before.time, before.value) + sign * size * np.interp(
-            times, slope.time, slope.value
-        )
-        ends.append(acting(law, values, Loading(times, moved))[0])
-    return Loading(ends[0].time, (ends[0].value - ends[1].value) / (2.0 * size))
+    size = DIFFERENCE * np.abs(loading.value).max()
+    size = float(size / max(float(np.abs(slope.value).max()), SMALLEST))
+    times = np.union1d(loading.time, slope.time)
+    there, change = (np.interp(times, each.time, each.value) for each in (loading, slope))
+    return 2.0 * size, [Loading(times, there + sign * size * change) for sign in (1.0, -1.0)]
 
 
 def dense(loading: Loading, t: Real) -> Loading:
@@ -451,12 +447,9 @@ def _by_loading(
     """
     if linear:
         return respond(slope)
-    size = STEP * np.abs(loading.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
-    times = np.union1d(loading.time, slope.time)
-    there, change = (np.interp(times, each.time, each.value) for each in (loading, slope))
-    more, less = (respond(Loading(times, there + sign * size * change)) for sign in (1.0, -1.0))
-    rate: Real = (more - less) / (2.0 * size)
-    return rate
+    width, moved = _either_way(loading, slope)
+    more, less = map(respond, moved)
+    return np.asarray((more - less) / width)
 
 
 class Clock:
@@ -496,7 +489,7 @@ class Clock:
 
 def _pace(law: Node, values: Real, here: Real) -> Real:
     """How fast an outer clock runs, by the inner one."""
-    step = STEP * np.maximum(here, STEP)
+    step = DIFFERENCE * np.maximum(here, DIFFERENCE)
     more, less = (acting(law, values, here + sign * step)[0] for sign in (1.0, -1.0))
     pace: Real = (more - less) / (2.0 * step)
     return pace

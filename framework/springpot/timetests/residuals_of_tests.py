@@ -16,6 +16,7 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import samples_of_one
 from springpot.errors import DataError
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
@@ -46,13 +47,6 @@ COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 WITHIN = 3.0
 """Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
-"""
-
-
-LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed.
-
-Beyond, a test would be worth no sample at all.
 """
 
 
@@ -209,18 +203,8 @@ class TestPart(ABC):
         return residual
 
     def sampled(self, residual: Real) -> float:
-        """Mean square of a residual times the numbers that make up one independent one.
-
-        For a first-order autoregression with the correlation r of neighbours that is
-        (1 + r) / (1 - r) (Bayley & Hammersley 1946, doi:10.2307/2983560).
-        """
-        rows, square = self.neighbours(residual), float(np.mean(residual**2))
-        power = float(np.mean(rows**2))
-        if len(rows) < 4 or power == 0.0:
-            return square
-        # Misses that alternate would claim more than one independent number a sample.
-        likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
-        return square * (1.0 + likeness) / (1.0 - likeness)
+        """Mean square of a residual times the numbers that make up one independent one."""
+        return float(np.mean(residual**2)) * samples_of_one(self.neighbours(residual))
 
     def rounded(self, residual: Real) -> Real:
         """Errors (k, m) that the digits of the test may make of what leaves this residual (m,).
@@ -291,7 +275,7 @@ class InTimePart(TestPart):
         Where the load keeps moving all samples tell of all rates.
         """
         if self.test.after_step:
-            return np.asarray(1.0 / np.maximum(self.at - self.test.start, 1e-300))
+            return np.asarray(1.0 / np.maximum(self.at - self.test.start, SMALLEST))
         return np.full(len(self.at), float(np.sqrt(np.prod(self.test.seen))))
 
     @property
@@ -312,8 +296,8 @@ class InTimePart(TestPart):
         # The median: at the instant of a step the answer may be many times what it is later.
         imposed, answered = np.abs(self.test.loading.value).max(), np.median(np.abs(self.measured))
         if self.test.control == "displacement":
-            return max(float(answered / imposed), 1e-300)
-        return max(float(imposed / max(answered, 1e-300)), 1e-300)
+            return max(float(answered / imposed), SMALLEST)
+        return max(float(imposed / max(answered, SMALLEST)), SMALLEST)
 
     @property
     def reach(self) -> float:
@@ -321,7 +305,7 @@ class InTimePart(TestPart):
         moved = self.measured
         if self.test.control == "displacement":
             moved = self.test.loading.value
-        return max(float(np.abs(moved).max()), 1e-300)
+        return max(float(np.abs(moved).max()), SMALLEST)
 
     @property
     def quantity(self) -> str:
@@ -392,9 +376,9 @@ class InTimePart(TestPart):
             return np.arange(n)
         if not self.test.after_step:
             return np.unique(np.linspace(0, n - 1, COARSE).astype(int))
-        clock = np.maximum(self.at - self.test.start, 1e-300)
+        clock = np.maximum(self.at - self.test.start, SMALLEST)
         # Samples at or before the step have no place on a logarithmic clock.
-        positive = clock > 1e-300
+        positive = clock > SMALLEST
         # What follows a step happens decade by decade: evenly in time its beginning would be left
         # out.
         wanted = np.geomspace(clock[positive][0], clock[-1], COARSE)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL
+from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
 from .colour import SLOWEST, Colour, colour_of, frequencies, transformed
 
 FEWEST = 40
@@ -271,11 +271,11 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     apart, worth = 1.0, 0.5 * MEDIAN_WORTH * count
     told = not known and count >= 2 * FEWEST_POINTS
     if told:
-        apart = max(float(np.sqrt(np.mean(np.diff(halves, 4) ** 2) / 70.0)), 1e-300)
+        apart = max(float(np.sqrt(np.mean(np.diff(halves, 4) ** 2) / 70.0)), SMALLEST)
         worth = FOURTH_WORTH * count
     if known:
         worth = np.inf
-    alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, 1e-300)
+    alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, SMALLEST)
     smooth = float(ndtr(-alike * np.sqrt(count)))
     # Three chances to be missed, of which the worst one is told.
     local = min(
@@ -283,7 +283,7 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     )
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
-        apart, worth = max(float(np.sqrt(power)), 1e-300), np.inf
+        apart, worth = max(float(np.sqrt(power)), SMALLEST), np.inf
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
 
 
@@ -466,7 +466,7 @@ def likeliest_jump(
             largest, number, row, column = float(drops[k]), i, k, np.zeros(len(value))
             column[rows[i]] = columns(k)
     alone = column - basis @ (basis.T @ column)
-    height = float(alone @ missed) / max(float(alone @ alone), 1e-300)
+    height = float(alone @ missed) / max(float(alone @ alone), SMALLEST)
     moved = turn @ (basis.T @ (value - height * column))
     left = [value - by_theta @ moved for value, by_theta in residuals]
     if largest > 0.0:
@@ -491,7 +491,7 @@ def _jumps(
     taken = _from_each(at, after, basis)
     alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
     left = alone - np.sum(taken**2, axis=1)
-    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
+    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, SMALLEST), 0.0)
     edge = _edge(len(drops))
     drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0
 
@@ -548,9 +548,9 @@ def _fitted(power: Real, omega: Real) -> tuple[float, float]:
     # Of each memory the best size is known in closed form, so that a grid of one number is enough.
     shapes = np.stack([_spectrum(omega, 1.0, memory) for memory in MEMORIES])
     squares = np.mean(power / shapes, axis=1)
-    cost = np.mean(np.log(shapes), axis=1) + np.log(np.maximum(squares, 1e-300))
+    cost = np.mean(np.log(shapes), axis=1) + np.log(np.maximum(squares, SMALLEST))
     best = int(np.argmin(cost))
-    return float(np.sqrt(max(squares[best], 1e-300))), float(MEMORIES[best])
+    return float(np.sqrt(max(squares[best], SMALLEST))), float(MEMORIES[best])
 
 
 def _log_likelihood(power: Real, spectrum: Real) -> float:

@@ -26,7 +26,7 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
 
-from ..numerics import ALIKE, NEGLIGIBLE
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
 from .promises import TWINS, Atom, Promise
 from .recording import Clock, reached, recorded
@@ -100,7 +100,7 @@ class TimeScan:
         own = [last.name == name.rpartition(".")[0] for name in self.model.names]
         size = own.index(True)
         others = self.slopes[:, np.logical_not(own)]
-        basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), 1e-300))[0]
+        basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), SMALLEST))[0]
         rest = self.slopes[:, size] - basis @ (basis.T @ self.slopes[:, size])
         theta, promises = self.theta[np.logical_not(own)], dict[str, list[Promise]]()
         for atom in self._all_atoms(effects):
@@ -335,7 +335,7 @@ def _as_tried(atom: Atom, amount: float) -> float:
 def _rating(promise: Promise) -> tuple[float, float]:
     """The largest drop first, to three digits, and of those the one tried as it is wanted."""
     drop = float(f"{promise.drop:.3g}")
-    return -drop, abs(float(np.log(max(promise.amount, 1e-300))))
+    return -drop, abs(float(np.log(max(promise.amount, SMALLEST))))
 
 
 def _different(promises: list[Promise]) -> list[Promise]:

@@ -15,6 +15,7 @@ from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 
+from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
 from .left import Left, delta_bic, independent
 from .material import UntoldError
@@ -32,11 +33,6 @@ FEWEST = 3
 """Effects that are fitted even where nothing promises much.
 
 So that the answer says how little they would help.
-"""
-HOPE = 4.0
-"""Drop of the sum of squares, over the noise, below which an effect is not worth a fit.
-
-Two standard deviations.
 """
 STARTS = 4
 """Places in the parameters of an effect from which its fit begins."""
@@ -70,7 +66,9 @@ def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[li
     # Hope is the drop less what its parameters cost: else the effect with most parameters would
     # lead.
     ranked = sorted(_by_rig(promises), key=hope, reverse=True)
-    worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
+    worth = [
+        of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > TWO_DEVIATIONS
+    ]
     # Of what does not go as its size, such as a limit or a fading, a linear step tells too little.
     # Beside other tests each such fit would take as long as all others.
     if len(before.residuals) == 1:
@@ -262,7 +260,7 @@ def delta_of(
 def plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    variance = max(power_of(left), 1e-300) / max(points - left.lines, 1)
+    variance = max(power_of(left), SMALLEST) / max(points - left.lines, 1)
     return float(points * np.log(variance) + left.count * np.log(points))
 
 

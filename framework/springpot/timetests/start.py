@@ -20,6 +20,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.terms import Modes, driven
 
+from ..numerics import SMALLEST
+
 PER_DECADE = 2
 """Exponentials a decade: half a per cent of a springpot, enough for a start."""
 FREQUENCIES = 5
@@ -87,7 +89,7 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     moved = test.response
     if test.control == "displacement":
         moved = test.loading.value
-    amplitude = max(float(np.abs(moved).max()), 1e-300)
+    amplitude = max(float(np.abs(moved).max()), SMALLEST)
     conditions = {"amplitude": np.full(int(good.sum()), amplitude)}
     if test.temperature is not None:
         conditions["temperature"] = np.full(int(good.sum()), test.temperature)
@@ -127,7 +129,7 @@ def answers_of(
         imposed = np.interp(grid, loading.smooth.time, loading.smooth.value)
         steps, changes = np.diff(grid, prepend=grid[0]), np.diff(imposed, prepend=imposed[0])
         place = np.searchsorted(grid, t)
-        faded = faded + driven(1.0 / times, steps, changes, one, 0.0 * one)[place]
+        faded = faded + driven(1.0 / times, steps, changes, one, np.zeros_like(one))[place]
         followed += imposed[place]
         if control == "force":
             mean = 0.5 * (imposed[1:] + imposed[:-1])

@@ -23,16 +23,16 @@ from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
-from springpot.rheology.effect import Effect
+from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from ..numerics import SMALLEST
 from .floor import TimeFloor
 from .left import Left
 from .lines import lines_in
-from .one_ramp import beside_one_ramp
 from .promises import TWINS, Promise
-from .residuals_of_tests import SweepPart, Test, TestPart
+from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 from .slip import Slip
 from .tried import Tried
@@ -424,7 +424,7 @@ def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list
     if verdict == "unexplained":
         odds = unknown_odds(chance)
         unknown = max(unknown, odds / (1.0 + odds))
-    others = (1.0 - unknown) / max(1.0 - weights[-1], 1e-300)
+    others = (1.0 - unknown) / max(1.0 - weights[-1], SMALLEST)
     return [*(others * weight for weight in weights[:-1]), unknown]
 
 
@@ -499,4 +499,26 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
         bound=NAN,
         parameters=parameters,
         says=each.effect.summary,
+    )
+
+
+def beside_one_ramp(
+    parts: Sequence[TestPart], candidates: Sequence[Candidate], leading: Sequence[str]
+) -> str:
+    """The specimen that is not linear, beside leading effects of one ramp that are none of it.
+
+    The displacement passes each place once, at one speed: a force that a part of the rig adds from
+    there on and one of the specimen are the same to it, but for the shape that each was given.
+
+    Empty where there are more tests, another kind of test, or no such specimen that helps.
+    """
+    if len(parts) != 1 or not isinstance(parts[0], InTimePart) or parts[0].test.kind != "startup":
+        return ""
+    own = [each for each in candidates if each.physics.layer is Layer.MATERIAL]
+    best = next((each for each in own if each.delta_bic > SEARCH.decisive), None)
+    if best is None or {each.effect for each in own} & {*leading}:
+        return ""
+    return (
+        f", or a specimen that is not linear ({best.effect}: {best.over_floor:.2g} x), which one"
+        " ramp does not tell apart: ramp at another rate, or back"
     )

@@ -26,6 +26,8 @@ from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import SMALLEST
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -335,7 +337,7 @@ class TestPrediction:
     def says(self) -> str:
         """One sentence."""
         if not self.judged:
-            wide = rms(0.5 * (self.high - self.low)) / max(rms(self.value), 1e-300)
+            wide = rms(0.5 * (self.high - self.low)) / max(rms(self.value), SMALLEST)
             return (
                 f"{self.test} is predicted to within {100 * wide:.2g} % by the uncertainty of the"
                 " parameters"

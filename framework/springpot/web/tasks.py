@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from springpot.api import compare, discover, identify, invent, mastercurve
-from springpot.diagnosis.examination import silent
 from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.result import silent
 from springpot.errors import DataError, SpringpotError
 from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement

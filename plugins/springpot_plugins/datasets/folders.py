@@ -7,15 +7,13 @@ from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 
-from springpot.errors import DataError
+from springpot.errors import LONGEST_REASON, DataError
 from springpot.measurement import DataSet, Measurement, within_budget
 
 from .manifest import FILE, LARGEST, read_manifest
 from .names import inside
 
 VARIABLE = "SPRINGPOT_DATA"
-LONGEST_REASON = 300
-"""Signs of what is said of a manifest that cannot be used."""
 NOWHERE = Path(os.devnull)
 """Stands for the directory of a set that is not on this machine."""
 

@@ -34,8 +34,8 @@ from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
 from .names import FREQUENCIES
+from .peaks import says_whole_swing, without_peak
 from .proposals import condition_name, offers, unit_proposal
-from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
 from .titles import UNITS, Heading, heading, is_dynamic
 from .written import as_measured, value_of
@@ -69,6 +69,8 @@ rows of one column, which come from one instrument."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
 _MEANT = {*UNITS, "repeat"} - {"time", "relaxation", "compliance"}
+SWINGING = ("amplitude", "force_amplitude")
+"""What may be counted either way."""
 
 
 def measurement_from(
@@ -534,3 +536,28 @@ def _require_units(roles: Mapping[str, Column]) -> None:
             raise column.error(
                 f"{error}; {unit_proposal(alike, column.title, column.unit)}"
             ) from None
+
+
+def counts_whole_swing(heading: Heading) -> bool:
+    """Whether the title or the unit of an amplitude says that it counts from trough to crest."""
+    return says_whole_swing(heading.title) or says_whole_swing(heading.unit or "")
+
+
+def unit_of_amplitude(unit: str | None) -> str | None:
+    """The unit without what says from where it counts: ``mm`` of ``mm pk-pk``."""
+    if unit is None:
+        return None
+    # A unit that is nothing else, such as "pp", is told as it stands.
+    return without_peak(unit) or unit
+
+
+def halved(cells: Sequence[str]) -> list[str]:
+    """Half of each number."""
+    return list(map(_half, cells))
+
+
+def _half(cell: str) -> str:
+    if not is_number(cell):
+        # A gap or a slip is told later, as it stands in the file.
+        return cell
+    return repr(value_of(cell) / 2)

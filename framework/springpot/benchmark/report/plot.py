@@ -15,6 +15,8 @@ from springpot.markup import Html, joined, tag
 from springpot.report.canvas import COLOURS, INK, QUIET
 from springpot.rheology.points import Real
 
+from ...numerics import ALIKE
+
 WIDTH, HEIGHT = 420.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0
 DASHES = ("none", "6 3", "2 2.5")
@@ -138,7 +140,7 @@ class PlotAxis:
         if not self.logarithmic:
             return [float(v) for v in np.linspace(self.low, self.high, 6)]
         # Rounding must not cost an end that is a decade its number.
-        first, last = ceil(log10(self.low) - 1e-9), floor(log10(self.high) + 1e-9)
+        first, last = ceil(log10(self.low) - ALIKE), floor(log10(self.high) + ALIKE)
         step = max(1, ceil((last - first) / MOST_TICKS))
         return [10.0**power for power in range(first, last + 1, step)]
 

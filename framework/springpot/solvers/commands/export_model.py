@@ -7,8 +7,7 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import DATA, FILE, POSITIVE, emit, json_option, note_to_stderr
-from springpot.cli.predict import numbers
+from springpot.cli.common import DATA, FILE, POSITIVE, emit, json_option, note_to_stderr, numbers
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import DATA, FILE, INPUT, emit, json_option, of_each
-from springpot.cli.predict import numbers
+from springpot.cli.common import DATA, FILE, INPUT, emit, json_option, numbers, of_each
 
 if TYPE_CHECKING:
     from springpot.structure.frame import Frame

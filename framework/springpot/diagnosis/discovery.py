@@ -1,0 +1,247 @@
+"""The discovery on a sweep: which effect is beyond doubt, and which rungs stay."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.identification.space import require_conditions
+from springpot.measurement.measurement import Measurement
+from springpot.misfit.refit import prediction_gain
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import SEARCH, VERDICT
+
+from .case import Case
+from .examination import examine
+from .grown import at_its_limit
+from .in_practice import Accuracy
+from .ladder import Ladder, Reached, Step, climbed, replaced_by
+from .result import Candidate, Diagnosis, Progress, silent
+from .scan import scan_effects
+from .sets import EffectSet, complete_set, likeliest_set
+
+if TYPE_CHECKING:
+    pass
+
+MOST_HIDDEN = 2
+"""Effects that may be accepted from an unexplained rung on, if they complete the model."""
+
+
+def discover(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    accept: Sequence[Effect] | None = None,
+    progress: Progress = silent,
+    reached: Reached | None = None,
+    accuracy: Accuracy | None = None,
+    begun: Ladder | None = None,
+) -> Ladder:
+    """Accept effects that are missing from a model of a sweep; see `climbed`.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    library : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+    model, accept, progress, reached, begun
+        As for `climbed`.
+    accuracy : Accuracy, optional
+        What the instrument promises.
+    """
+    # The same noise as if all of it were climbed now, so that the ladder is the same to the bit.
+    if begun is not None:
+        drawn = begun.steps[-1].case.drawn
+        assert drawn is not None
+        rng.bit_generator.state = drawn
+    rungs = SweepRungs(measurement, library, rng, accuracy)
+    return climbed(rungs, model, accept, progress, reached, begun)
+
+
+@dataclass(frozen=True, eq=False)
+class SweepRungs:
+    """A sweep that stands alone.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        The data.
+    effects : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+    accuracy : Accuracy or None
+        What the instrument promises.
+    sets : list of EffectSet
+        Sets that were found to explain the data together.
+    plan : list of Effect
+        Those of the last such set that are still to be accepted.
+    """
+
+    measurement: Measurement
+    effects: Sequence[Effect]
+    rng: np.random.Generator
+    accuracy: Accuracy | None = None
+    sets: list[EffectSet] = field(default_factory=list)
+    plan: list[Effect] = field(default_factory=list)
+
+    def examined(
+        self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
+    ) -> Case:
+        """The examination of a model, begun where the rung before has led."""
+        starts: list[Real] = []
+        if before is not None and effect is not None:
+            require_conditions(model, self.measurement)
+            starts = _starts(before.case, effect)
+        starts += [found.start(model) for found in self.sets if found.makes(model)]
+        case = examine(
+            self.measurement, model, self.effects, self.rng, starts, progress, self.accuracy
+        )
+        return replace(case, drawn=self.rng.bit_generator.state)
+
+    def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
+        """The effect whose absence is beyond doubt, if there is one and a further rung could count.
+
+        See `_explained`.
+        """
+        last = steps[-1].case
+        # "Inconclusive" is no ground for a decision that nobody looks at.
+        if last.diagnosis.verdict not in ("effect-missing", "unexplained"):
+            return None
+        if not self.plan and (found := complete_set(last, self.rng)):
+            self.plan.extend(found.effects)
+            self.sets.append(found)
+        effect = self.plan.pop(0) if self.plan else _decisive(steps)
+        if effect is None or effect.name in refused:
+            return None
+        return effect
+
+    def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
+        """The rungs that explain something, each the likeliest beside all others."""
+        steps = _explained(steps, [len(found.effects) for found in self.sets])
+        # Alone or first, an effect may only have seemed needed: with all others in place it is
+        # asked anew which set it is.
+        cases, names = [step.case for step in steps], [step.accepted for step in steps[1:]]
+        found = likeliest_set(cases, [name for name in names if name], self.effects)
+        if found is None:
+            return steps
+        self.sets.append(found)
+        return replaced_by(self, steps, found, progress)
+
+
+# Beside the starts read off the data: those know nothing of what the rung before has found.
+def _starts(case: Case, effect: Effect) -> list[Real]:
+    """Parameters (p,) of the smaller model with the effect as the scan saw it.
+
+    The next rung cannot do worse.
+    """
+    scanned = scan_effects(case.search.base, case.search.frame, [effect]).scores
+    starts = [start for score in scanned for start in score.starts]
+    # The scan's even where a fit is known: that one ended early where it was no rival.
+    return starts + [
+        grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)
+    ]
+
+
+def _decisive(steps: Sequence[Step]) -> Effect | None:
+    """The effect that the last rung asks for beyond doubt."""
+    verdicts = [step.case.diagnosis.verdict for step in steps]
+    if "unexplained" in verdicts[:-MOST_HIDDEN]:
+        return None
+    case = steps[-1].case
+    candidates = case.diagnosis.candidates
+    if not candidates:
+        return None
+    # What changes with time is mended by no effect, however much of it one takes.
+    if case.course is not None:
+        return None
+    # Where several others may be missing together in its place, or a cause that goes with what was
+    # not varied by itself, nobody could decide.
+    if case.evidence.instead or case.naming.confounded:
+        return None
+    # Factors without a law do better than what heads the table: whether they are physics only a
+    # user knows.
+    named = [candidate.effect for candidate in candidates]
+    if case.diagnosis.leading and case.diagnosis.leading[0] not in named:
+        return None
+    if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
+        return None
+    first = _first_named(case.diagnosis)
+    # Of a class that the data cannot tell apart only what is likelier than all the others goes in.
+    if len(first.alike) > 1 and first.probability < VERDICT.likely:
+        return None
+    # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most
+    # of the error.
+    little = not first.error_after <= VERDICT.takes_most * case.diagnosis.error.relative_rms
+    if verdicts[-1] == "unexplained" and little:
+        return None
+    # An effect that shows only beside another may head the table without a fit of its own.
+    fitted = case.evidence.likeliest_with().get(first.effect)
+    if fitted is not None and at_its_limit(fitted, first.physics):
+        return None
+    # The headline offers a drift in its place: only another experiment decides between the two.
+    drift = case.evidence.drift
+    if drift is not None and drift.effect == first.effect:
+        return None
+    # Storage and loss at one frequency are two curves, which nearly any two effects of one column
+    # follow.
+    taken = {column for effect in steps[-1].model.effects for column in effect.needs}
+    if case.evidence.one_frequency and not taken.isdisjoint(first.physics.needs):
+        return None
+    return first.physics
+
+
+def _first_named(diagnosis: Diagnosis) -> Candidate:
+    """The candidate that the headline names first, and the next step with it.
+
+    Else the first of the table.
+
+    The table may begin with one of a pair, of which another effect does more by itself than either.
+    """
+    for candidate in diagnosis.candidates:
+        if diagnosis.leading and candidate.effect == diagnosis.leading[0]:
+            return candidate
+    return diagnosis.candidates[0]
+
+
+def _explained(steps: list[Step], sets: Sequence[int] = ()) -> list[Step]:
+    """The rungs up to the first unexplained one, and those beyond it that proved to be physics.
+
+    Effects that hide one another can leave a rung unexplained that two more steps explain; where
+    they do not, they may only have been fitted to what is no effect of the library. What predicts
+    data that were left out much better than the model before, such as a shift of moduli beside a
+    shift of times, stays, and so does what takes nearly all of the misfit: sweeps at temperatures
+    too far apart to overlap predict one another by no law. The rest is still unexplained.
+    """
+    verdicts = [step.case.diagnosis.verdict for step in steps]
+    if "unexplained" not in verdicts:
+        return steps
+    first = verdicts.index("unexplained")
+    # So few more effects that complete the model are two that hid each other, not a curve bent to a
+    # misfit.
+    most = max([MOST_HIDDEN, *sets])
+    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= most:
+        return steps
+    kept = first + 1
+    # One after the other: a rung that predicts nothing new ends what may be believed of those above
+    # it.
+    while kept < len(steps):
+        before, after = steps[kept - 1], steps[kept]
+        left = (after.relative_rms / before.relative_rms) ** 2
+        if left > VERDICT.remainder and _prediction_gain(before, after) > VERDICT.predicts:
+            break
+        kept += 1
+    return steps[:kept]
+
+
+def _prediction_gain(before: Step, after: Step) -> float:
+    return prediction_gain(before.case.search.base, after.case.search.base)

@@ -1,0 +1,85 @@
+"""Numbers of a test report against their definitions: units, trends, areas and their errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import linregress
+
+from springpot.errors import DataError
+from springpot.testreport import amounts, certifying, local, quantities
+from springpot.testreport.local import Channel
+
+
+@pytest.mark.parametrize(
+    ("written", "wanted", "ratio"),
+    [
+        ("kN/mm", "N/m", 1e6),
+        ("mm", "m", 1e-3),
+        ("kN s/mm", "N*s/m", 1e6),
+        ("kJ", "N m", 1e3),
+        ("MPa mm*mm", "N", 1.0),
+        ("kPa", "N/m/m", 1e3),
+        ("mm/s", "m*Hz", 1e-3),
+        ("Hz", "1/s", 1.0),
+        ("%", "-", 0.01),
+        ("N/m/s", "kN Hz/m", 1e-3),
+    ],
+)
+def test_units_are_products_of_powers(written, wanted, ratio):
+    assert amounts.ratio_of_units(written, wanted) == pytest.approx(ratio, rel=1e-12)
+    assert amounts.ratio_of_units(wanted, written) == pytest.approx(1.0 / ratio, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("written", "wanted"),
+    [
+        ("N", "m"),
+        ("N m", "N/m"),
+        ("N s", "N"),
+        ("N/s", "N s"),
+        ("J", "N"),
+        ("Pa", "N/m"),
+        ("s", "Hz"),
+        ("degC", "-"),
+        ("m", "N/N"),
+    ],
+)
+def test_units_of_different_things_have_no_ratio(written, wanted):
+    for first, second in ((written, wanted), (wanted, written)):
+        with pytest.raises(DataError, match="is no unit of what is in"):
+            amounts.ratio_of_units(first, second)
+
+
+def test_a_trend_and_its_error_are_those_of_a_straight_line():
+    number, values = np.arange(3.0, 10.0), np.array([1.0, 3.0, 2.0, 5.0, 4.0, 8.0, 6.0])
+    wanted = linregress(number, values)
+    assert certifying._trend(number, values) == pytest.approx((wanted.slope, wanted.stderr))
+
+
+@pytest.mark.parametrize(("noise", "digit"), [(0.05, 0.0), (0.0, 0.2)])
+def test_noise_of_a_channel_is_its_scatter_or_its_digit(noise, digit):
+    phase = np.linspace(0.0, 60.0, 4000)
+    values = np.sin(phase) + noise * np.random.default_rng(1).normal(size=4000)
+    if digit:
+        values = digit * np.round(values / digit)
+    assert local.noise_of(values) == pytest.approx(noise + digit / np.sqrt(12.0), rel=0.05)
+    assert local.noise_of(np.full(50, 3.0)) == pytest.approx(12.0 * np.finfo(float).eps)
+
+
+@pytest.mark.parametrize("noises", [(0.03, 0.005), (0.001, 0.03), (0.02, 0.03)])
+def test_the_area_of_a_loop_is_as_sure_as_it_is_said_to_be(noises):
+    """By a hundred draws of the noise of either channel, or of both."""
+    time = np.linspace(-0.5, 1.5, 81)
+    way, force = np.sin(2.0 * np.pi * time), 2.0 * np.cos(2.0 * np.pi * time + 0.3)
+    rng, found = np.random.default_rng(5), []
+    for _ in range(100):
+        moved, pulled = (
+            Channel(time, exact + noise * rng.normal(size=81), noise)
+            for exact, noise in zip((way, force), noises, strict=True)
+        )
+        found.append(quantities._work(moved, pulled, 0.0, 1.0, loop=True))
+    values, told = (np.array([getattr(each, name) for each in found]) for name in ("value", "sd"))
+    # The area of an ellipse: pi times both half axes times the sine of the phase between them.
+    assert np.mean(values) == pytest.approx(2.0 * np.pi * np.cos(0.3), rel=0.01)
+    assert np.std(values) == pytest.approx(np.mean(told), rel=0.25)
