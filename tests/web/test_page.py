@@ -17,6 +17,7 @@ import pytest
 from browsing import IN_A_BROWSER, PATIENCE, Open, Page, playwright, tab_to, violations_on
 from test_state import a_session
 
+import springpot
 from springpot.web import Workbench
 from springpot.web.sessions import measured_in
 
@@ -69,6 +70,7 @@ def test_the_readme_story_by_mouse(page: Open, damper: bytes, tmp_path: Path):
     a_preview_costs_less_than_a_frame(here)
     the_next_experiment_stands_on_the_same_screen(here)
     a_slider_moves_the_curve_and_leaves_the_fit(here)
+    how_parameters_move_together_is_a_table(here, damper, tmp_path)
 
     here.page.click("#effect-inertia")
     here.shows(f"{MODEL} + inertia")
@@ -140,6 +142,18 @@ def a_slider_moves_the_curve_and_leaves_the_fit(here: Page) -> None:
     here.done()
     here.page.click("#reset")
     assert here.page.locator("#plot-view .line.edited").count() == 0
+
+
+def how_parameters_move_together_is_a_table(here: Page, damper: bytes, folder: Path) -> None:
+    here.page.click("#correlations summary")
+    cells = here.page.locator("#correlations tbody tr").first.locator("td").all_inner_texts()
+    (folder / "moving.csv").write_bytes(damper)
+    covariance = springpot.identify(folder / "moving.csv", MODEL).covariance
+    size = np.sqrt(np.diag(covariance))
+    others = covariance[0, 1:] / (size[0] * size[1:])
+    assert cells == ["1", *(f"{r:.2f}" for r in others)]
+    assert here.violations() == []
+    here.page.click("#correlations summary")
 
 
 def leave_with_everything(here: Page, error: float) -> bytes:

@@ -84,6 +84,12 @@ def test_every_effect_that_was_fitted_comes_with_its_curve(answer: dict[str, Any
     assert np.sqrt(np.mean((left / width) ** 2)) < 2.0
 
 
+def test_parameters_tell_how_they_move_together(answer: dict[str, Any]):
+    k, c = answer["parameters"]
+    assert k["correlated"] == {"c": c["correlated"]["k"]}
+    assert 0.1 < abs(k["correlated"]["c"]) < 1.0
+
+
 def test_views_are_told_to_the_page_as_data(relaxed: dict[str, Any]):
     (view,) = relaxed["scene"]["views"].values()
     assert (view["name"], view["x"]["log"]) == ("stress over time", True)

@@ -214,10 +214,7 @@ class Uncertainty:
         fit = self.fit
         turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
         with np.errstate(all="ignore"):
-            covariance = turn @ self.covariance @ turn.T
-            sd = np.sqrt(np.diag(covariance))
-            correlation: Real = covariance / (sd[:, None] * sd[None, :])
-        return correlation
+            return correlation_of(turn @ self.covariance @ turn.T)
 
     def interval(self) -> tuple[Real, Real]:
         """Ends (p,) of the intervals of all parameters.
@@ -286,6 +283,14 @@ def uses_sd(fit: Fit) -> bool:
     return bool(
         np.allclose(weights.real * sd.real, 1.0) and np.allclose(weights.imag * sd.imag, 1.0)
     )
+
+
+def correlation_of(covariance: Real) -> Real:
+    """Correlations (p, p) of what has a covariance; NaN where that is no number."""
+    with np.errstate(all="ignore"):
+        sd = np.sqrt(np.diag(covariance))
+        correlation: Real = covariance / (sd[:, None] * sd[None, :])
+    return correlation
 
 
 def lost_and_known(covariance: Real) -> tuple[NDArray[np.bool_], Real]:

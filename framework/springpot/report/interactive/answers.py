@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
+from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import Refit
 from springpot.rheology.model import Model
@@ -41,7 +42,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     -------
     dict
         ``discovery`` (schema ``springpot.discovery/2``); ``of``: what errors are shares of;
-        ``parameters`` of the last rung;
+        ``parameters`` of the last rung, each with its correlations to the others;
         ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to
         which temperature or amplitude the parameters belong; ``model``: K of the last rung,
         ``{"points", "curves", "planes"}``, each with ``storage`` and ``loss``, at the drawn points,
@@ -54,7 +55,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     """
     scene, case = PageScene(measurement), ladder.steps[-1].case
     base = case.search.base
-    used = base.data.raw
+    used, fit = base.data.raw, base.identified
     # Once, for previews and rivals alike: each is a model with its parameters.
     grown = list(grown_by_each(case))
     noise, acts = _noise(scene, base), list(acted(case, used))
@@ -62,7 +63,9 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     return {
         "discovery": ladder.to_dict(),
         "of": measurement.units.magnitude,
-        "parameters": parameters_of(base.model, ladder.steps[-1].parameters, used.units),
+        "parameters": parameters_of(
+            fit.model, ladder.steps[-1].parameters, used.units, Uncertainty.of(fit).correlation
+        ),
         "noise": in_parts(noise),
         "reference": reference_note(used, [base.model.network]),
         "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.diagnosis.ladder import Ladder, Step
+from springpot.identification.uncertainty import correlation_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
@@ -258,7 +259,9 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
     return {
         "discovery": ladder.to_dict(),
         "of": "the signal",
-        "parameters": parameters_of(base.model, base.parameters, units_of(tests)),
+        "parameters": parameters_of(
+            base.model, base.parameters, units_of(tests), correlation_of(base.covariance)
+        ),
         "noise": {"storage": width, "loss": width},
         "reference": "",
         "model": whole,

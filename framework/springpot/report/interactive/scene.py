@@ -234,10 +234,15 @@ def _rows_of(points: Points, rows: NDArray[np.int64]) -> Points:
     return replace(points.mapped(lambda column: column[rows]), log_omega=log_omega[rows])
 
 
-def parameters_of(model: Model, values: Mapping[str, Value], units: Units) -> list[dict[str, Any]]:
-    """Parameters of a model in printed units, with the ends that a search respects."""
+def parameters_of(
+    model: Model, values: Mapping[str, Value], units: Units, correlation: Real
+) -> list[dict[str, Any]]:
+    """Parameters of a model in printed units, with the ends that a search respects.
+
+    Of `correlation` (p, p) each tells those with the others that are shown, where they are numbers.
+    """
     rows = []
-    for parameter in model.parameters:
+    for parameter, correlated in zip(model.parameters, correlation, strict=True):
         value = values.get(parameter.name)
         # A line of a free spectrum: hundreds of them, none of which anybody would move.
         if value is None:
@@ -246,7 +251,12 @@ def parameters_of(model: Model, values: Mapping[str, Value], units: Units) -> li
         told = {name: getattr(value, name) for name in ("unit", "value", "low", "high")}
         ends = {"lower": parameter.lower * factor, "upper": parameter.upper * factor}
         names = {"name": parameter.name, "symbol": parameter.symbol, "scale": parameter.scale}
-        rows.append({**names, **told, **ends})
+        others = {
+            name: round(float(r), 3)
+            for name, r in zip(model.names, correlated, strict=True)
+            if name in values and name != parameter.name and np.isfinite(r)
+        }
+        rows.append({**names, **told, **ends, "correlated": others})
     return rows
 
 

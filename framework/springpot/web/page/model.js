@@ -120,7 +120,7 @@ export class ModelPanel {
     put(this.table, h("h3", {}, "Parameters"),
       answer.parameters.length ? h("div", { class: "parameters" }, ...rows)
         : h("p", { class: "quiet" }, "A material is a whole spectrum: it has no parameters to move."),
-      movable ? h("p", {}, this.fit, " ", this.reset) : null, this.told,
+      movable ? h("p", {}, this.fit, " ", this.reset) : null, this.told, correlations(answer.parameters),
       answer.reference ? h("p", { class: "quiet" }, answer.reference) : null);
     this.renderButtons();
   }
@@ -190,4 +190,21 @@ export class ModelPanel {
   says(text) {
     if (this.told) this.told.textContent = text;
   }
+}
+
+// How parameters move together: of two that do, the data fix a combination better than either.
+function correlations(parameters) {
+  if (!parameters.some(({ correlated }) => Object.keys(correlated).length)) return null;
+  const cell = (row, column) => {
+    const r = row.correlated[column.name];
+    if (r === undefined) return h("td", {}, row === column ? "1" : "–");
+    const told = h("td", { class: r < 0 ? "falls" : "grows" }, pretty(r.toFixed(2)));
+    told.style.setProperty("--share", `${Math.round(30 * Math.abs(r))}%`);
+    return told;
+  };
+  const name = (scope) => (parameter) => h("th", { scope }, parameter.name);
+  const rows = parameters.map((row) => h("tr", {}, name("row")(row), ...parameters.map((column) => cell(row, column))));
+  return h("details", { id: "correlations" }, h("summary", {}, "Correlations"),
+    h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "correlations of the parameters" },
+      h("table", {}, h("thead", {}, h("tr", {}, h("td"), ...parameters.map(name("col")))), h("tbody", {}, ...rows))));
 }
