@@ -44,7 +44,6 @@ from .experiment import (
     next_experiment,
 )
 from .grown import Grown, Search
-from .marginal import Unknown
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Verdict
 from .scan import Score
@@ -179,6 +178,8 @@ BESIDE_MATERIAL = {
 """What is added where effects are named beside a free spectrum."""
 OPEN = frozenset({"unexplained", "inconclusive"})
 """Verdicts after which the cause may be something that no effect knows, such as another column."""
+SEEN = frozenset({"unexplained", "effect-missing"})
+"""Verdicts after which what the effects leave may have a description."""
 Cause: TypeAlias = Column | EqualRows | Course | None
 """What the misfit goes with that no effect knows.
 
@@ -266,9 +267,6 @@ def answer(
     sentences += [*_in_order_of_time(search, cause), *header_notes(candidates, measurement)]
     if doubted:
         sentences.insert(0, error.advice)
-    rest = None
-    if verdict in {"unexplained", "effect-missing"}:
-        rest = evidence.rest
     diagnosis = Diagnosis(
         data=search.base.data.raw.name,
         model=search.base.model,
@@ -286,7 +284,7 @@ def answer(
         leading=tuple(leading),
         one_test=one_test,
         tests=(_as_test(measurement, error),),
-        steps=tuple(_steps(measurement, search, outliers, cause, rest)),
+        steps=tuple(_steps(measurement, search, evidence, verdict, outliers, cause)),
     )
     # A factor at each temperature would be another name for the time.
     if course is None:
@@ -297,9 +295,10 @@ def answer(
 def _steps(
     measurement: Measurement,
     search: Search,
+    evidence: Evidence,
+    verdict: Verdict,
     outliers: Sequence[Outlier],
     cause: Cause,
-    rest: Unknown | None,
 ) -> Iterator[ToDo]:
     """What can be done with the data themselves."""
     if spec := turned(measurement.provenance):
@@ -307,7 +306,7 @@ def _steps(
     error = search.base.error
     if isinstance(cause, Column) and cause.name in measurement.conditions:
         yield splitting(cause.name, error * float(np.sqrt(max(1.0 - cause.share, 0.0))))
-    elif cause is None and rest is not None and rest.column:
+    elif cause is None and verdict in SEEN and (rest := evidence.rest) and rest.column:
         # What each level of a condition has of its own hides the rest from every later test.
         yield splitting(rest.column, what="what is left")
     # The error is that without them: that is how the answer was found.
