@@ -245,7 +245,10 @@ class EvidenceLevels:
     prior_chain: float = 0.5
     """Prior weight of each fault of a measuring chain beside that of a common effect."""
     fewest_levels: int = 3
-    """Levels of a condition from which a gain of its own at each is no other name for a trend."""
+    """Levels of a condition from which a gain of its own at each is no other name for a trend.
+
+    And one of them can stand out from the others.
+    """
     points_of_each: int = 4
     """Points of each level at least, so that the levels do not follow the noise."""
     as_good: float = 3.0

@@ -93,7 +93,7 @@ def test_an_answer_is_written_at_once():
 def test_of_an_adequate_model_the_parameters_are_next_of_another_what_it_lacks(
     monkeypatch, adequate, near, verb
 ):
-    monkeypatch.setattr("springpot.comparison.ranking.Ranking", SimpleNamespace)
+    monkeypatch.setattr("springpot.comparison.result.Ranking", SimpleNamespace)
     best = SimpleNamespace(fails=False, unclear=False, model=SimpleNamespace(name="kelvin"))
     ranked = SimpleNamespace(one_test="", best=best, adequate=adequate, near=near)
     assert compare._next_command(ranked, "swept", []) == f"springpot {verb}"

@@ -13,7 +13,7 @@ from springpot.errors import DataError, OptionError
 from springpot.identification.space import require_conditions
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.floor import STARTS_RESCALED, fitted_to_floor
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import Finding
@@ -26,10 +26,6 @@ if TYPE_CHECKING:
     pass
 
 Effects: TypeAlias = tuple[str, ...]
-
-
-STARTS = 4
-"""Starts of each of a few models that a user compares, from the fit that found its own noise."""
 
 
 def compare(
@@ -145,6 +141,8 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
         # From where it ended: in another noise the minimum moves a little, and another one may be
         # the least.
         if fitted is not quiet:
-            fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS)
+            fitted = refit(
+                fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS_RESCALED
+            )
         in_its_noise.append(fitted)
     return in_its_noise

@@ -28,6 +28,7 @@ from springpot.misfit.residual_battery import Battery
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, SEARCH
 
+from ..numerics import PRINTED
 from .scan import Scan
 
 
@@ -203,10 +204,6 @@ class Search:
 
 LARGEST = 0.5
 """Drift from first to last row, as a logarithm, beyond which nobody calls the rows one sweep."""
-FINE = 1e-4
-"""Of a drift: a hundredth of a per cent."""
-LEAST_WORTH = 1e-4
-"""Drift below which the words would say 0 %."""
 
 
 @dataclass(frozen=True)
@@ -256,7 +253,7 @@ def drift_in_place(search: Search) -> SweepDrift | None:
         # As many parameters as an effect of one; one of more would have to explain more to be
         # preferred.
         nearer = rss <= as_good and (likeliest is None or rss < least)
-        if nearer and abs(share) > LEAST_WORTH:
+        if nearer and abs(share) > PRINTED:
             least, likeliest = rss, SweepDrift(effect.name, share)
     return likeliest
 
@@ -281,7 +278,7 @@ def _drifting(before: Refit) -> tuple[float, float]:
         return refit(before.model, data, before.noise, [before.theta], starts=0).fair_rss
 
     best = minimize_scalar(
-        left, bounds=(-LARGEST, LARGEST), method="bounded", options={"xatol": FINE}
+        left, bounds=(-LARGEST, LARGEST), method="bounded", options={"xatol": PRINTED}
     )
     return float(np.expm1(best.x)), float(best.fun)
 

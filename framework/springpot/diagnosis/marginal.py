@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,9 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, VERDICT
 
 from ..numerics import ROUNDING, SMALLEST
-from .grown import Grown, Search
+
+if TYPE_CHECKING:
+    from .grown import Grown, Search
 
 ROW_BY_ROW = "from row to row"
 """How the kinds are called that follow the order of the rows."""

@@ -26,8 +26,7 @@ from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import SMALLEST
-from .asked import AskedSet, beside, once, one_more, two_more
-from .exchange import in_each_place
+from .asked import AskedSet, beside, in_each_place, once, one_more, two_more
 from .grown import Grown, Search
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 

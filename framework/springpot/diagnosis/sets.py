@@ -16,7 +16,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .asked import AskedSet, one_more
+from .asked import AskedSet, in_each_place, one_more, one_or_two_for_one, scanned_beside
 from .evidence import (
     Evidence,
     credible,
@@ -24,7 +24,6 @@ from .evidence import (
     one_for_each_set,
     size_of_scanned,
 )
-from .exchange import in_each_place, one_or_two_for_one, scanned_beside
 from .grown import Grown, Search
 from .neighbours import go_on_to_neighbours
 from .scan import applicable, scan_effects

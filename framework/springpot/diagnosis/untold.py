@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springpot.identification.held_material import is_passive
 from springpot.rheology.effect import Effect
 
-from .grown import Search
 from .scan import PARALLEL, Directions, applicable, influence
+
+if TYPE_CHECKING:
+    from .grown import Search
 
 COLUMN = "amplitude"
 

@@ -28,7 +28,7 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SUPERPOSITION, VERDICT
+from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
 
 from ..format_numbers import NAMED
 from ..numerics import SMALLEST
@@ -38,8 +38,6 @@ from .residual_battery import Battery, battery
 from .where import where
 from .words import percent, times, with_unit
 
-FEWEST_LEVELS = 3
-"""Levels from which one can stand out from the others."""
 POINTS_OF_EACH = 6
 """Points of a level from which a free spectrum can fail at it."""
 FOLLOWED = 0.1
@@ -293,7 +291,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         {name for effect in free for name in effect.needs} & set(measurement.conditions)
     ):
         levels = each_alone(base, name)
-        if len(levels) < FEWEST_LEVELS:
+        if len(levels) < EVIDENCE.fewest_levels:
             continue
         strange = levels_of_no_material(levels)
         if strange:
@@ -302,7 +300,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         # the others.
         sound = [level for level in levels if level not in strange]
         joining = [effect for effect in free if effect.needs == {name}]
-        if len(sound) >= FEWEST_LEVELS:
+        if len(sound) >= EVIDENCE.fewest_levels:
             yield from _joined(base, name, sound, joining)
 
 

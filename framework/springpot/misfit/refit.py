@@ -24,7 +24,7 @@ from springpot.measurement.scatter import Noise
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import VERDICT
+from springpot.thresholds import EVIDENCE, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .frame import LEAST_LEFT, Drawn, NoiseFrame, phase_of
@@ -312,8 +312,6 @@ def refit(
 
 FOLDS = 4
 """Levels or bands left out at most, each by itself."""
-POINTS_OF_EACH = 4
-"""Points of each level at least: of fewer one says little."""
 FEWEST_LEVELS = 4
 """Levels from which two inner ones can be left out between others."""
 BANDS = 6
@@ -406,7 +404,7 @@ def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
     count = int(level.max()) + 1
     if count < FEWEST_LEVELS:
         return []
-    if len(level) >= POINTS_OF_EACH * count:
+    if len(level) >= EVIDENCE.points_of_each * count:
         return [level == number for number in _inner(count)]
     # Bands of what moved with the frequency would be bands of the frequency.
     if name not in telling(measurement):

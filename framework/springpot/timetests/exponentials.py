@@ -29,7 +29,7 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
 
-from ..numerics import ALIKE, DIFFERENCE
+from ..numerics import ALIKE
 from .recording import Clock, at_stage, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Residual, TestPart
 from .start import answers_of
@@ -63,6 +63,8 @@ CLOSE = 0.05
 """How nearly K must go there as omega or omega squared."""
 
 
+STEP = 1e-5
+"""Relative step of the derivative by a clock's parameters, which a search needs to three digits."""
 KEPT = ("sd", "rows", "t", "seen", "times", "omega", "share", "answers", "solver", "record")
 """What does not depend on how a part is weighed."""
 
@@ -343,7 +345,7 @@ class QuickPart(InTimePart):
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
         for index in indices(mine, on_clock):
             # A clock bends time for all exponentials at once, which has no closed derivative here.
-            step = DIFFERENCE * max(abs(float(theta[index])), DIFFERENCE)
+            step = STEP * max(abs(float(theta[index])), STEP)
             ends = [theta + sign * step * (np.arange(len(theta)) == index) for sign in (1.0, -1.0)]
             more, less = (by(loading, end, alone)[:, 0] for end in ends)
             columns.append((more - less) / (2.0 * step))

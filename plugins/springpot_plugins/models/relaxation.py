@@ -30,10 +30,9 @@ from springpot.rheology import (
     spring,
     stiffness,
 )
+from springpot.rheology.points import HALF_PI
 
 from .fractional import REVIEW
-
-HALF_PI = 0.5j * np.pi
 
 _STEP = 0.3
 _LOG_RATE = np.arange(-60.0, 4.0, _STEP)

@@ -41,6 +41,7 @@ ORDER = (
     "plot.js",
     "views.js",
     "zoom.js",
+    "pointing.js",
     "compare.js",
     "hero.js",
     "ladder.js",

@@ -1,8 +1,9 @@
 // Data and model side by side: a view, a residual plane below it on the same axis, one cursor and one brush for all.
 
 import { h, put } from "./dom.js";
-import { number, percent, pretty } from "./numbers.js";
+import { percent, pretty } from "./numbers.js";
 import { Plot, range } from "./plot.js";
+import { listen, said } from "./pointing.js";
 import { othersOf, planeLines, planeOf, planeSpec, viewLines, viewOf, viewSpec, viewsOf } from "./views.js";
 import { DESK, Zoom } from "./zoom.js";
 
@@ -19,8 +20,6 @@ const MOST_PLACES = 3; // sentences below the picture: more would leave it no ro
 const MOST_NOTES = 2;
 const WIDE = 560; // px from which a second picture stands beside the first, not below it
 const BETWEEN = 8; // px between the two
-const FINGER = 24; // px within which a finger means a point
-const HELD = 500; // ms after which it has stayed
 const LEAST = 140; // px between which the picture grows and shrinks with the window
 const MOST = 480;
 
@@ -68,7 +67,7 @@ export class Compare {
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
     put(parent, this.intro, this.bar, this.key, this.frames, this.readout);
     put(failing, this.places);
-    for (const plot of this.plots) this.listen(plot);
+    for (const plot of this.plots) listen(plot, this);
     new ResizeObserver(() => this.resized()).observe(this.frames);
     window.addEventListener("resize", () => this.fill());
   }
@@ -343,71 +342,12 @@ export class Compare {
     return planeLines(plane, scene, k, viewsOf(scene)[viewOf(scene, looks.view)], { widths, role, column: this.column.value });
   }
 
-  listen(plot) {
-    const place = (event) => {
-      const box = plot.svg.getBoundingClientRect();
-      return [((event.clientX - box.left) / box.width) * plot.width, ((event.clientY - box.top) / box.height) * plot.height];
-    };
-    let from = null;
-    let held = null; // a finger reads a point at once, and leaves it out when it stays
-    const release = () => { clearTimeout(held); held = null; };
-    plot.svg.addEventListener("pointermove", (event) => {
-      if (!plot.spec) return;
-      const to = place(event);
-      if (this.zoom.pinching) from = null;
-      if (!from || Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) release();
-      if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) {
-        this.selected(new Set(plot.rowsWithin(...from, ...to)));
-      } else if (!from) this.point(plot.nearest(...to));
-    });
-    plot.svg.addEventListener("pointerdown", (event) => {
-      from = event.button === 0 ? place(event) : null;
-      if (event.pointerType !== "touch" || !from || !plot.spec) return;
-      const row = plot.nearest(...from, FINGER);
-      held = setTimeout(() => { from = null; if (row !== null) this.toggle([row]); }, HELD);
-    });
-    plot.svg.addEventListener("pointerup", (event) => {
-      const to = place(event);
-      if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) <= 6 && plot.spec) {
-        const touch = event.pointerType === "touch";
-        const row = plot.nearest(...to, touch ? FINGER : 10);
-        if (touch) this.point(row);
-        else if (row !== null) this.toggle([row]);
-        else this.selected(new Set());
-      }
-      from = null;
-      release();
-    });
-    plot.svg.addEventListener("pointerleave", (event) => { if (!from && event.pointerType !== "touch") this.point(null); });
-    plot.svg.addEventListener("pointercancel", release);
-    plot.svg.addEventListener("keydown", (event) => this.key_(event));
-  }
-
-  key_(event) {
-    if (this.zoom.key(event)) {
-      event.preventDefault();
-      return;
-    }
-    const rows = [...this.app.scene.rows].sort((a, b) => this.app.scene.x[this.index(a)] - this.app.scene.x[this.index(b)]);
-    const here = rows.indexOf(this.row);
-    const steps = { ArrowRight: 1, ArrowLeft: -1 };
-    if (event.key in steps) {
-      const next = rows[Math.max(0, Math.min(rows.length - 1, here + steps[event.key]))];
-      if (event.shiftKey) this.selected(new Set([...this.chosen, this.row ?? next, next]));
-      this.point(next);
-    } else if (event.key === " " && (this.chosen.size || this.row !== null)) {
-      this.toggle(this.chosen.size ? [...this.chosen] : [this.row]);
-    } else if (event.key === "Escape") this.selected(new Set());
-    else return;
-    event.preventDefault();
-  }
-
   index(row) {
     return this.app.scene.rows.indexOf(row);
   }
 
   point(row) {
-    const { scene, answer, state } = this.app;
+    const { scene, state } = this.app;
     this.row = row;
     for (const plot of this.plots) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
@@ -417,34 +357,7 @@ export class Compare {
       return;
     }
     const i = this.index(row);
-    if (scene.views) {
-      this.readout.textContent = this.readInTime(i) + (state.excluded.includes(row) ? "; left out" : "");
-      return;
-    }
-    const { stiffness } = scene.units;
-    const { clock, per_hertz, symbol } = scene.words;
-    let says = `${number((scene.omega[i] / 2 / Math.PI) * per_hertz, 3)} ${clock}: ${symbol}' ${number(scene.storage[i])}, ${symbol}'' ${number(scene.loss[i])} ${stiffness}`;
-    if (answer) {
-      const [storage, loss] = [answer.model.points.storage[i], answer.model.points.loss[i]];
-      const off = (data, model, sd) => `${data >= model ? "+" : "−"}${number(Math.abs(data - model) / sd, 2)} σ`;
-      says += `; model ${number(storage)}, ${number(loss)}; data − model ${off(scene.storage[i], storage, answer.noise.storage[i])}, `;
-      says += off(scene.loss[i], loss, answer.noise.loss[i]);
-    }
-    if (state.excluded.includes(row)) says += "; left out";
-    this.readout.textContent = says;
-  }
-
-  readInTime(i) {
-    const { scene, answer } = this.app;
-    const { x, y } = scene.views[this.viewed];
-    const [name, unit] = y.label.split(" [");
-    let says = `${x.label.replace(/ \[.*/, "")} ${number(x.column === "moved" ? scene.moved[i] : scene.x[i])}: ${name} ${number(scene.storage[i])} ${unit.slice(0, -1)}`;
-    if (answer) {
-      const model = answer.model.points.storage[i];
-      const off = (scene.storage[i] - model) / answer.noise.storage[i];
-      says += `; model ${number(model)}; data − model ${off < 0 ? "−" : "+"}${number(Math.abs(off), 2)} σ`;
-    }
-    return says;
+    this.readout.textContent = said(this.app, i, this.viewed) + (state.excluded.includes(row) ? "; left out" : "");
   }
 
   selected(rows) {
