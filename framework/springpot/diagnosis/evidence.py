@@ -244,10 +244,7 @@ class Evidence:
     @cached_property
     def rest(self) -> Unknown | None:
         """What the misfit that the best effects leave looks like; None without a description."""
-        rest = self.fault or left_unknown(self.search)
-        if rest is None or not rest.says:
-            return None
-        return rest
+        return self.fault or left_unknown(self.search)
 
     def beside_drift(self) -> Evidence:
         """The same, having asked whether a drifting gain explains as much as the best model."""
@@ -544,10 +541,8 @@ def _beside_a_fault(
     best = explanations[0]
     alone = [one for one in explanations if len(one.names) == 1 and one.names[0] in best.names]
     first = max(alone, key=lambda one: one.grown.refit.log_evidence, default=None)
-    found = None
-    if first is not None:
-        found = fault_beside(search, first.grown)
-    if first is None or found is None:
+    found = first and fault_beside(search, first.grown)
+    if not first or not found:
         return explanations, None
     fault, gain = found
     second = marginal(search, best.grown) - marginal(search, first.grown)

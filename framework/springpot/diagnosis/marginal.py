@@ -439,9 +439,11 @@ def left_unknown(search: Search) -> Unknown | None:
     best = search.best
     if best is search.base or search.left.p_value >= VERDICT.structure_alarm:
         return None
-    return explaining_unknown(
-        replace(search, base=best, frame=best.frame(), structure=search.left, grown=[])
-    )
+    beside = replace(search, base=best, frame=best.frame(), structure=search.left, grown=[])
+    found = explaining_unknown(beside)
+    if found is None or not found.says:
+        return None
+    return found
 
 
 def _kinds(search: Search) -> list[Unknown]:

@@ -407,10 +407,7 @@ def sentence(
             error = f"without {standing}, {error}"
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
-        left = ""
-        if evidence.rest is not None:
-            left = f"; what is left looks like {evidence.rest.says}"
-        return f"{error}; missing is {_named(evidence)}{left}"
+        return f"{error}; missing is {_named(evidence)}{_left(evidence)}"
     if verdict == "inconclusive":
         return f"{error}; these data cannot tell whether something is missing"
     # Before the other sentences: the error is that of the data without these points, and small.
@@ -438,6 +435,13 @@ def sentence(
     elif behind is not None:
         missing = f"{missing}: {behind.headline}"
     return f"{error}; {missing}{_if_little(own.base)}"
+
+
+def _left(evidence: Evidence) -> str:
+    """What the effects that are named leave, as the end of a sentence."""
+    if evidence.rest is None:
+        return ""
+    return f"; what is left looks like {evidence.rest.says}"
 
 
 def _of_repeats(search: Search) -> str:
