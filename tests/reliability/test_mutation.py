@@ -160,6 +160,17 @@ def test_a_change_is_noticed_by_a_test_that_fails_with_it_alone(
     assert (copy.failing, runs) == (failing, [])
 
 
+def test_a_file_of_tests_that_cannot_be_read_is_left_out(copy, monkeypatch):
+    """Whatever is deselected in it, it would fail again and again."""
+    unread, asked = FIRST.partition("::")[0], []
+    runs = [unread, unread, ""]
+    monkeypatch.setattr(copy, "_run", lambda *options: asked.append(options) or runs.pop(0))
+    assert copy.notices(TURNED) == ""
+    assert copy.failing == {unread}
+    assert [unread in options for options in asked] == [True, True, False]
+    assert SECOND.partition("::")[0] in asked[-1]
+
+
 def test_changes_that_change_nothing_are_told_of_and_not_counted(monkeypatch, copy):
     monkeypatch.setattr(soak_mutants, "ROOT", mutation.ROOT)
     lost = [TURNED] * 3

@@ -383,3 +383,18 @@ def test_a_law_of_the_clock_is_bounded_where_a_search_strays():
 def test_units_with_a_power_that_a_parameter_decides_keep_the_contract():
     effect = Effect.from_formula("grip", "parallel: k*X^(-n)", "a grip that fades")
     assert [each for each in check_effect(effect) if each.startswith("units")] == []
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6), st.floats(-1.0, 1.0))
+def test_a_part_in_series_takes_the_amplitude_that_is_left_to_it(logs, body):
+    # A resonance beside a softening spring bends what is solved: Newton's steps go in circles.
+    effect = springpot.law(
+        "series: 1/(k*(1 + i*z*omega/w0 - (omega/w0)^2)) + 1/(k*r*(1 + (Y/Xc)^n))"
+    )
+    own, alone = 10.0 ** np.array(logs), 10.0**body
+    points = Points.at(np.geomspace(0.1, 10.0, 15), amplitude=np.resize([0.1, 1.0, 9.0], 15))
+    whole = (parse_model("spring") + effect).stiffness(np.array([alone, *own]), points)
+    part = 1.0 / (1.0 / whole - 1.0 / alone)
+    taken = replace(points, amplitude=points.need("amplitude") * np.abs(whole / part))
+    assert effect.element.respond(own, taken).value == pytest.approx(part, rel=1e-6)

@@ -408,6 +408,9 @@ class BalancedSeries(Composition):
         shape = np.broadcast_shapes(body.shape, (*own.shape[:-1], 1))
         # Begun as if the element took all of the displacement.
         log_own = np.broadcast_to(log_all, shape)
+        least, most = log_all - FARTHEST, log_all + FARTHEST
+        low, high = np.broadcast_to(least - 1.0, shape), np.broadcast_to(most + 1.0, shape)
+        step = np.full(shape, np.inf)
         for _ in range(MOST_STEPS):
             there = at.at_amplitude(np.exp(log_own))
             own_value, own_slope = element.growing(theta, there)
@@ -415,10 +418,16 @@ class BalancedSeries(Composition):
             # In logarithms of the amplitude, which then cannot become negative on the way.
             off = log_own + np.log(np.abs(both)) - log_whole
             slope = 1.0 + np.real(own_slope / both)
-            further = log_own - off / slope
-            further = np.clip(further, log_all - FARTHEST, log_all + FARTHEST)
-            step, log_own = further - log_own, further
-            if np.max(np.abs(step), initial=0.0) < ALIKE:
+            low, high = np.where(off < 0.0, log_own, low), np.where(off > 0.0, log_own, high)
+            further = np.clip(log_own - off / slope, least, most)
+            # About a bend Newton's steps go round in circles: the middle is tried instead of what
+            # lies outside, or between two ends is hardly nearer.
+            slow = np.abs(further - log_own) > 0.5 * step
+            between = (low >= least) & (high <= most)
+            astray = (further < low) | (further > high) | (slow & between)
+            further = np.where(astray, 0.5 * (low + high), further)
+            step, log_own = np.abs(further - log_own), further
+            if np.max(step, initial=0.0) < ALIKE:
                 break
         there = at.at_amplitude(np.exp(log_own))
         # By the outer node again: the derivative is asked for by the parameters that are free.
