@@ -20,7 +20,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EXPERIMENT
 
-from ..numerics import ALIKE, MOST_STEPS, SMALLEST
+from ..numerics import ALIKE, SMALLEST
 from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
@@ -30,6 +30,8 @@ Of frequencies, a temperature or an empty rig, which take a while; of a
 specimen that must be made, or of several repeats."""
 ENOUGH = 3.0
 """Times the separation that settles the matter beyond which more is worth nothing."""
+EVALUATIONS = 40
+"""Evaluations of a fit of one explanation to the other."""
 FAR = 1000000000.0
 """Stands for a difference beyond all numbers."""
 TRIED = 3
@@ -136,7 +138,7 @@ class Contest(ABC):
             jacobian,
             (limits[:, 0], limits[:, 1]),
             x_scale="jac",
-            max_nfev=MOST_STEPS,
+            max_nfev=EVALUATIONS,
         )
         return float(np.sqrt(2.0 * nearest.cost))
 

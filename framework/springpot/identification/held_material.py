@@ -23,7 +23,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST
+from ..numerics import PRINTED, ROUNDING, SMALLEST
 from .allowed_shifts import laws_of_shift, refused_laws
 from .known_factors import ends_of_factors
 from .levels_alone import alike
@@ -210,6 +210,8 @@ Factors of many levels would take seconds.
 """
 FIRST_STEP = 0.01
 """First step from the best fit, in coordinates, most of them logarithms: a per cent."""
+OUTWARD = 40
+"""Steps after which an interval has no end."""
 GROWTH = 1.6
 """Factor from step to step: thirty of them go from a per cent to ten decades."""
 
@@ -335,7 +337,7 @@ def _crossing(
     from scipy.optimize import brentq  # loading the plugins must not take its time
 
     inner, step = start, FIRST_STEP
-    for _ in range(MOST_STEPS):
+    for _ in range(OUTWARD):
         outer = start + sign * min(step, abs(limit - start))
         if above(outer) > 0.0:
             return float(brentq(above, inner, outer, xtol=PRINTED))
