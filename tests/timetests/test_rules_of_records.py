@@ -1,0 +1,213 @@
+"""Small rules of tests in time, by hand: what stands out where, what starts, what is a law."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.rheology.continuum import Continuum
+from springpot.thresholds import EVIDENCE
+from springpot.timetests import colour, diagnosis, sieve, start, temperatures, verdict, where
+from springpot.timetests.material import spectrum_of
+
+TIME = np.linspace(0.0, 4.0, 401)
+RUN = np.sin(2.0 * np.pi * TIME)
+
+
+def record(value=RUN, kind="history"):
+    """A record of so much imposed, as the searched rules see it."""
+    return SimpleNamespace(
+        kind=kind, time=TIME, loading=SimpleNamespace(time=TIME, value=value), control="x"
+    )
+
+
+def slow_of(value):
+    """Where a motion is slower than 0.3 of what it usually reaches."""
+    rate = np.abs(np.gradient(value, TIME))
+    return rate < where.SLOW * np.percentile(rate, where.USUAL_TOP)
+
+
+@pytest.mark.parametrize(
+    ("slow", "fast", "says"),
+    [
+        (1.43, 1.0, "; all along, where the motion turns"),
+        (1.40, 1.0, ""),
+        (1.0, 1.40, ""),
+        (1.0, 1.43, "; all along, where the motion is fast"),
+    ],
+)
+def test_a_record_is_missed_where_it_turns_or_is_fast_by_twice_the_power(slow, fast, says):
+    residual = np.where(slow_of(RUN), slow, fast) * np.cos(np.pi * np.arange(401))
+    assert where._manner(record(), residual) == says
+    assert where._manner(record(kind="creep"), residual) == ""
+    assert where._manner(record(value=0.5 * TIME), residual) == ""
+
+
+@pytest.mark.parametrize(("after", "told"), [(1.52, True), (1.48, False)])
+def test_a_loop_is_missed_after_its_turns_in_the_first_quarter_of_each_way(after, told):
+    """Eight samples up, eight down: two of each way are fresh."""
+    imposed = np.tile(np.r_[0.0:8.0, 8.0:0.0:-1.0], 4)
+    turns = np.arange(8, 64, 8)
+    fresh = np.zeros(64, dtype=bool)
+    for first in turns:
+        fresh[first : first + 2] = True
+    residual = np.where(fresh, after, 1.0)
+    assert (where._after_turn(imposed, residual) == "; just after each turn") is told
+    # Two turns are too few to tell.
+    assert where._after_turn(imposed[:24], 9.0 * residual[:24]) == ""
+
+
+def test_a_dashpot_a_spring_and_exponentials_add_up_as_they_are_driven():
+    omega, times = np.array([0.5, 2.0]), np.array([1.5])
+    amounts = np.array([3.0, 0.7, 2.0])
+    s = 1j * omega
+    stiffness = 3.0 + 0.7 * s + 2.0 * s * 1.5 / (1.0 + s * 1.5)
+    np.testing.assert_allclose(start._sum_at(omega, times, amounts, "displacement"), stiffness)
+    compliance = 3.0 + 0.7 / s + 2.0 / (1.0 + s * 1.5)
+    np.testing.assert_allclose(start._sum_at(omega, times, amounts, "force"), 1.0 / compliance)
+
+
+def test_the_answer_to_a_step_is_that_of_its_elements():
+    t, when = np.array([0.0, 1.0, 3.0]), 0.5
+    loading = SimpleNamespace(jumps=(np.array([when]), np.array([2.0])), smooth=None)
+    after, since = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.5, 2.5])
+    fading = np.exp(-since / 4.0)
+    found = start.answers_of(loading, "displacement", np.array([4.0]), t)
+    nothing = np.zeros(3)
+    np.testing.assert_allclose(
+        found, np.array([2.0 * after, nothing, nothing, 2.0 * after * fading]).T
+    )
+    found = start.answers_of(loading, "force", np.array([4.0]), t)
+    np.testing.assert_allclose(
+        found,
+        np.array([2.0 * after, 2.0 * since, nothing, 2.0 * after * (1.0 - fading)]).T,
+    )
+    mixed = start.answers_of(loading, "force", np.array([4.0]), t, np.array([[1.0, 2, 3, 4]]).T)
+    np.testing.assert_allclose(mixed, found @ np.array([[1.0, 2, 3, 4]]).T)
+
+
+def test_the_answer_to_a_ramp_of_force_is_its_integral():
+    grid = np.linspace(0.0, 2.0, 5)
+    loading = SimpleNamespace(
+        jumps=(np.zeros(0), np.zeros(0)), smooth=SimpleNamespace(time=grid, value=3.0 * grid)
+    )
+    t = np.array([0.5, 1.7])
+    found = start.answers_of(loading, "force", np.array([4.0]), t)
+    np.testing.assert_allclose(found[:, 0], 3.0 * t)
+    np.testing.assert_allclose(found[:, 1], 1.5 * t**2)
+    np.testing.assert_allclose(found[:, 3], 3.0 * (t - 4.0 * (1.0 - np.exp(-t / 4.0))))
+    found = start.answers_of(loading, "displacement", np.array([4.0]), t)
+    np.testing.assert_allclose(found[:, 1], 3.0)
+    np.testing.assert_allclose(found[:, 3], 12.0 * (1.0 - np.exp(-t / 4.0)))
+
+
+@pytest.mark.parametrize(
+    ("plane", "needs", "law"),
+    [
+        ("shift", {"temperature"}, True),
+        ("shift", {"temperature", "water"}, False),
+        ("shift", {"water"}, False),
+        ("stiffness", {"temperature"}, False),
+    ],
+)
+def test_a_law_of_temperature_shifts_by_it_alone(plane, needs, law):
+    assert temperatures.is_law(SimpleNamespace(plane=plane, needs=needs)) is law
+
+
+@pytest.mark.parametrize(("left", "taken"), [(0.9, True), (1.0, False), (1.2, False)])
+def test_an_effect_that_lowers_nothing_leaves_what_was_left(monkeypatch, left, taken):
+    monkeypatch.setattr(diagnosis, "power_of", lambda left: left.power)
+    monkeypatch.setattr(diagnosis, "replace", lambda each, **new: SimpleNamespace(**new))
+    tried = SimpleNamespace(left=SimpleNamespace(power=left, count=7), fit="fit")
+    found = diagnosis._no_worse(tried, SimpleNamespace(power=1.0, count=3))
+    assert (found is tried) is taken
+    if not taken:
+        assert (found.left.count, found.fit) == (7, None)
+
+
+def test_an_autoregression_has_the_covariances_of_its_spectrum():
+    """One of the first order, of memory 0.6 and variance 4: further orders add nothing."""
+    omega = np.pi * (np.arange(4000) + 0.5) / 4000
+    level = 4.0 * (1.0 - 0.36) / (1.36 - 1.2 * np.cos(omega))
+    white, first, *more = colour._autoregressions(level, omega, 0.1)
+    assert (white.variance, white.past) == (pytest.approx(4.0), (1.0,))
+    assert (first.variance, first.past) == (pytest.approx(2.56), pytest.approx((1.0, -0.6)))
+    assert len(more) == colour.ORDERS - 1
+    for order, one in enumerate(more, 2):
+        assert one.variance == pytest.approx(2.56)
+        assert one.past == pytest.approx((1.0, -0.6, *[0.0] * (order - 1)), abs=1e-9)
+        assert one.corner == 0.1
+
+
+@pytest.mark.parametrize(
+    ("helps", "delta", "squares", "alike"),
+    [
+        (False, 1.0, 99.0, True),
+        (False, EVIDENCE.rivals + 1.0, 0.0, False),
+        (True, EVIDENCE.rivals + 1.0, EVIDENCE.rivals, True),
+        (True, EVIDENCE.rivals + 1.0, EVIDENCE.rivals + 0.1, False),
+    ],
+)
+def test_an_effect_explains_as_well_by_its_criterion_or_by_its_squares(
+    helps, delta, squares, alike
+):
+    def of(squares, delta, helps):
+        left = SimpleNamespace(squares=lambda noise: squares)
+        return SimpleNamespace(left=left, delta=delta, helps=helps)
+
+    best = of(50.0, 100.0, True)
+    assert verdict._as_well(of(50.0 + squares, 100.0 - delta, helps), best, None) is alike
+
+
+@pytest.mark.parametrize(
+    ("alone", "agrees", "columns", "says"),
+    [
+        (1.1, False, {"temperature"}, "they are not of one specimen in one state"),
+        (1.1, False, {}, "no column tells"),
+        (1.1, True, {}, ""),
+        (verdict.AGREE, False, {}, ""),
+    ],
+)
+def test_tests_that_agree_with_a_material_each_alone_are_of_several(alone, agrees, columns, says):
+    parts = [SimpleNamespace(conditions={}), SimpleNamespace(conditions=columns)]
+    tests = [
+        SimpleNamespace(over_floor_alone=1.0, agrees=True),
+        SimpleNamespace(over_floor_alone=alone, agrees=agrees),
+    ]
+    found = verdict._said_apart(parts, tests)
+    assert bool(found) is bool(says)
+    assert says in found
+    if says:
+        assert found.startswith("each test by itself is followed to 1.1 x its noise")
+
+
+def test_a_promise_is_its_drop_less_the_price_of_its_parameters(monkeypatch):
+    """Noise of two, memory 0.6: sixteen squares are one; e^3 numbers price a parameter at 3."""
+    monkeypatch.setattr(sieve, "independent", lambda residuals, scatters: np.exp(3.0))
+    monkeypatch.setattr(sieve, "_by_rig", lambda promises: list(promises.values()))
+    monkeypatch.setattr(sieve, "is_law", lambda effect: False)
+    scatter = SimpleNamespace(size=2.0, memory=0.6)
+    before = SimpleNamespace(scatters=[scatter], residuals=[None, None])
+    two = sieve.TWO_DEVIATIONS
+
+    def of(units, values):
+        return [
+            SimpleNamespace(drop=16.0 * units, values=[0] * values, effect=None, as_its_size=True)
+        ]
+
+    # Of ten and two parameters, of eight and one: 4 against 5.
+    promises = {"a": of(two + 6.0, 2), "b": of(two + 4.0, 1), "c": of(0.9 * two, 0)}
+    promises |= {name: of(1.1 * two, 5) for name in "defg"}
+    found = sieve.leading_of_scan(promises, before)
+    assert found[:2] == [promises["b"], promises["a"]]
+    assert promises["c"] not in found
+    assert len(found) == 6
+
+
+def test_a_material_has_its_lines_after_spring_and_dashpot():
+    model = SimpleNamespace(material=Continuum((1.0, 10.0)))
+    found = spectrum_of(model, np.array([5.0, 0.2, 3.0, 4.0, 99.0]))
+    assert (found.equilibrium, found.viscosity) == (5.0, 0.2)
+    assert (found.rates.tolist(), found.weights.tolist()) == ([1.0, 10.0], [3.0, 4.0])
