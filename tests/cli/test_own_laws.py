@@ -3,6 +3,7 @@
 import pytest
 
 import springpot as library
+from springpot.cli.common import library_from
 
 MASS = "my-mass = parallel: -m*omega^2"
 HIDDEN = ("diagnose", "artificial-hidden", "--model", "fractional-maxwell")
@@ -45,3 +46,9 @@ def test_a_typed_law_is_listed_as_any_effect(springpot, kind):
 )
 def test_what_cannot_be_looked_for_is_refused_in_one_line(springpot, options, words):
     assert springpot(*HIDDEN, *options).is_one_line(words)
+
+
+def test_laws_without_a_name_are_counted_from_one():
+    options = {"effect": ["parallel: -m*omega^2", MASS], "effects": None, "without": ()}
+    names = [effect.name for effect in library_from(options)["effects"]]
+    assert names == ["law-1", "my-mass"]

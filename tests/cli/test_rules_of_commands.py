@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from contextlib import suppress
 from types import SimpleNamespace
 
 import click
@@ -11,6 +12,7 @@ import pytest
 
 from springpot import api, registry
 from springpot.cli import CtrlC, common, compare, diagnose, group, listing, timetests, waiting
+from springpot.errors import DataError
 from springpot.measurement import Loading, TimeTest
 
 
@@ -161,3 +163,21 @@ def test_the_name_of_a_library_alone_lists_what_it_has(kind, names, members):
     library = SimpleNamespace(name="lib", members=lambda: {"a": "one", "b": "two"})
     installed = SimpleNamespace(items=lambda word: {"optimiser family": [library]}[word])
     assert listing._members(installed, kind, names) == members
+
+
+@pytest.mark.parametrize("asked", [None, 3])
+@pytest.mark.parametrize("name", ["diagnose", "compare", "discover", "invent"])
+def test_whoever_names_no_seed_has_the_seed_nothing(name, asked, monkeypatch):
+    seeds = []
+
+    def answer(*given, seed, **more):
+        seeds.append(seed)
+        raise DataError("enough")
+
+    monkeypatch.setattr(api, name, answer)
+    more = [] if asked is None else ["--seed", str(asked)]
+    if name == "discover":
+        more.append("--auto")
+    with suppress(DataError):
+        group.run([name, "artificial-hidden", *more])
+    assert seeds == [asked or 0]

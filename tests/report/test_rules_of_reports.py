@@ -9,10 +9,10 @@ import pytest
 
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
-from springpot.report import fit_text, html, invention, ladder_text
-from springpot.report.canvas import SMOOTH
+from springpot.report import fit_text, html, invention, ladder_text, sweeps
+from springpot.report.canvas import SMOOTH, blank
 from springpot.report.inspection import LONG, sweeps_text
-from springpot.report.views import DrawnFit, Scene
+from springpot.report.views import DrawnFit, Scene, cole_cole
 
 OMEGA = np.array([1.0, 2.0, 3.0, 4.0])
 
@@ -134,3 +134,29 @@ def test_a_step_on_a_page_tells_the_split_of_both_ends(monkeypatch):
     ):
         monkeypatch.setattr(html, "_diagnosed", lambda ladder, judged=judged: judged)
         assert html._splits(SimpleNamespace(steps=["a", "x", "b"])) == told
+
+
+def test_steps_are_named_without_lines_between_them():
+    with blank() as figure:
+        axes = figure.subplots()
+        ladder_text._names(axes, (SimpleNamespace(accepted="inertia"),) * 2)
+    assert [line.get_visible() for line in axes.get_xgridlines()] == [False] * 2
+    assert any(line.get_visible() for line in axes.get_ygridlines())
+
+
+@pytest.mark.parametrize("part", [1.0, 1j])
+def test_loss_over_storage_is_drawn_by_decades_only_where_both_are_positive(part):
+    size = np.array([1.0, 10.0, 1e3, 1e5])
+    for sign, scale in ((1.0, "log"), (-1.0, "linear")):
+        k = size * (1.0 + 1.0j - part + sign * part)
+        with blank() as figure:
+            axes = figure.subplots()
+            cole_cole(axes, Scene(Measurement(OMEGA, k), []))
+        assert axes.get_xscale() == scale
+
+
+@pytest.mark.parametrize(("spread", "levels"), [(0.9, 2), (1.1, None)])
+def test_a_chain_of_neighbours_is_no_level_where_it_is_too_long(spread, levels):
+    chain = np.linspace(0.0, spread * sweeps.SPREAD["temperature"], 6)
+    found = sweeps._levels("temperature", np.concatenate([chain, 40.0 + chain]))
+    assert (None if found is None else len(set(found))) == levels

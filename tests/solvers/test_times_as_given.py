@@ -75,6 +75,9 @@ def test_a_series_is_of_one_temperature_and_of_enough_points():
     _, few = wide(omega=OMEGA[::60])
     with pytest.raises(ModelError, match="do not tell 17 weights"):
         series_of(few, TIMES)
+    # Each point is two numbers, and the long-term stiffness is one more that they are to tell.
+    _, just = wide(omega=OMEGA[::40][:9])
+    assert len(series_of(just, TIMES).prony.times) == 17
 
 
 def test_data_become_a_card_at_once(springpot, write):

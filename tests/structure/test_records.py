@@ -83,6 +83,9 @@ def test_a_folder_is_its_records_and_a_pattern_what_it_fits(write, tmp_path):
     assert records_meant([str(folder)]) == names
     assert records_meant([str(folder / "*.AT2"), names[0]]) == names[::-1]
     assert records_meant(["artificial:2"]) == ["artificial:2"]
+    # A file that is there is meant, whatever signs its name has.
+    bracket = str(write(at2(), "a[1].at2"))
+    assert records_meant([bracket]) == [bracket]
     with pytest.raises(DataError, match="no record there"):
         records_meant([str(folder / "*.none")])
 

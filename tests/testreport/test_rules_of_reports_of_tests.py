@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import linregress
+from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
-from springpot.testreport import amounts, certifying, local, quantities
+from springpot.testreport import amounts, certifying, local, quantities, sheets
 from springpot.testreport.local import Channel
 
 
@@ -83,3 +83,35 @@ def test_the_area_of_a_loop_is_as_sure_as_it_is_said_to_be(noises):
     # The area of an ellipse: pi times both half axes times the sine of the phase between them.
     assert np.mean(values) == pytest.approx(2.0 * np.pi * np.cos(0.3), rel=0.01)
     assert np.std(values) == pytest.approx(np.mean(told), rel=0.25)
+
+
+def test_a_force_that_falls_as_a_power_of_the_time_is_followed_to_its_turning_point():
+    away = np.linspace(-1.0, 1.0, 40)
+    side, size = np.where(away < 0.0, 1.0, -1.0), np.abs(away)
+    even = 3.0 + 0.4 * away**2 - 0.2 * away**4
+    force = even + side * size**0.6 * (0.5 + 0.3 * away**2)
+    assert local._power_of(away, force) == pytest.approx(0.6, abs=1e-4)
+    *_, shape = local._shapes(away, 0.6)
+    solution, *_ = np.linalg.lstsq(shape.columns, force, rcond=None)
+    np.testing.assert_allclose(shape.columns @ solution, force, atol=1e-12)
+    assert shape.at_turning @ solution == pytest.approx(3.0)
+    # A jump is told by how the force was before it, whatever its slope and bend behind.
+    force = even + side * (0.7 + 0.3 * size - 0.1 * size**3)
+    shape = list(local._shapes(away, 0.6))[2]
+    solution, *_ = np.linalg.lstsq(shape.columns, force, rcond=None)
+    np.testing.assert_allclose(shape.columns @ solution, force, atol=1e-12)
+    assert shape.at_turning @ solution == pytest.approx(3.7)
+
+
+def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
+    time, alarm = np.linspace(-1.0, 1.0, 2001), local.SIGNALS.first_cycle_alarm
+    turning = local.Turning(0.0, 0.05, local.Estimate(1.0, 0.0))
+    around = local._around(Channel(time, time, 0.1), turning, 0.5)
+    # That often a turning point is further off than this, on one side or the other.
+    assert np.abs(around.values).min() == pytest.approx(0.05 * norm.isf(alarm / 2.0), abs=1e-3)
+    assert around.moment_sd == pytest.approx(0.1)
+
+
+def test_sheets_of_one_name_are_counted_from_two():
+    taken = set()
+    assert [sheets._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]

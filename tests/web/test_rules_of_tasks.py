@@ -10,7 +10,7 @@ import pytest
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.web import leaving, tasks, trying, watching
-from springpot.web.sessions import State
+from springpot.web.sessions import LONGEST_NAME, State
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
 SWEEP = Measurement(OMEGA, (1.0 + 0.3j) * OMEGA**0.4, units=Units("kPa", "%"), name="sweep")
@@ -131,3 +131,29 @@ def test_a_plan_has_a_row_for_each_point_with_what_is_to_be_set(celsius):
 def test_rows_of_other_tests_stand_where_they_stood_as_long_as_there_are_any():
     assert watching._moved([1, 2, 3], [1, 2]) == [0, 1, None]
     assert watching._moved([1, 2], [1, 2, 3]) == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("value", "number"),
+    [(2, 2.0), (0.5, 0.5), (True, 7.0), (np.nan, 7.0), (np.inf, 7.0), ("2", 7.0), (None, 7.0)],
+)
+def test_a_number_of_a_page_is_finite_and_no_word(value, number):
+    assert trying._number(value, 7.0) == number
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_a_law_may_be_as_long_as_a_name(more):
+    state, text = State("x", "kelvin"), "my-law = parallel: -m*omega^2"
+    text = text.replace("=", "=" + " " * (LONGEST_NAME + more - len(text)))
+    if more:
+        with pytest.raises(DataError, match="at most"):
+            trying.with_law(state, text)
+    else:
+        trying.with_law(state, text)
+
+
+@pytest.mark.parametrize(("levels", "told"), [(1, 0), (6, 6), (7, 0)])
+def test_a_column_was_set_where_it_has_two_rows_at_each_level(levels, told):
+    column = np.append(np.arange(levels), np.zeros(12 - levels)) * 10.0
+    held = Measurement(OMEGA, SWEEP.stiffness, conditions={"temperature": column})
+    assert len(tasks._levels(held)) == told

@@ -35,7 +35,7 @@ from .trial import Status, TrialResult, pack, pack_values, unpack
 SCHEMA = "springpot.archive/1"
 STAMP = (1980, 1, 1, 0, 0, 0)
 """Date of every file within: the earliest that a zip can tell."""
-LARGEST = 1 << 26
+LARGEST = 67_108_864
 """Bytes of the description that are read: some 100,000 cells."""
 FAULTS = (
     *(KeyError, ValueError, TypeError, IndexError, OSError, EOFError, RuntimeError),

@@ -382,7 +382,7 @@ def verbose_option(command: F) -> F:
 
 def window() -> int:
     """Columns of the terminal; a usual window where the text goes elsewhere."""
-    return max(NARROWEST, min(get_terminal_size((USUAL, 24)).columns, WIDEST))
+    return max(NARROWEST, min(get_terminal_size((USUAL, USUAL)).columns, WIDEST))
 
 
 def quoted(text: str) -> str:
@@ -463,7 +463,7 @@ def numbers(text: str) -> list[float]:
     click.UsageError
         If there are none.
     """
-    from numpy import geomspace
+    from numpy import geomspace, nan
 
     first, dots, last = text.partition("..")
     try:
@@ -472,7 +472,7 @@ def numbers(text: str) -> list[float]:
         low, high = float(first), float(last)
     except ValueError:
         # Refused below, as a range that does not rise is.
-        low, high = 0.0, 0.0
+        low = high = nan
     if not 0.0 < low < high < float("inf"):
         advice = "write numbers with commas, or a range such as 0.1..100"
         raise click.UsageError(f"'{text}': {advice}", click.get_current_context())

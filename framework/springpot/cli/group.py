@@ -122,7 +122,7 @@ class LazyGroup(click.Group):
         # Told as every unknown name is, with the nearest that there is.
         if args and args[0] not in commands() and not args[0].startswith("-"):
             hint = f"known are {', '.join(commands())}"
-            near = get_close_matches(args[0], commands(), n=1)
+            near = get_close_matches(args[0], commands())
             if near:
                 hint = f"did you mean {near[0]}?"
             raise click.UsageError(f"unknown command '{args[0]}': {hint}", ctx)

@@ -43,7 +43,7 @@ class Waiting:
             # stage.
             if self._begun and sys.stderr.isatty():
                 print(f"\r{' ' * WIDTH}\r", end="", file=below(sys.stderr), flush=True)
-            self._begun, self._stage = False, ""
+            self._begun = False
         # Where it still ran, an optimiser would not be protected in a process of its own.
         self._thread.join()
 

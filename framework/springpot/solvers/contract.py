@@ -115,7 +115,9 @@ def _holds(writer: CardFormat) -> Iterator[str]:
         "the long-term stiffness": sample_for(writer, replace(SERIES, equilibrium=13.5)),
         "a term more": sample_for(
             writer,
-            replace(SERIES, weights=np.append(SERIES.weights, 9.0), times=np.append(first, 50.0)),
+            replace(
+                SERIES, weights=np.append(SERIES.weights, 9.0), times=np.append(SERIES.times, 50.0)
+            ),
         ),
     }
     if writer.dashpot:

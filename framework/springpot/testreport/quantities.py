@@ -263,7 +263,7 @@ def _extreme(channel: Channel, start: Estimate, stop: Estimate, sign: float) -> 
     """Where the mean over a sixteenth of the part between two crossings is greatest."""
     time, values = channel.within(start.value, stop.value)
     few = max(len(values) // 8, 1)
-    smooth = np.convolve(values, np.full(few, 1.0 / few), mode="same")
+    smooth = np.convolve(values, np.ones(few), mode="same")
     inner = slice(few // 2, max(len(values) - few // 2, few // 2 + 1))
     return float(time[inner][np.argmax(sign * smooth[inner])])
 
@@ -343,7 +343,7 @@ def _greatest(
     best = Estimate(abs(best.value), best.sd)
     few = max(len(values) // 16, 1)
     while few:
-        inner = np.abs(np.convolve(values, np.full(few, 1.0 / few), mode="valid"))
+        inner = np.abs(np.convolve(values, np.ones(few), mode="valid"))
         place = int(np.argmax(inner)) + few // 2
         found = smooth_value(channel, float(time[place]), EIGHTH * (stop - start))
         few //= 4

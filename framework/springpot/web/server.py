@@ -39,7 +39,7 @@ Send = Callable[[Message], Awaitable[None]]
 App = Callable[[MutableMapping[str, Any], Receive, Send], Awaitable[None]]
 
 TOKEN = b"x-springpot-token"
-LARGEST = 32 << 20
+LARGEST = 33_554_432
 """Bytes of a request: text of some hundred thousand points."""
 PATIENCE = 15.0
 """Seconds that a request may be silent before its body is whole."""

@@ -89,3 +89,17 @@ def test_an_aspect_is_left_out_only_by_its_name():
 def test_every_installed_writer_can_be_asked():
     for writer in plugins().items("writer"):
         assert check_writer(writer, skip=["holds", "refuses"]) == []
+
+
+def test_a_card_is_asked_for_each_part_of_a_series(stays):
+    asked = []
+
+    def kept(handoff):
+        prony = handoff.prony
+        asked.append([prony.equilibrium, prony.viscosity, prony.weights, prony.times])
+        return text(handoff)
+
+    for aspect in replace(GOOD, text=kept).aspects(read).values():
+        assert list(aspect()) == []
+    # Sixty terms are only too many.
+    stays([each for each in asked if len(each[2]) < 60])
