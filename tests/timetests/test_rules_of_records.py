@@ -47,16 +47,16 @@ def test_a_record_is_missed_where_it_turns_or_is_fast_by_twice_the_power(slow, f
 
 @pytest.mark.parametrize(("after", "told"), [(1.52, True), (1.48, False)])
 def test_a_loop_is_missed_after_its_turns_in_the_first_quarter_of_each_way(after, told):
-    """Eight samples up, eight down: two of each way are fresh."""
-    imposed = np.tile(np.r_[0.0:8.0, 8.0:0.0:-1.0], 4)
-    turns = np.arange(8, 64, 8)
-    fresh = np.zeros(64, dtype=bool)
-    for first in turns:
-        fresh[first : first + 2] = True
+    """Sixteen samples up, sixteen down: four of each way are fresh."""
+    imposed = np.tile(np.r_[0.0:16.0, 16.0:0.0:-1.0], 3)
+    fresh = np.zeros(96, dtype=bool)
+    for first in range(16, 96, 16):
+        fresh[first : first + 4] = True
     residual = np.where(fresh, after, 1.0)
     assert (where._after_turn(imposed, residual) == "; just after each turn") is told
     # Two turns are too few to tell.
-    assert where._after_turn(imposed[:24], 9.0 * residual[:24]) == ""
+    assert where._after_turn(imposed[:48], 9.0 * fresh[:48] + 1.0) == ""
+    assert where._after_turn(imposed[:64], 9.0 * fresh[:64] + 1.0) != ""
 
 
 def test_a_dashpot_a_spring_and_exponentials_add_up_as_they_are_driven():
