@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
-from springpot.testreport import amounts, certifying, local, quantities, sheets
+from springpot.testreport import amounts, certifying, local, quantities, sheets, summary
 from springpot.testreport.local import Channel
 
 
@@ -115,3 +117,13 @@ def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
 def test_sheets_of_one_name_are_counted_from_two():
     taken = set()
     assert [sheets._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
+
+
+@pytest.mark.parametrize(("still", "told"), [(120, 0), (160, 161)])
+def test_a_channel_is_clipped_where_it_stands_longer_than_its_last_digit_makes_it(still, told):
+    time = np.arange(3001) / 1000.0
+    limit = np.cos(np.pi * still / 1000.0)
+    values = np.round(100.0 * np.clip(np.sin(2.0 * np.pi * time), -limit, limit)) / 100.0
+    bounds = [SimpleNamespace(value=float(each)) for each in range(4)]
+    found = SimpleNamespace(bounds=bounds, period=1.0)
+    assert summary._cut(values, SimpleNamespace(time=time), found) == pytest.approx(told, abs=8)
