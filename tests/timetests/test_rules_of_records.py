@@ -211,3 +211,41 @@ def test_a_material_has_its_lines_after_spring_and_dashpot():
     found = spectrum_of(model, np.array([5.0, 0.2, 3.0, 4.0, 99.0]))
     assert (found.equilibrium, found.viscosity) == (5.0, 0.2)
     assert (found.rates.tolist(), found.weights.tolist()) == ([1.0, 10.0], [3.0, 4.0])
+
+
+@pytest.mark.parametrize(
+    ("missed", "mirror", "says"),
+    [
+        ((4, True), 1.0, "at the upper end, x rising, by 4 x the noise; on that side alone, 1 x"),
+        ((1, False), 1.0, "on the lower flank, x falling, by 4 x the noise; on that side alone"),
+        ((3, True), 1.4, "on the upper flank, x rising, by 4 x the noise"),
+        ((2, True), 1.0, "through the middle, x rising, by 4 x the noise; on that side alone"),
+    ],
+)
+def test_a_loop_fails_where_its_part_is_missed_most(monkeypatch, missed, mirror, says):
+    """Five parts each way, the noise elsewhere; the mirror image is the other end, back."""
+    monkeypatch.setattr(where, "_flat", lambda test: "")
+    monkeypatch.setattr(where, "_after_turn", lambda imposed, residual: "")
+    share = np.array([-0.9, -0.5, 0.0, 0.5, 0.9])
+    sector = np.digitize(RUN / np.abs(RUN).max(), where.EDGES) - 1
+    rising = np.gradient(RUN, TIME) >= 0.0
+    size = np.ones(401)
+    part, way = missed
+    size[(sector == 4 - part) & (rising != way)] = mirror
+    size[(sector == part) & (rising == way)] = 4.0
+    test = record()
+    test.name = "made"
+    found = where._in_loop(test, size * (-1.0) ** np.arange(401))
+    assert found.says.startswith(f"in the loop of made the model fails most {says}")
+    assert ("alone" in found.says) is (mirror < 4.0 / where.ONE_SIDED)
+    assert found.low < share[part] < found.high
+    assert (found.low, found.high) == (
+        max(where.EDGES[part], -1.0),
+        min(where.EDGES[part + 1], 1.0),
+    )
+    assert found.size == pytest.approx(4.0)
+    # Two samples in all are too few for any part.
+    short = SimpleNamespace(
+        name="s", control="x", time=TIME[:2], loading=SimpleNamespace(time=TIME, value=RUN)
+    )
+    assert where._in_loop(short, np.ones(2)) is None
