@@ -7,10 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.comparison import comparing, ranking, result
-from springpot.errors import DataError
-from springpot.measurement import Measurement
-from springpot.registry import parse_model
+from springpot.comparison import ranking, result
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 
@@ -174,41 +171,3 @@ def test_one_test_is_told_unless_the_ladder_told_what_goes_with_the_time(
     steps = [SimpleNamespace(case=None), SimpleNamespace(case=case)]
     ladder = SimpleNamespace(steps=steps, diagnosis=SimpleNamespace(one_test=one_test))
     assert ranking._of_one_test(ladder) == (told and f"{told} temperature")
-
-
-@pytest.mark.parametrize(
-    ("model", "same", "judged"),
-    [
-        ("kelvin-voigt", True, True),
-        ("zener", True, False),
-        ("zener", False, True),
-        ("zener + arrhenius-shift", True, True),
-        ("zener + payne", True, False),
-    ],
-)
-def test_at_one_frequency_a_model_has_two_parameters_unless_its_times_shift(
-    model, same, judged, monkeypatch
-):
-    rows = np.arange(1.0, 13.0)
-    conditions = {"temperature": rows, "amplitude": rows}
-    omega = np.ones(12) if same else rows
-    mean = Measurement(omega, rows * (1.0 + 0.1j), conditions=conditions)
-    monkeypatch.setattr(ranking, "refit", lambda grown, *given, **more: grown.name)
-    floor, skipped = SimpleNamespace(data=SimpleNamespace(mean=mean), noise=None), []
-    whole = parse_model(model)
-    base = parse_model(model.partition(" ")[0])
-    found = list(ranking._one(base, whole.effects, floor, skipped))
-    assert (found, len(skipped)) == (([whole.name], 0) if judged else ([], 1))
-
-
-@pytest.mark.parametrize(("dof", "enough"), [(1, True), (0, False)])
-def test_a_model_is_judged_by_one_number_more_than_it_has_parameters(dof, enough, monkeypatch):
-    fit = SimpleNamespace(dof=dof, measurement=[0.0] * 2)
-    found = SimpleNamespace(fit=fit, floor=0.0, model=parse_model("zener"), theta=np.ones(3))
-    monkeypatch.setattr(comparing, "require_conditions", lambda model, measurement: None)
-    monkeypatch.setattr(comparing, "fitted_to_floor", lambda model, measurement: found)
-    if enough:
-        assert comparing._fits(found, [found.model], str) == [found]
-    else:
-        with pytest.raises(DataError, match="2 points cannot judge zener, which has 3"):
-            comparing._fits(SimpleNamespace(name="few"), [found.model], str)
