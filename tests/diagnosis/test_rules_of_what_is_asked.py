@@ -10,6 +10,7 @@ import pytest
 from scipy.stats import chi2
 
 from springpot.diagnosis import answer, in_practice, marginal, notes, verdict
+from springpot.measurement import Measurement
 from springpot.thresholds import EVIDENCE
 
 
@@ -142,3 +143,51 @@ def test_evidence_of_unknown_noise_counts_what_parameters_leave_free():
     wanted = 0.5 * (5.0 * np.log(6.0) - 8.0 * np.log(3.5)) - EVIDENCE.unknown_size - 50.0
     assert found == pytest.approx(wanted)
     assert marginal._drop(search, 50.0, 9) == 0.0
+
+
+@pytest.mark.parametrize(("count", "steps"), [(3, 0), (4, 1), (5, 2)])
+def test_a_step_of_gain_has_two_frequencies_on_each_side(monkeypatch, count, steps):
+    """Between the second and the third, the last place explaining most."""
+    tried = []
+
+    def each_alone(frame, curves):
+        tried.append(curves.real)
+        return np.arange(len(curves), dtype=float)
+
+    monkeypatch.setattr(marginal, "_each_alone", each_alone)
+    hertz = 2.0 ** np.arange(count)
+    data = Measurement(2.0 * np.pi * np.repeat(hertz, 2), np.full(2 * count, 1.0 + 1.0j))
+    found = list(marginal._step(SimpleNamespace(measurement=data)))
+    assert len(found) == min(steps, 1)
+    if not steps:
+        return
+    wanted = [np.repeat(hertz, 2) > hertz[i] for i in range(1, steps + 1)]
+    np.testing.assert_array_equal(tried, [wanted])
+    place = np.sqrt(hertz[steps] * hertz[steps + 1])
+    assert found[0].says == f"a gain that steps at {data.units.at(place)}"
+    assert found[0].shapes == 1
+
+
+@pytest.mark.parametrize(
+    ("temperature", "stand"),
+    [
+        ([20, 20, 40, 60], True),
+        ([60, 40, 40, 20], True),
+        ([20, 40, 20, 60], False),
+        ([20, 20, 20, 20], False),
+    ],
+)
+def test_rows_stand_by_a_condition_whose_levels_follow_one_another(temperature, stand):
+    omega = np.tile([1.0, 2.0, 3.0], 4)
+    column = np.repeat(np.array(temperature, dtype=float), 3)
+    data = Measurement(omega, np.full(12, 1.0 + 1.0j), conditions={"temperature": column})
+    assert marginal._stand_by_a_condition(SimpleNamespace(measurement=data)) is stand
+
+
+def test_slow_curves_are_polynomials_over_the_whole_without_a_constant():
+    along = np.array([3.0, 4.0, 7.0])
+    x = np.array([-1.0, -0.5, 1.0])
+    curves = marginal._creep(along)
+    assert len(curves) == marginal.DRIFT_DEGREE
+    np.testing.assert_allclose(curves[0], x)
+    np.testing.assert_allclose(curves[1], 1.5 * x**2 - 0.5)

@@ -9,7 +9,16 @@ import pytest
 
 from springpot.rheology.continuum import Continuum
 from springpot.thresholds import EVIDENCE
-from springpot.timetests import colour, diagnosis, sieve, start, temperatures, verdict, where
+from springpot.timetests import (
+    colour,
+    diagnosis,
+    scatter,
+    sieve,
+    start,
+    temperatures,
+    verdict,
+    where,
+)
 from springpot.timetests.material import spectrum_of
 
 TIME = np.linspace(0.0, 4.0, 401)
@@ -188,8 +197,8 @@ def test_a_promise_is_its_drop_less_the_price_of_its_parameters(monkeypatch):
     monkeypatch.setattr(sieve, "independent", lambda residuals, scatters: np.exp(3.0))
     monkeypatch.setattr(sieve, "_by_rig", lambda promises: list(promises.values()))
     monkeypatch.setattr(sieve, "is_law", lambda effect: False)
-    scatter = SimpleNamespace(size=2.0, memory=0.6)
-    before = SimpleNamespace(scatters=[scatter], residuals=[None, None])
+    noise = SimpleNamespace(size=2.0, memory=0.6)
+    before = SimpleNamespace(scatters=[noise], residuals=[None, None])
     two = sieve.TWO_DEVIATIONS
 
     def of(units, values):
@@ -249,3 +258,31 @@ def test_a_loop_fails_where_its_part_is_missed_most(monkeypatch, missed, mirror,
         name="s", control="x", time=TIME[:2], loading=SimpleNamespace(time=TIME, value=RUN)
     )
     assert where._in_loop(short, np.ones(2)) is None
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5])
+def test_the_worst_part_of_a_residual_is_judged_by_its_size_and_by_how_it_bends(
+    monkeypatch, memory
+):
+    """Parts that bend as noise of that memory does are judged by size alone."""
+    asked = []
+    monkeypatch.setattr(scatter, "_chance", lambda *given: asked.append(given) or 0.01 / len(asked))
+    count = 12 * scatter.PARTS
+    values = np.ones(count)
+    values[:12] = np.linspace(3.0, 4.0, 12)
+    values[12:24] = 5.0 * (-1.0) ** np.arange(12)
+    # One is the median: of normal noise the size is more.
+    usual = scatter.NORMAL
+    assert scatter._worst(values, memory, 0.5) == pytest.approx(scatter.PARTS * 0.01 / len(asked))
+    assert len(asked) == scatter.PARTS + 1
+    part, whole = 6.0, 0.5 * count
+    smooth, rough, bent, *_ = asked
+    assert smooth == pytest.approx(
+        (np.mean(values[:12] ** 2) / usual**2, part, scatter.MEDIAN_WORTH * whole)
+    )
+    assert rough == pytest.approx((25.0 / usual**2, part, scatter.MEDIAN_WORTH * whole))
+    # Second differences of 20, over those of such noise: 6 - 8 r + 2 r^2.
+    bends = (20.0 / usual) ** 2 / (6.0 - 8.0 * memory + 2.0 * memory**2)
+    wanted = 25.0 / usual**2 / bends, part, scatter.EFFICIENT * part
+    assert bent == pytest.approx(wanted)
+    assert scatter._worst(np.zeros(count), memory, 0.5) == 1.0
