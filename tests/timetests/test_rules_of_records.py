@@ -286,3 +286,11 @@ def test_the_worst_part_of_a_residual_is_judged_by_its_size_and_by_how_it_bends(
     wanted = 25.0 / usual**2 / bends, part, scatter.EFFICIENT * part
     assert bent == pytest.approx(wanted)
     assert scatter._worst(np.zeros(count), memory, 0.5) == 1.0
+
+
+def test_squares_of_noise_with_a_memory_are_fewer_independent_ones():
+    """Of memory 0.5: by 3 of 5; and the same of the colour that is this autoregression."""
+    alone = scatter.ResidualScatter.independent_squares
+    assert alone(SimpleNamespace(colour=None, memory=0.5), 100) == pytest.approx(60.0)
+    own = colour.Colour(1.0, (1.0, -0.5), 0.0)
+    assert alone(SimpleNamespace(colour=own, memory=9.0), 4000) == pytest.approx(2400.0, rel=2e-3)
