@@ -4,7 +4,7 @@ import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ from benchmark_fakes import (
 )
 
 from soaked import soaked
-from springpot.benchmark import FORMATS, Status, Store, run_study, supervisor
+from springpot.benchmark import FORMATS, Status, Store, engine, run_study, supervisor
 from springpot.errors import StudyError
 
 ACCURACY = [f"summary.{suffix}" for suffix, _ in FORMATS.values()]
@@ -212,3 +212,9 @@ def test_unknown_engines_and_missing_dask_are_one_line(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(StudyError, match=r"needs dask: pip install 'springpot\[cluster\]'"):
         run_study(small_study(), engine="dask:tcp://127.0.0.1:1", out=tmp_path / "new", quiet=True)
+
+
+def test_an_executor_has_a_batch_for_each_worker_and_one_that_waits(monkeypatch):
+    monkeypatch.setattr(engine.Parcel, "of", lambda *given, **more: None)
+    executor = SimpleNamespace(submit=None)
+    assert engine.make_engine(None, None, 3, executor)._width == 6

@@ -89,3 +89,10 @@ def test_ranks_fill_the_room_between_the_names_and_the_bars(cliques):
     assert f'viewBox="0 0 {WIDTH:g} {height:g}"' in str(svg)
     bold = re.findall(r'<text [^>]*font-weight="600"[^>]*>([^<]*)<', str(svg))
     assert bold == ["a"]
+
+
+@pytest.mark.parametrize(("count", "told"), [(4, 4), (6, 6), (30, 6)])
+def test_at_most_six_ranks_stand_at_the_axis(count, told):
+    rows = [Ranked(str(i), float(i), float(i), float(i)) for i in range(1, count + 1)]
+    lines = numbers(critical_differences(rows, [], "ranks"), "line", "x1", "y1", "x2", "y2")
+    assert sum(line[1] != line[3] for line in lines) == told

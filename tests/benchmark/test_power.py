@@ -3,10 +3,12 @@
 import csv
 from math import inf
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from springpot.benchmark.gate import regression
 from springpot.benchmark.gate.baseline import LEVEL, Successes, chance, drop
 from springpot.benchmark.gate.regression import POWER, least_drop_seen, least_rise, smallest_seen
 
@@ -77,3 +79,16 @@ def test_a_row_is_drawn_as_the_gate_judges(monkeypatch):
 
     assert share_seen(Scene(1, 6, after=0.8), 20, 15).value > 0.9
     assert share_seen(Scene(3, 0), 20, 15).value == 0.0
+
+
+def test_the_level_is_shared_by_all_that_is_asked_of_a_baseline(monkeypatch):
+    levels = []
+    keys = {"one": ["a", "b"], "other": ["c"]}
+    sample = SimpleNamespace(array=list, successes=None)
+    before = SimpleNamespace(samples=dict.fromkeys("abc", sample))
+    monkeypatch.setattr(regression, "by_optimiser", lambda samples: keys)
+    monkeypatch.setattr(regression, "together", lambda samples, keys: None)
+    monkeypatch.setattr(regression, "smallest_seen", lambda *given: levels.append(given[3]))
+    assert len(list(regression._seen(before, 0.07, 1.5))) == 2
+    # Time and successes of each of three, and the successes of one on both of its problems.
+    assert levels == pytest.approx([0.01] * 2)

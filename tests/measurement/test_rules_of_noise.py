@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import f
 
 from springpot.errors import DataError
 from springpot.measurement import (
@@ -22,7 +23,7 @@ from springpot.measurement import (
     signals,
     timenoise,
 )
-from springpot.thresholds import SCATTER, SEARCH, VERDICT
+from springpot.thresholds import OUTLIERS, REPEATS, SCATTER, SEARCH, VERDICT
 
 
 @pytest.mark.parametrize(
@@ -206,3 +207,71 @@ def test_a_polynomial_leaves_out_what_it_was_made_to_meet():
     # One bad point is left as it is, and moves the curve by nothing.
     assert left[-1] == pytest.approx(3.0, rel=1e-2)
     assert left[-2] < 1e-2
+
+
+def repeated(gain, slope, short=0):
+    """Three runs at sixteen frequencies whose gains and slopes are so strong by their F.
+
+    Beside noise that is alike in each, of which neither mean nor slope is anything; `short`
+    points of a fourth run.
+    """
+    count = 16
+    omega = np.geomspace(1.0, 20.0, count)
+    x = np.log(omega) - np.mean(np.log(omega))
+    noise = np.cos(2.0 * np.arange(count)) + 1j * np.sin(3.0 * np.arange(count))
+    noise -= noise.mean()
+    noise -= x * (x @ noise) / (x @ x)
+    # 48 rows of which a third is the mean, two gains and two slopes: 28 complex numbers.
+    free = 2.0 * (32.0 - 4.0)
+    unit = 3.0 * float(np.sum(np.abs(noise) ** 2)) / free
+    chosen = f.isf(OUTLIERS.rare, 4.0, free) * unit * 4.0 / 6.0
+    each = np.array([1.0, -2.0, 1.0])
+    a, b = np.sqrt(gain * chosen / count), np.sqrt(slope * chosen / (x @ x))
+    relative = np.concatenate([noise + run * (a * 1j + b * x) for run in each])
+    rows = np.r_[np.tile(np.arange(count), 3), np.arange(short)]
+    data = Measurement(
+        omega[rows],
+        np.full(len(rows), 1.0 + 1.0j),
+        repeat=np.r_[np.repeat([1, 2, 3], count), [4] * short],
+    )
+    relative = np.concatenate([relative, np.full(short, 9.0)])
+    return replicates._replicate_gains(data, relative, rows), 1j * a * np.repeat(each, count)
+
+
+@pytest.mark.parametrize(
+    ("gain", "slope", "told"),
+    [
+        (1.01, 0.0, True),
+        (0.99, 0.0, False),
+        (9.0, 0.99, True),
+        (9.0, 1.01, False),
+    ],
+)
+def test_runs_have_gains_of_their_own_where_these_and_not_slopes_differ(gain, slope, told):
+    (found, spent), expected = repeated(gain, slope)
+    if not told:
+        assert (found, spent) == (None, 0.0)
+        return
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    assert spent == pytest.approx(2.0)
+
+
+def test_a_run_of_few_points_has_no_gain():
+    (found, _), expected = repeated(99.0, 0.0, short=REPEATS.points_of_a_run - 1)
+    np.testing.assert_allclose(found[:48], expected, atol=1e-12)
+    np.testing.assert_array_equal(found[48:], 0.0)
+
+
+def test_a_specimen_that_settles_has_no_gains():
+    """What the fourth of the times explains tells three runs apart better than their gains do."""
+    count = 16
+    along = np.linspace(0.0, 1.0, 48)
+    curve = np.exp(-along / replicates.SETTLING_TIMES[3]).reshape(3, count)
+    relative = (curve - curve.mean(axis=0)).ravel() + 1e-9 * np.cos(5.0 * np.arange(48))
+    rows = np.tile(np.arange(count), 3)
+    data = Measurement(
+        np.geomspace(1.0, 20.0, count)[rows],
+        np.full(48, 1.0 + 1.0j),
+        repeat=np.repeat([1, 2, 3], count),
+    )
+    assert replicates._replicate_gains(data, relative + 0.0j, rows) == (None, 0.0)

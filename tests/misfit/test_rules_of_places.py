@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, Units
 from springpot.misfit import drift_search, material, refit, residual_causes, where
 from springpot.thresholds import VERDICT
 
@@ -165,3 +165,90 @@ def test_a_shift_is_that_of_all_laws_of_temperature_together():
 def test_a_drift_has_ends_where_a_point_was_measured_twice(start, end, has):
     own = SimpleNamespace(start=start, end=end)
     assert drift_search.Course.has_ends.fget(own) is has
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "says"),
+    [
+        (1.0, 8.0, "at all frequencies"),
+        (1.0, 4.0, "below 4 Hz"),
+        (2.0, 8.0, "above 2 Hz"),
+        (2.0, 4.0, "between 2 and 4 Hz"),
+        (2.0, 2.0, "at 2 Hz"),
+        (1.0, 1.0, "below 1 Hz"),
+        (8.0, 8.0, "above 8 Hz"),
+        (1.0 + 0.9 * where.HELD_ALIKE, 8.0 / (1.0 + 0.9 * where.HELD_ALIKE), "at all frequencies"),
+    ],
+)
+def test_a_range_is_told_by_the_ends_that_are_its_own(low, high, says):
+    frequency = np.array([1.0, 2.0, 4.0, 8.0])
+    assert where._range(low, high, frequency, Units()) == says
+    assert where._range(2.0, 2.0, np.full(3, 2.0), Units()) == "at 2 Hz"
+
+
+@pytest.mark.parametrize(
+    ("relative", "whitened", "some", "says"),
+    [
+        ([0.02, 0.02], [9.0, -9.0], False, "the same at all temperatures"),
+        ([0.02, 0.02], [9.0, -9.0], True, "the same at all these temperatures"),
+        ([0.02, -0.02], [0.1, -0.1], False, ""),
+        (
+            [0.02, 0.05],
+            [2.0, 9.0],
+            False,
+            "larger at higher temperatures (2 % at 20 degC, 5 % at 60 degC)",
+        ),
+        (
+            [-0.05, 0.02],
+            [-9.0, 2.0],
+            False,
+            "smaller at higher temperatures (5 % at 20 degC, 2 % at 60 degC)",
+        ),
+        ([0.02, 0.05, 0.02], [2.0, 9.0, 2.0], False, "varying with temperature"),
+        (
+            [0.02, 0.05, 0.04],
+            [2.0, 9.0, 7.0],
+            False,
+            "larger at higher temperatures (2 % at 20 degC, 4 % at 60 degC)",
+        ),
+    ],
+)
+def test_a_misfit_goes_with_a_condition_where_its_levels_differ(
+    monkeypatch, relative, whitened, some, says
+):
+    """Three points of each level, of which those of size and of noise are given."""
+    monkeypatch.setattr(where, "_some", lambda *given: some)
+    count = len(relative)
+    level = np.repeat(np.arange(count), 3)
+    data = Measurement(
+        np.tile([1.0, 2.0, 3.0], count),
+        np.full(3 * count, 1.0 + 1.0j),
+        conditions={"temperature": np.linspace(20.0, 60.0, count)[level]},
+    )
+    part = SimpleNamespace(relative=np.array(relative)[level], whitened=np.array(whitened)[level])
+    found = where._dependence(data, "temperature", part, np.arange(3 * count), level)
+    assert found.replace("\N{DEGREE SIGN}C", "degC") == says
+
+
+@pytest.mark.parametrize(
+    ("off", "says"),
+    [
+        (0.13, "about 12 % of |G*| beyond the noise"),
+        (0.05, "about 2.6 % of |G*| beyond the noise"),
+        (0.04, "no more than the noise in size"),
+    ],
+)
+def test_what_is_left_is_told_beyond_the_noise_that_no_parameter_followed(off, says):
+    """Noise of 3 % and 4 %, of which 13 of 18 parts are left: 5 * sqrt(13 / 18) is 4.25 %."""
+    model = np.full(9, 3.0 + 4.0j)
+    data = Measurement(np.geomspace(1.0, 9.0, 9), model / (1.0 - off))
+    size = 5.0 / (1.0 - off)
+    frame = SimpleNamespace(
+        measurement=data,
+        model_stiffness=model,
+        weights=np.full(9, 1.0 / (0.03 * size) + 1.0j / (0.04 * size)),
+        absorbed=np.zeros((18, 5)),
+        size=18,
+    )
+    assert residual_causes._size_in_words(frame, "") == f"what is left is {says}"
+    assert residual_causes._size_in_words(frame, "here") == f"what is left is {says}: here"

@@ -83,6 +83,21 @@ HARMLESS = {
     ): "polynomials of any scale of their variable are the same together",
     (
         "invention/inventing.py",
+        'by_profile = verdict != "none" and each.probability > VERDICT.profiled',
+        "each.probability >= VERDICT.profiled",
+    ): "a chance that is a level to the last bit",
+    (
+        "invention/result.py",
+        "return distance(frame, law.grown.refit, other.grown.refit) < INVENTION.same",
+        "distance(frame, law.grown.refit, other.grown.refit) <= INVENTION.same",
+    ): "a distance that is a level to the last bit",
+    (
+        "testreport/local.py",
+        "return len(channel.within(moment - half, moment + half)[0]) > SMOOTH + 1",
+        "1",
+    ): "times and values are as many",
+    (
+        "invention/inventing.py",
         "return bool(spread < INVENTION.repeated * np.std(column))",
         "spread <= INVENTION.repeated * np.std(column)",
     ): "only of one value are both nothing, and such a column is none that was varied",

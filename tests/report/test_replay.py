@@ -1,6 +1,7 @@
 """A discovery as a moving picture."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from springpot.errors import OutputError
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model
 from springpot.report import replay
+from springpot.report.canvas import blank
+from springpot.report.views import Scene
 
 images = pytest.importorskip("PIL.Image")
 pytest.importorskip("matplotlib")
@@ -73,3 +76,12 @@ def test_each_way_begins_after_one_fit_and_ends_on_the_next():
         assert all(0.0 < one < after <= 1.0 for one, after in itertools.pairwise(shares))
         assert shares[0] + shares[-2] == pytest.approx(1.0)
         assert shares[0] < 1.0 / replay.FRAMES
+
+
+def test_what_is_nothing_has_no_place_among_decades():
+    omega = np.array([1.0, 2.0, 4.0])
+    data = springpot.Measurement(omega, np.array([3.0, 2.0 + 0.5j, 9.0 + 1.0j]))
+    with blank() as figure:
+        axes = figure.subplots()
+        replay.Replay._curve(SimpleNamespace(data=data), axes, Scene(data, []))
+    assert axes.get_ylim() == pytest.approx((0.5 / replay.ROOM, 9.0 * replay.ROOM))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 
+import click
 import numpy as np
 import pytest
 
+from springpot.cli import group
 from springpot.errors import DataError
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, GroundMotion, simulate
@@ -146,3 +148,17 @@ def test_every_record_has_the_same_draws_so_that_mean_and_envelope_have_bands():
         assert np.array(suite.bands()[name]) == pytest.approx(factor * np.array([low, high]))
     result = described_suite(suite)
     assert result["storeys"][0]["drift"]["mean_low"] == pytest.approx(2.0 * low[0])
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ((), "give a --record or a --frequency"),
+        (("--record", "artificial", "--frequency", "1"), "give a --record or a --frequency"),
+        (("--frequency", "1", "--next-experiment"), "--next-experiment is for a --record"),
+    ],
+)
+def test_the_ground_shakes_by_a_record_or_steadily(more, says, write):
+    frame = str(write("", "frame.toml"))
+    with pytest.raises(click.UsageError, match=says):
+        group.run(["simulate", frame, *more])

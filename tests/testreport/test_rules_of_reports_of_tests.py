@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
-from springpot.testreport import amounts, certifying, local, quantities, sheets
+from springpot.testreport import (
+    amounts,
+    certifying,
+    deciding,
+    local,
+    quantities,
+    sheets,
+    summary,
+)
 from springpot.testreport.local import Channel
 
 
@@ -115,3 +125,56 @@ def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
 def test_sheets_of_one_name_are_counted_from_two():
     taken = set()
     assert [sheets._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
+
+
+@pytest.mark.parametrize(("still", "told"), [(120, 0), (160, 161)])
+def test_a_channel_is_clipped_where_it_stands_longer_than_its_last_digit_makes_it(still, told):
+    time = np.arange(3001) / 1000.0
+    limit = np.cos(np.pi * still / 1000.0)
+    values = np.round(100.0 * np.clip(np.sin(2.0 * np.pi * time), -limit, limit)) / 100.0
+    bounds = [SimpleNamespace(value=float(each)) for each in range(4)]
+    found = SimpleNamespace(bounds=bounds, period=1.0)
+    assert summary._cut(values, SimpleNamespace(time=time), found) == pytest.approx(told, abs=8)
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (8.9, deciding.FAILING),
+        (9.0, deciding.UNDECIDED),
+        (10.9, deciding.UNDECIDED),
+        (11.0, deciding.CONFORMING),
+        (19.0, deciding.CONFORMING),
+        (19.1, deciding.UNDECIDED),
+        (21.0, deciding.UNDECIDED),
+        (21.1, deciding.FAILING),
+    ],
+)
+def test_a_result_is_decided_where_it_is_further_from_a_limit_than_it_is_unsure(value, told):
+    budget = SimpleNamespace(value=value, expanded=1.0)
+    assert deciding.decided(budget, 10.0, 20.0, "expanded") == told
+    within = 10.0 <= value <= 20.0
+    plain = deciding.CONFORMING if within else deciding.FAILING
+    assert deciding.decided(budget, 10.0, 20.0, "none") == plain
+
+
+@pytest.mark.parametrize("among", [True, False])
+def test_a_ratio_to_a_mean_goes_with_each_test_as_its_slope_says(among, monkeypatch):
+    tests = [SimpleNamespace(means={"k": SimpleNamespace(value=each)}) for each in (2.0, 5.0, 6.0)]
+    one, reference = tests[0], tests if among else tests[1:]
+    asked = []
+    monkeypatch.setattr(deciding, "combined", lambda *given: asked.append(given))
+
+    def ratio():
+        values = [each.means["k"].value for each in reference]
+        return one.means["k"].value / np.mean(values)
+
+    base = float(np.mean([each.means["k"].value for each in reference]))
+    deciding._ratio(SimpleNamespace(errors=()), "k", one, reference, base)
+    [(value, meant, _, slopes, _)] = asked
+    assert value == pytest.approx(ratio())
+    for test, slope in zip(meant, slopes, strict=True):
+        before = ratio()
+        test.means["k"].value += 1e-6
+        assert (ratio() - before) / 1e-6 == pytest.approx(slope, rel=1e-4)
+        test.means["k"].value -= 1e-6

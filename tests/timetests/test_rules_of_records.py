@@ -9,7 +9,16 @@ import pytest
 
 from springpot.rheology.continuum import Continuum
 from springpot.thresholds import EVIDENCE
-from springpot.timetests import colour, diagnosis, sieve, start, temperatures, verdict, where
+from springpot.timetests import (
+    colour,
+    diagnosis,
+    scatter,
+    sieve,
+    start,
+    temperatures,
+    verdict,
+    where,
+)
 from springpot.timetests.material import spectrum_of
 
 TIME = np.linspace(0.0, 4.0, 401)
@@ -47,16 +56,16 @@ def test_a_record_is_missed_where_it_turns_or_is_fast_by_twice_the_power(slow, f
 
 @pytest.mark.parametrize(("after", "told"), [(1.52, True), (1.48, False)])
 def test_a_loop_is_missed_after_its_turns_in_the_first_quarter_of_each_way(after, told):
-    """Eight samples up, eight down: two of each way are fresh."""
-    imposed = np.tile(np.r_[0.0:8.0, 8.0:0.0:-1.0], 4)
-    turns = np.arange(8, 64, 8)
-    fresh = np.zeros(64, dtype=bool)
-    for first in turns:
-        fresh[first : first + 2] = True
+    """Sixteen samples up, sixteen down: four of each way are fresh."""
+    imposed = np.tile(np.r_[0.0:16.0, 16.0:0.0:-1.0], 3)
+    fresh = np.zeros(96, dtype=bool)
+    for first in range(16, 96, 16):
+        fresh[first : first + 4] = True
     residual = np.where(fresh, after, 1.0)
     assert (where._after_turn(imposed, residual) == "; just after each turn") is told
     # Two turns are too few to tell.
-    assert where._after_turn(imposed[:24], 9.0 * residual[:24]) == ""
+    assert where._after_turn(imposed[:48], 9.0 * fresh[:48] + 1.0) == ""
+    assert where._after_turn(imposed[:64], 9.0 * fresh[:64] + 1.0) != ""
 
 
 def test_a_dashpot_a_spring_and_exponentials_add_up_as_they_are_driven():
@@ -188,8 +197,8 @@ def test_a_promise_is_its_drop_less_the_price_of_its_parameters(monkeypatch):
     monkeypatch.setattr(sieve, "independent", lambda residuals, scatters: np.exp(3.0))
     monkeypatch.setattr(sieve, "_by_rig", lambda promises: list(promises.values()))
     monkeypatch.setattr(sieve, "is_law", lambda effect: False)
-    scatter = SimpleNamespace(size=2.0, memory=0.6)
-    before = SimpleNamespace(scatters=[scatter], residuals=[None, None])
+    noise = SimpleNamespace(size=2.0, memory=0.6)
+    before = SimpleNamespace(scatters=[noise], residuals=[None, None])
     two = sieve.TWO_DEVIATIONS
 
     def of(units, values):
@@ -211,3 +220,69 @@ def test_a_material_has_its_lines_after_spring_and_dashpot():
     found = spectrum_of(model, np.array([5.0, 0.2, 3.0, 4.0, 99.0]))
     assert (found.equilibrium, found.viscosity) == (5.0, 0.2)
     assert (found.rates.tolist(), found.weights.tolist()) == ([1.0, 10.0], [3.0, 4.0])
+
+
+@pytest.mark.parametrize(
+    ("missed", "mirror", "says"),
+    [
+        ((4, True), 1.0, "at the upper end, x rising, by 4 x the noise; on that side alone, 1 x"),
+        ((1, False), 1.0, "on the lower flank, x falling, by 4 x the noise; on that side alone"),
+        ((3, True), 1.4, "on the upper flank, x rising, by 4 x the noise"),
+        ((2, True), 1.0, "through the middle, x rising, by 4 x the noise; on that side alone"),
+    ],
+)
+def test_a_loop_fails_where_its_part_is_missed_most(monkeypatch, missed, mirror, says):
+    """Five parts each way, the noise elsewhere; the mirror image is the other end, back."""
+    monkeypatch.setattr(where, "_flat", lambda test: "")
+    monkeypatch.setattr(where, "_after_turn", lambda imposed, residual: "")
+    share = np.array([-0.9, -0.5, 0.0, 0.5, 0.9])
+    sector = np.digitize(RUN / np.abs(RUN).max(), where.EDGES) - 1
+    rising = np.gradient(RUN, TIME) >= 0.0
+    size = np.ones(401)
+    part, way = missed
+    size[(sector == 4 - part) & (rising != way)] = mirror
+    size[(sector == part) & (rising == way)] = 4.0
+    test = record()
+    test.name = "made"
+    found = where._in_loop(test, size * (-1.0) ** np.arange(401))
+    assert found.says.startswith(f"in the loop of made the model fails most {says}")
+    assert ("alone" in found.says) is (mirror < 4.0 / where.ONE_SIDED)
+    assert found.low < share[part] < found.high
+    assert (found.low, found.high) == (
+        max(where.EDGES[part], -1.0),
+        min(where.EDGES[part + 1], 1.0),
+    )
+    assert found.size == pytest.approx(4.0)
+    # Two samples in all are too few for any part.
+    short = SimpleNamespace(
+        name="s", control="x", time=TIME[:2], loading=SimpleNamespace(time=TIME, value=RUN)
+    )
+    assert where._in_loop(short, np.ones(2)) is None
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5])
+def test_the_worst_part_of_a_residual_is_judged_by_its_size_and_by_how_it_bends(
+    monkeypatch, memory
+):
+    """Parts that bend as noise of that memory does are judged by size alone."""
+    asked = []
+    monkeypatch.setattr(scatter, "_chance", lambda *given: asked.append(given) or 0.01 / len(asked))
+    count = 12 * scatter.PARTS
+    values = np.ones(count)
+    values[:12] = np.linspace(3.0, 4.0, 12)
+    values[12:24] = 5.0 * (-1.0) ** np.arange(12)
+    # One is the median: of normal noise the size is more.
+    usual = scatter.NORMAL
+    assert scatter._worst(values, memory, 0.5) == pytest.approx(scatter.PARTS * 0.01 / len(asked))
+    assert len(asked) == scatter.PARTS + 1
+    part, whole = 6.0, 0.5 * count
+    smooth, rough, bent, *_ = asked
+    assert smooth == pytest.approx(
+        (np.mean(values[:12] ** 2) / usual**2, part, scatter.MEDIAN_WORTH * whole)
+    )
+    assert rough == pytest.approx((25.0 / usual**2, part, scatter.MEDIAN_WORTH * whole))
+    # Second differences of 20, over those of such noise: 6 - 8 r + 2 r^2.
+    bends = (20.0 / usual) ** 2 / (6.0 - 8.0 * memory + 2.0 * memory**2)
+    wanted = 25.0 / usual**2 / bends, part, scatter.EFFICIENT * part
+    assert bent == pytest.approx(wanted)
+    assert scatter._worst(np.zeros(count), memory, 0.5) == 1.0

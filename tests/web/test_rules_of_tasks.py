@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
-from springpot.web import leaving, tasks, trying, watching
+from springpot.web import launch, leaving, tasks, testing, trying, watching
 from springpot.web.sessions import LONGEST_NAME, State
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
@@ -157,3 +158,67 @@ def test_a_column_was_set_where_it_has_two_rows_at_each_level(levels, told):
     column = np.append(np.arange(levels), np.zeros(12 - levels)) * 10.0
     held = Measurement(OMEGA, SWEEP.stiffness, conditions={"temperature": column})
     assert len(tasks._levels(held)) == told
+
+
+@pytest.mark.parametrize(
+    ("kind", "sources", "tests", "excluded", "says"),
+    [
+        ("script", 1, 1, (0,), "a.py"),
+        ("script", 2, 2, (), "a.py"),
+        ("script", 1, 2, (0,), "rows of several tests"),
+        ("command", 1, 1, (0,), "a.txt"),
+        ("command", 1, 2, (), "a.txt"),
+        ("command", 1, 2, (0,), "rows of several tests"),
+        ("command", 2, 2, (), "one command takes one file"),
+        ("plan", 1, 1, (), "told in words"),
+        ("song", 1, 1, (0,), "nothing called 'song'"),
+        ("song", 1, 2, (0,), "nothing called 'song'"),
+    ],
+)
+def test_rows_of_several_tests_leave_by_no_script_and_no_command(
+    kind, sources, tests, excluded, says, monkeypatch
+):
+    monkeypatch.setattr(leaving, "script", lambda state, *files: f"reads {len(files)}")
+    monkeypatch.setattr(leaving, "command", lambda state, file: f"reads {file}")
+    data = SimpleNamespace(sources=["a.csv", "b.csv"][:sources], tests=[None] * tests)
+    state = State("x", excluded=excluded)
+    if "." not in says:
+        with pytest.raises(DataError, match=says):
+            testing.leave_in_time(kind, state, data, None)
+        return
+    text = {"script": f"reads {sources}", "command": "reads a.csv\n"}[kind]
+    assert testing.leave_in_time(kind, state, data, None) == {"name": says, "text": text}
+
+
+@pytest.mark.parametrize(
+    ("asked", "known"), [("near@x=1", True), ("alias", True), ("far", False), ("file.csv", False)]
+)
+def test_a_page_opens_the_data_sets_that_are_here_and_no_file(asked, known, monkeypatch):
+    near = SimpleNamespace(name="near", aliases=("alias",), remote=False)
+    far = SimpleNamespace(name="far", aliases=(), remote=True)
+    items = SimpleNamespace(items=lambda word: [near, far])
+    monkeypatch.setattr(tasks, "plugins", lambda: items)
+    monkeypatch.setattr(tasks, "open_measurement", lambda name: f"points of {name}")
+    monkeypatch.setattr(tasks, "_understood", lambda data, source: data)
+    if known:
+        assert tasks.dataset(quiet, asked) == f"points of {asked}"
+    else:
+        with pytest.raises(DataError, match="no registered data set"):
+            tasks.dataset(quiet, asked)
+
+
+@pytest.mark.parametrize(("error", "told"), [(OSError(), 0), (ValueError(), 1), (None, 1)])
+def test_only_a_connection_that_cannot_be_taken_passes_without_a_word(error, told):
+    words = []
+    launch._told_once(SimpleNamespace(default_exception_handler=words.append), {"exception": error})
+    assert len(words) == told
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("extra", [True, False])
+def test_a_cell_shows_a_page_where_a_kernel_runs_and_has_the_extra(kernel, extra, monkeypatch):
+    monkeypatch.setattr(launch, "find_spec", lambda name: name if extra else None)
+    monkeypatch.delitem(sys.modules, "ipykernel", raising=False)
+    if kernel:
+        monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    assert launch._in_notebook() is (kernel and extra)

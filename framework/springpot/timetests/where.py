@@ -177,13 +177,12 @@ def _in_loop(test: TimeTest, residual: Real) -> Where | None:
     rising = np.gradient(imposed, test.time) >= 0.0
     sector = np.digitize(share, EDGES) - 1
     sizes, counts = np.zeros((5, 2)), np.zeros((5, 2), dtype=int)
-    means = np.zeros((5, 2))
     for i in range(5):
         for j, way in enumerate((False, True)):
             rows = (sector == i) & (rising == way)
             counts[i, j] = int(rows.sum())
             if counts[i, j] >= FEWEST:
-                sizes[i, j], means[i, j] = rms(residual[rows]), float(np.mean(residual[rows]))
+                sizes[i, j] = rms(residual[rows])
     if not np.any(counts >= FEWEST):
         return None
     i, j = divmod(int(np.argmax(sizes)), 2)
