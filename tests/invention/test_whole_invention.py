@@ -88,7 +88,7 @@ def test_two_laws_are_one_with_the_second_s_size_in_that_of_the_first():
     assert values["one.k"] == 5.0
     assert values["two.k"] == 20.0
     whole = springpot.parse_model("kelvin") + both
-    carried = search._carried(search._Two(first, second, model, start), whole, both)
+    carried = search._carried(search._Two(first, second, model, start, 1.0), whole, both)
     assert dict(zip(whole.names, carried, strict=True)) == {
         "k": 1.0, "c": 2.0, "both.k": 5.0, "both.n": 0.5, "both.r": 4.0, "both.n2": 0.25,
     }  # fmt: skip
@@ -106,7 +106,7 @@ def test_two_laws_are_one_with_the_second_s_size_in_that_of_the_first():
 def test_terms_of_one_plane_alone_are_added(first, second, pairs, monkeypatch):
     one, two = law(first), law(second, "two")
     model = springpot.parse_model("kelvin") + one + two
-    both = search._Two(one, two, model, np.arange(1.0, 1.0 + len(model.names)))
+    both = search._Two(one, two, model, np.arange(1.0, 1.0 + len(model.names)), 1.0)
     fitted = []
     monkeypatch.setattr(search, "_after_the_best", lambda found, effects: [both])
     monkeypatch.setattr(search, "_together", lambda found: [both])

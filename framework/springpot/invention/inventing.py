@@ -198,7 +198,9 @@ def invent(
     verdict = verdict_of(search, found)
     error = error_of(search.base, material_floor(search.base, rng))
     rivals = rivals_of(found)
-    rows = [_told(search, each, rivals, library, verdict) for each in rivals[: INVENTION.told]]
+    # Where none is the answer the nearest is told alone; the others stand in its class.
+    shown = rivals[:1] if verdict == "none" else rivals[: INVENTION.told]
+    rows = [_told(search, each, rivals, library, verdict) for each in shown]
     return Invention(
         data=measurement.name,
         model=model,

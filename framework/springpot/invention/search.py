@@ -255,12 +255,13 @@ def _times(effect: Effect, form: str) -> str:
 
 
 class _Two(NamedTuple):
-    """Two terms of one plane, the model that has both, and a start of it (p,)."""
+    """Two terms of one plane, the model that has both, a start of it (p,), what it should leave."""
 
     first: Effect
     second: Effect
     model: Model
     start: Real
+    left: float
 
 
 def _with_terms(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterator[Grown]:
@@ -273,7 +274,8 @@ def _with_terms(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterat
         if two.first.plane == two.second.plane and two.first.plane in SUMMED:
             starts.setdefault(_joined(two.first, two.second), []).append(two)
     base = search.base
-    for text, tried in starts.items():
+    foretold = sorted(starts.items(), key=lambda each: min(two.left for two in each[1]))
+    for text, tried in foretold[: INVENTION.refined]:
         for both in laws([text], base.fit.measurement):
             model = base.model + both
             if enough_for(base, model):
@@ -295,7 +297,8 @@ def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]
         scanned = scan_effects(grown.refit, grown.refit.frame(), others)
         for score in _promising(scanned, grown.refit, INVENTION.seconds):
             for start in score.starts:
-                yield _Two(first, score.influence.effect, score.influence.model, start)
+                second = score.influence
+                yield _Two(first, second.effect, second.model, start, score.predicted)
 
 
 def _together(search: Search) -> Iterator[_Two]:
@@ -303,7 +306,7 @@ def _together(search: Search) -> Iterator[_Two]:
     base, scores = search.base, search.scan.scores[: INVENTION.paired]
     for pair in best_pairs(search.frame, scores, base.model, base.theta, INVENTION.pairs):
         first, second = pair.first.influence.effect, pair.second.influence.effect
-        yield _Two(first, second, pair.model, pair.start)
+        yield _Two(first, second, pair.model, pair.start, base.rss - pair.gain)
 
 
 def _shortened(search: Search, ends: Ends) -> Iterator[Grown]:
