@@ -33,6 +33,9 @@ def test_a_curve_crosses_nothing_once_at_each_place():
     assert np.sum(np.diff(np.sign(rough)) != 0) > 1
     assert len(list(from_data.crossings(X, rough))) == 1
     assert list(from_data.crossings(X, y + 10.0)) == []
+    # Also at a sample itself, as of rounded numbers that are equal there.
+    assert [place for place, _ in from_data.crossings(X, X - X[7])] == pytest.approx([X[7]])
+    assert list(from_data.crossings(X, (X - X[7]) ** 2)) == []
 
 
 def swept(count, **conditions):

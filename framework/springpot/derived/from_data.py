@@ -81,7 +81,10 @@ def read(x: Real, y: Real, place: float, count: int = AROUND) -> Read:
 def crossings(x: Real, y: Real) -> Iterator[tuple[float, Read]]:
     """Places where a curve goes through zero, each once."""
     found: list[float] = []
-    for i in np.flatnonzero(np.sign(y[:-1]) * np.sign(y[1:]) < 0):
+    # A sample that is zero itself lies between its neighbours.
+    sided = np.flatnonzero(y)
+    before, after = sided[:-1], sided[1:]
+    for i in before[np.sign(y[before]) * np.sign(y[after]) < 0]:
         place = float(x[i])
         for _ in range(STEPS):
             curve = read(x, y, place)
