@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,9 +23,6 @@ from .ladder import Ladder, Reached, Step, climbed, replaced_by
 from .result import Candidate, Diagnosis, Progress, silent
 from .scan import scan_effects
 from .sets import EffectSet, complete_set, likeliest_set
-
-if TYPE_CHECKING:
-    pass
 
 MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""

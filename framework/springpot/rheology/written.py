@@ -83,11 +83,11 @@ class TypedLaw:
             self.__dict__["_last"] = (at, term, known)
         return term, known
 
-    def joined(self, at: Points, values: Iterable[Any], by: str = "") -> Dual:
-        """What the network adds, with no slope but one: that by ln Y under `OWN`."""
+    def joined(self, at: Points, values: Iterable[Any], by: str | None = None) -> Dual:
+        """What the network adds, with no slope, or one alone: that by ln Y under `OWN`."""
         known = {name: Dual(value, {}) for name, value in zip(self.free, values, strict=True)}
         for name, (value, slopes) in self._known(at).items():
-            known[name] = Dual(value, {by: slopes[by]} if by in slopes and by else {})
+            known[name] = Dual(value, {by: slopes[by]} if by in slopes else {})
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return self._joined.at(known)
 
