@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.rheology.model import Model
 
 from .result import Comparison, Judgement, best_of
-
-if TYPE_CHECKING:
-    pass
 
 Effects: TypeAlias = tuple[str, ...]
 
