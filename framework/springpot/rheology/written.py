@@ -87,7 +87,7 @@ class TypedLaw:
         """What the network adds, with no slope, or one alone: that by ln Y under `OWN`."""
         known = {name: Dual(value, {}) for name, value in zip(self.free, values, strict=True)}
         for name, (value, slopes) in self._known(at).items():
-            known[name] = Dual(value, {by: slopes[by]} if by in slopes else {})
+            known[name] = Dual(value, {key: slopes[key] for key in slopes if key == by})
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return self._joined.at(known)
 
