@@ -238,7 +238,7 @@ def _strained(search: Search) -> bool:
     return spent > 1 or any(effect.prior < SEARCH.common for effect in best.effects)
 
 
-def grown_with(search: Search, score: Score) -> Grown:
+def grown_with(search: Search, score: Score, effort: Effort | None = None) -> Grown:
     """The base model refitted with one more effect, from where the scan saw it.
 
     Parameters
@@ -247,6 +247,8 @@ def grown_with(search: Search, score: Score) -> Grown:
         What was found so far: a fit that is no rival of the best one ends early.
     score : Score
         What the scan says of the effect.
+    effort : Effort, optional
+        How far the fit goes, where not to the best one.
     """
     base = search.base
     grown = refit(
@@ -255,7 +257,7 @@ def grown_with(search: Search, score: Score) -> Grown:
         base.noise,
         list(score.starts),
         starts=2,
-        effort=effort_of(search),
+        effort=effort or effort_of(search),
     )
     return Grown((score.influence.effect,), grown, score.predicted)
 
