@@ -18,7 +18,7 @@ import numpy as np
 from springpot.diagnosis.examination import search_data
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
-from springpot.diagnosis.search import effort_of, sort_by_evidence
+from springpot.diagnosis.search import effort_of, pays, sort_by_evidence
 from springpot.identification.held_material import within_material
 from springpot.identification.problem import weighted
 from springpot.measurement.measurement import Measurement
@@ -131,18 +131,22 @@ class Memory:
     ----------
     fits : dict of str to Refit
         The model with a law, by the law's text.
+    searches : dict of tuple to Search
+        Those for a law of one term, by data and noise.
     behind : frozenset of str
-        Of these the laws that are no rivals by the data at hand.
+        Laws that are no rivals by the data at hand.
     """
 
     fits: dict[str, Refit] = field(default_factory=dict)
+    searches: dict[tuple[bytes, bytes], Search] = field(default_factory=dict)
     behind: frozenset[str] = frozenset()
 
-    def beside(self, base: Refit) -> Memory:
-        """The same, held against the data of a fit."""
-        left = {text: _left_by(fitted, base) for text, fitted in self.fits.items()}
+    def beside(self, base: Refit, asked: Sequence[Effect] | None = None) -> Memory:
+        """The same, the laws that are asked, or all, held against the data of a fit."""
+        texts = self.fits if asked is None else self.fits.keys() & set(map(text_of, asked))
+        left = {text: _left_by(self.fits[text], base) for text in texts}
         most = min(left.values(), default=0.0) + 2.0 * INVENTION.hopeless
-        return Memory(self.fits, frozenset(text for text in left if left[text] > most))
+        return replace(self, behind=frozenset(text for text in left if left[text] > most))
 
 
 def _left_by(fitted: Refit, base: Refit) -> float:
@@ -187,7 +191,16 @@ def search_laws(
 def _of_one_term(
     memory: Memory, base: Refit, library: Sequence[Effect], rng: np.random.Generator
 ) -> Search:
-    """The search for a law of one term."""
+    """The search for a law of one term, on the same data in the same noise the same once more."""
+    key = base.data.mean.stiffness.tobytes(), base.noise.weights.tobytes()
+    if key not in memory.searches:
+        memory.searches[key] = _one_term(memory, base, library, rng)
+    return memory.searches[key]
+
+
+def _one_term(
+    memory: Memory, base: Refit, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
     effects = possible(base, library)
     frame = base.frame()
     search = Search(base, frame, scan_effects(base, frame, effects, rng), battery(frame, rng))
@@ -195,7 +208,7 @@ def _of_one_term(
     # Where noise alone goes as far, nothing is fitted: that is what keeps laws from being invented.
     if search.alarm >= SEARCH.look_further:
         return search
-    known = memory.beside(base)
+    known = memory.beside(base, effects)
     # One after the other: what is far from the best so far is not searched to its end.
     for score in _promising(search.scan, base, INVENTION.refined):
         search.grown += _with_score(search, score, known)
@@ -318,7 +331,8 @@ def _with_conditions(search: Search, effects: Sequence[Effect], memory: Memory) 
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))
         for score in _promising(scanned, base, INVENTION.seconds):
-            yield from _with_score(search, score, memory)
+            if pays(search.grown[0], (score.influence.effect,), score.predicted):
+                yield from _with_score(search, score, memory)
 
 
 def _times(effect: Effect, form: str) -> str:
@@ -351,8 +365,12 @@ def _with_terms(search: Search, effects: Sequence[Effect], memory: Memory) -> It
         if two.first.plane == two.second.plane and two.first.plane in SUMMED:
             starts.setdefault(_joined(two.first, two.second), []).append(two)
     base = search.base
-    foretold = sorted(starts.items(), key=lambda each: min(two.left for two in each[1]))
-    for text, tried in foretold[: INVENTION.refined]:
+    foretold = {text: min(tried, key=lambda two: two.left) for text, tried in starts.items()}
+    for text in sorted(foretold, key=lambda text: foretold[text].left)[: INVENTION.refined]:
+        likely, tried = foretold[text], starts[text]
+        # What is true is so without a second term: that would be a longer text for the same curve.
+        if not pays(search.grown[0], (likely.first, likely.second), likely.left):
+            continue
         for both in laws([text], base.fit.measurement):
             model = base.model + both
             if enough_for(base, model):
