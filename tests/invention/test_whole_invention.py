@@ -123,17 +123,23 @@ def test_terms_of_one_plane_alone_are_added(first, second, pairs, monkeypatch):
     base.data = base.noise = None
     memory = search.Memory()
     monkeypatch.setattr(search, "effort_of", lambda found: None)
-    found = list(search._with_terms(SimpleNamespace(base=base), [], memory))
+    paying = [True]
+    monkeypatch.setattr(search, "pays", lambda best, effects, left: paying[0])
+    alone = SimpleNamespace(base=base, grown=["the best"])
+    found = list(search._with_terms(alone, [], memory))
     # Both starts of the same pair are those of one fit.
     assert fitted == [(2, 0)] * pairs
     assert len(found) == len(memory.fits) == pairs
     # Next time where it ended is a start as well, unless it is no rival by the data at hand.
-    list(search._with_terms(SimpleNamespace(base=base), [], memory))
+    list(search._with_terms(alone, [], memory))
     assert fitted == [(2, 0), (3, 0)] * pairs
-    far = search.Memory(memory.fits, frozenset(memory.fits))
-    assert list(search._with_terms(SimpleNamespace(base=base), [], far)) == []
+    far = search.Memory(memory.fits, behind=frozenset(memory.fits))
+    assert list(search._with_terms(alone, [], far)) == []
+    paying[0] = False
+    assert list(search._with_terms(alone, [], search.Memory())) == []
+    paying[0] = True
     monkeypatch.setattr(search, "enough_for", lambda base, grown: False)
-    assert list(search._with_terms(SimpleNamespace(base=base), [], search.Memory())) == []
+    assert list(search._with_terms(alone, [], search.Memory())) == []
 
 
 def grown(likelihood, name="one", **more):
@@ -326,7 +332,12 @@ def test_a_search_goes_on_while_something_is_left(monkeypatch, alarm, left, exac
             super().__init__(base=base, frame=frame, scan=scan, structure=structure)
             self.alarm, self.grown, self.best = alarm, [], base
 
-    base = SimpleNamespace(frame=lambda: "frame", data=None)
+    one = np.ones(1)
+    base = SimpleNamespace(
+        frame=lambda: "frame",
+        data=SimpleNamespace(mean=SimpleNamespace(stiffness=one)),
+        noise=SimpleNamespace(weights=one),
+    )
     monkeypatch.setattr(search, "replace", lambda found, **new: vars(found).update(new) or found)
     scan = SimpleNamespace(scores=list(range(100)))
     monkeypatch.setattr(search, "Search", Found)
@@ -340,9 +351,14 @@ def test_a_search_goes_on_while_something_is_left(monkeypatch, alarm, left, exac
     monkeypatch.setattr(search, "is_arithmetic", lambda fitted: exact)
     monkeypatch.setattr(search, "_with_conditions", lambda *given: ["a"])
     monkeypatch.setattr(search, "_with_terms", lambda *given: ["b", "c"])
-    search._of_any(search.Memory(), base, [], None)
+    memory = search.Memory()
+    search._of_any(memory, base, [], None)
     fitted = INVENTION.refined
     assert asked == [fitted] * (alarm == 0.0) + [fitted + 3, fitted + 4] * goes_on
+    # Of the same data in the same noise it is not sought twice.
+    asked.clear()
+    search._of_one_term(memory, base, [], None)
+    assert asked == []
 
 
 @pytest.mark.parametrize("set_aside", [(), ("row 7",)])
