@@ -84,3 +84,27 @@ def table(
         cells = [tag("td", cell, **kind) for cell, kind in zip(row, named, strict=True)]
         body.append(tag("tr", *cells))
     return tag("table", tag("thead", head), tag("tbody", *body))
+
+
+def wide(says: str, inside: Html, kind: str = "") -> Html:
+    """What is scrolled where a screen is too narrow for it, by the keys too.
+
+    Parameters
+    ----------
+    says : str
+        What it is, for a screen reader.
+    inside : Html
+        Its content.
+    kind : str
+        A class of its own for the style sheet.
+    """
+    classes = f"scroll {kind}".strip()
+    return tag("div", inside, class_=classes, tabindex="0", role="group", aria_label=says)
+
+
+def wide_table(
+    headers: Iterable[str], rows: Iterable[Iterable[str]], numbers: Iterable[str] = ()
+) -> Html:
+    """A `table` that is scrolled where a screen is too narrow for it."""
+    headers = list(headers)
+    return wide(f"table of {', '.join(headers)}", table(headers, rows, numbers))

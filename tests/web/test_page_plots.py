@@ -84,6 +84,16 @@ def by_button(here: Page) -> None:
     here.page.click("button[aria-label='closer (or the wheel)']")
 
 
+def by_shift_and_drag(here: Page) -> None:
+    box = here.page.locator("#plot-view").bounding_box()
+    here.page.mouse.move(box["x"] + 200, box["y"] + 80)
+    here.page.keyboard.down("Shift")
+    here.page.mouse.down()
+    here.page.mouse.move(box["x"] + 240, box["y"] + 100)
+    here.page.mouse.up()
+    here.page.keyboard.up("Shift")
+
+
 def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)
@@ -95,7 +105,11 @@ def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
         assert closer != whole, way.__name__
         here.page.focus("#plot-view")
         here.page.keyboard.press("Alt+ArrowRight")
-        assert places_of(here) != closer
+        moved = places_of(here)
+        assert moved != closer
+        by_shift_and_drag(here)
+        assert places_of(here) != moved
+        assert here.page.locator("#exclude").is_hidden(), "points are moved, not chosen"
         here.page.keyboard.press("0")
         assert places_of(here) == whole
     by_button(here)
@@ -145,6 +159,13 @@ def test_what_is_negative_is_drawn(page: Open, damper: bytes):
     frame = here.page.locator("#plot-view .frame").bounding_box()
     lowest = here.page.locator("#plot-view .mark.storage").last.bounding_box()
     assert frame["y"] < lowest["y"] < frame["y"] + frame["height"]
+
+
+def test_what_is_empty_shows_no_picture(page: Open):
+    here = page()
+    here.page.locator("[data-example]").first.wait_for()
+    for plot in ("view", "second", "residual", "ladder"):
+        assert here.page.locator(f"#plot-{plot}").is_hidden()
 
 
 def test_an_example_is_an_answered_page_by_one_click(page: Open):

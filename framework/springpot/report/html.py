@@ -14,7 +14,7 @@ from springpot.diagnosis.ladder import Ladder, Step
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
-from springpot.markup import Html, joined, table, tag
+from springpot.markup import Html, joined, tag, wide, wide_table
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
 from springpot.versions import versions
@@ -398,7 +398,7 @@ def _models(ladder: Ladder) -> Iterator[Html]:
     for name, step in steps.items():
         yield tag("h3", name)
         # Made here with every label escaped, so that it may enter the page as it is.
-        yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
+        yield wide(f"network of {name}", Html(network_svg(step.model.network)))
         yield parameters_table("parameter", step.parameters).as_html()
         if isinstance(step.examined, Case):
             raw = step.case.search.base.data.raw
@@ -422,7 +422,7 @@ def _repeat(ladder: Ladder, tests: Sequence[Test], command: Sequence[str]) -> It
     yield tag("h2", "To repeat this")
     # Quoted for a shell, as it is to be copied.
     yield tag("pre", shlex.join(command))
-    yield tag("div", table(("what", "value"), [*rows, *_versions()]), class_="scroll")
+    yield wide_table(("what", "value"), [*rows, *_versions()])
     yield tag(
         "p", f"Verdict of the last step: {ladder.verdict}. Made by springpot.", class_="quiet"
     )

@@ -14,8 +14,7 @@ from unicodedata import combining, east_asian_width
 
 from springpot.format_numbers import at_place, exponent_of, number
 from springpot.identification.value import Value
-from springpot.markup import Html, joined, tag
-from springpot.markup import table as html_table
+from springpot.markup import Html, joined, tag, wide_table
 from springpot.plain_data import jsonable
 from springpot.terminal_safe import below, plain, plain_json
 
@@ -125,7 +124,7 @@ class TextTable:
     def as_html(self) -> Html:
         """With all columns that tell anything; a page can be scrolled."""
         table = self.telling()
-        cells = tag("div", html_table(table.headers, table.rows, table.right), class_="scroll")
+        cells = wide_table(table.headers, table.rows, table.right)
         return joined([cells, *(tag("p", line, class_="quiet") for line in table._legend())])
 
     def _line(self, cells: Sequence[str], widths: Sequence[int]) -> str:

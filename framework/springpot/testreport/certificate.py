@@ -12,7 +12,7 @@ import numpy as np
 from springpot.errors import OutputError
 from springpot.files import write_text
 from springpot.format_numbers import number
-from springpot.markup import Html, table, tag
+from springpot.markup import Html, table, tag, wide_table
 from springpot.report.residuals import framed
 from springpot.report.style import page
 from springpot.report.text import with_interval
@@ -239,7 +239,7 @@ def _rows(rows: Sequence[DecidedRow]) -> Html:
             [row.name, row.quantity, row.subject, told, number(expanded, 2), _limits(row), row.unit,
              chance(row.risk), verdict]
         )  # fmt: skip
-    return tag("div", table(headers, cells, ("result", "U", "outside")), class_="scroll")
+    return wide_table(headers, cells, ("result", "U", "outside"))
 
 
 def _limits(row: DecidedRow) -> str:

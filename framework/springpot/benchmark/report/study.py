@@ -16,7 +16,7 @@ from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.files import write_text
 from springpot.format_numbers import counted, number
-from springpot.markup import Html, joined, table, tag
+from springpot.markup import Html, joined, table, tag, wide, wide_table
 from springpot.report.style import page
 from springpot.report.tables import Table, text
 from springpot.report.text import seconds
@@ -178,7 +178,7 @@ def _choices(findings: Findings) -> Iterator[Html]:
         " it. ∇: uses gradients.",
         class_="quiet",
     )
-    yield tag("div", table(headers, rows), class_="scroll choice")
+    yield wide(f"table of {', '.join(headers)}", table(headers, rows), "choice")
     note = CHOICE_NOTE.format(target=f"{findings.scale.target:g}")
     yield tag("details", tag("summary", "How this is decided"), tag("p", note))
 
@@ -329,7 +329,8 @@ def _pairs(findings: Findings) -> Iterator[Html]:
         " are told apart, as in the diagrams above.",
         class_="quiet",
     )
-    yield tag("div", tag("table", tag("thead", head), tag("tbody", *rows)), class_="scroll heat")
+    shown = tag("table", tag("thead", head), tag("tbody", *rows))
+    yield wide("table of optimisers and problems", shown, "heat")
 
 
 def _heat(ranking: MeanRanks, i: int, j: int) -> Html:
@@ -372,7 +373,7 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     if any(summary.processor for summary in findings.summaries):
         yield pens.key()
         yield pair([accuracy_against_time(findings, pens)])
-    yield tag("div", table(headers, [row[1:] for row in rows], headers[1:]), class_="scroll")
+    yield wide_table(headers, [row[1:] for row in rows], headers[1:])
 
 
 def _cost_row(
@@ -414,7 +415,7 @@ def _failures(findings: Findings) -> Iterator[Html]:
     )
     rows = [(*key, str(count)) for key, count in counted.most_common()]
     headers = ("optimiser", "status", "reason", "trials")
-    yield tag("div", table(headers, rows, headers[3:]), class_="scroll")
+    yield wide_table(headers, rows, headers[3:])
 
 
 def _noise(findings: Findings) -> Iterator[Html]:
@@ -447,7 +448,7 @@ def _whole(made: Table) -> Html:
         if not any(isinstance(row[i], str) for row in made.rows):
             numeric.append(column)
     rows = ([text(entry) for entry in row] for row in made.rows)
-    return tag("div", table(made.columns, rows, numeric), class_="scroll")
+    return wide_table(made.columns, rows, numeric)
 
 
 def _repeat(findings: Findings) -> Iterator[Html]:
@@ -457,7 +458,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     # The list of cells is for programs, and the name stands above.
     left_out = {"cells", "name", "common start", NOISY, *ASKED}
     rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
-    yield tag("div", table(("what", "value"), rows), class_="scroll")
+    yield wide_table(("what", "value"), rows)
     yield tag(
         "p",
         "Random numbers come from the seed, the names of data set, model and objective, and the"

@@ -352,7 +352,7 @@ export class Compare {
     for (const plot of this.plots) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
       if (!scene) return;
-      const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag for several.`;
+      const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag for several${COARSE.matches ? "" : ", with Shift to move the picture"}.`;
       this.readout.textContent = `Point at a measured point to read it.${hint}`;
       return;
     }

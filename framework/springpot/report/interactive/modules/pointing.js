@@ -45,14 +45,15 @@ export function listen(plot, picture) {
   plot.svg.addEventListener("pointermove", (event) => {
     if (!plot.spec) return;
     const to = place(event);
-    if (picture.zoom.pinching) from = null;
     if (!from || Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) release();
     if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) {
       picture.selected(new Set(plot.rowsWithin(...from, ...to)));
     } else if (!from) picture.point(plot.nearest(...to));
   });
   plot.svg.addEventListener("pointerdown", (event) => {
-    from = event.button === 0 ? place(event) : null;
+    release();
+    // A second finger pinches, and Shift moves the picture: neither chooses.
+    from = event.button === 0 && event.isPrimary && !picture.zoom.grip ? place(event) : null;
     if (event.pointerType !== "touch" || !from || !plot.spec) return;
     const row = plot.nearest(...from, FINGER);
     held = setTimeout(() => { from = null; if (row !== null) picture.toggle([row]); }, HELD);
@@ -70,7 +71,7 @@ export function listen(plot, picture) {
     release();
   });
   plot.svg.addEventListener("pointerleave", (event) => { if (!from && event.pointerType !== "touch") picture.point(null); });
-  plot.svg.addEventListener("pointercancel", release);
+  plot.svg.addEventListener("pointercancel", () => { from = null; release(); });
   plot.svg.addEventListener("keydown", (event) => key(event, picture));
 }
 

@@ -1,4 +1,4 @@
-// What part of a plot is looked at: by wheel, two fingers, keys and buttons. Both pictures share what lies along.
+// What part of a plot is looked at: by wheel, two fingers, Shift and a drag, keys and buttons. Both pictures share what lies along.
 //
 // All steps are made in what an axis shows: on a logarithmic one a decade stays as wide as a decade.
 
@@ -16,11 +16,13 @@ export class Zoom {
     this.redraw = redraw;
     this.ends = null;
     this.fingers = new Map();
+    this.grip = null; // where a mouse holds the picture, to move it
     const { svg } = plot;
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     svg.addEventListener("pointerdown", (event) => { if (event.pointerType === "touch") this.fingers.set(event.pointerId, this.at(event)); });
-    svg.addEventListener("pointermove", (event) => this.pinch(event));
-    for (const name of ["pointerup", "pointercancel", "pointerleave"]) svg.addEventListener(name, (event) => this.fingers.delete(event.pointerId));
+    svg.addEventListener("pointerdown", (event) => this.seize(event));
+    svg.addEventListener("pointermove", (event) => { this.pinch(event); this.drag(event); });
+    for (const name of ["pointerup", "pointercancel", "pointerleave"]) svg.addEventListener(name, (event) => { this.fingers.delete(event.pointerId); this.grip = null; });
     svg.addEventListener("dblclick", () => this.reset());
   }
 
@@ -84,6 +86,19 @@ export class Zoom {
     this.by(event.deltaY < 0 ? STEP : 1 / STEP, ...this.at(event));
   }
 
+  seize(event) {
+    if (!event.shiftKey || event.button !== 0 || event.pointerType === "touch") return;
+    this.grip = this.at(event);
+    this.plot.svg.setPointerCapture(event.pointerId);
+  }
+
+  drag(event) {
+    if (!this.grip) return;
+    const [before, after] = [this.grip, this.at(event)];
+    this.shift(before[0] - after[0], before[1] - after[1]);
+    this.grip = after;
+  }
+
   pinch(event) {
     if (!this.fingers.has(event.pointerId) || !this.pinching) return;
     const apart = () => {
@@ -93,7 +108,7 @@ export class Zoom {
     const before = apart();
     this.fingers.set(event.pointerId, this.at(event));
     const after = apart();
-    if (before.far > 0 && after.far > 0) this.by(after.far / before.far, ...after.mid);
+    if (before.far > 0 && after.far > 0) this.by(after.far / before.far, ...before.mid);
     this.shift(before.mid[0] - after.mid[0], before.mid[1] - after.mid[1]);
   }
 }

@@ -1,0 +1,54 @@
+"""The report of a ladder as one opens it: without a server, on any screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browsing import IN_A_BROWSER, violations_on
+
+import springpot
+from springpot.report.html import report_html
+from springpot.web.sessions import measured_in
+
+pytest.importorskip("matplotlib")
+pytestmark = IN_A_BROWSER
+
+MODEL = "fractional-maxwell"
+Shown = Callable[..., Any]
+
+
+@pytest.fixture(scope="module")
+def report(damper: bytes, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of a ladder of two rungs."""
+    data = measured_in("damper.csv", damper)[0]
+    only = ["inertia", "specimen-inertia", "time-delay"]
+    ladder = springpot.discover(data, MODEL, accept=["inertia"], only=only)
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(report_html(ladder, data, ["springpot"]), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def shown(browser: Any, report: Path) -> Iterator[Shown]:
+    opened = []
+
+    def show(width: int, height: int = 800, **settings: Any) -> Any:
+        context = browser.new_context(
+            viewport={"width": width, "height": height}, offline=True, **settings
+        )
+        opened.append(context)
+        page = context.new_page()
+        page.goto(report.as_uri())
+        return page
+
+    yield show
+    for context in opened:
+        context.close()
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (390, "dark"), (1024, "light")])
+def test_whoever_sees_hears_or_types_can_read_it(shown: Shown, width: int, scheme: str):
+    assert violations_on(shown(width, color_scheme=scheme)) == []
