@@ -31,6 +31,17 @@ LOOK = 20
 # requests.
 CUT = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--disable-gpu"]
 Open = Callable[..., Any]
+# Of what a finger can choose, the label that belongs to it counted: whatever is smaller
+# (WCAG 2.5.5).
+SMALL = """() => [...document.querySelectorAll(
+    "a[href], button, input, select, summary, [role=option]")]
+    .filter((target) => target.checkVisibility({ visibilityProperty: true }) && target.offsetWidth)
+    .map((target) => [target, target.closest("label") ?? target])
+    .filter((both) => both.every((target) => {
+        const box = target.getBoundingClientRect();
+        return Math.min(box.width, box.height) < 44;
+    }))
+    .map(([target]) => target.id || target.outerHTML)"""
 
 
 class Page:

@@ -13,6 +13,7 @@ pytestmark = IN_A_BROWSER
 MODEL = "fractional-maxwell"
 HELD = 700
 """Milliseconds after which a finger has stayed; see modules/pointing.js."""
+Touch = Callable[..., None]
 XS = "marks => marks.map(mark => Number(mark.getAttribute('cx')))"
 
 
@@ -24,7 +25,7 @@ def phone(page: Open, damper: bytes) -> Page:
 
 
 @pytest.fixture
-def touch(phone: Page) -> Callable[..., None]:
+def touch(phone: Page) -> Touch:
     """Fingers as the system tells of them."""
     driver: Any = phone.context.new_cdp_session(phone.page)
 
@@ -37,7 +38,7 @@ def touch(phone: Page) -> Callable[..., None]:
 
 
 @pytest.mark.parametrize("plot", ["#plot-view", "#plot-residual"])
-def test_two_fingers_that_stay_leave_no_point_out(phone: Page, touch: Callable[..., None], plot: str):
+def test_two_fingers_that_stay_leave_no_point_out(phone: Page, touch: Touch, plot: str):
     """Each of them on a point, one after the other."""
     boxes = [phone.page.locator(f"{plot} .mark").nth(i).bounding_box() for i in (4, 16)]
     first, second = ((box["x"] + 3, box["y"] + 3) for box in boxes)
@@ -48,7 +49,7 @@ def test_two_fingers_that_stay_leave_no_point_out(phone: Page, touch: Callable[.
     assert phone.reads("#facts") == "14 points, 1 sweep"
 
 
-def test_two_fingers_come_closer_and_move_the_picture(phone: Page, touch: Callable[..., None]):
+def test_two_fingers_come_closer_and_move_the_picture(phone: Page, touch: Touch):
     def spread() -> tuple[float, float]:
         found = phone.page.locator("#plot-view .mark.storage").evaluate_all(XS)
         return max(found) - min(found), min(found)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import base64
 import json
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
-from browsing import IN_A_BROWSER, Open
+from browsing import IN_A_BROWSER, Open, Page
 
 import springpot
 from springpot.diagnosis.result import silent
@@ -175,12 +176,25 @@ def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str,
         assert "row=1" in told["result"]["text"]
 
 
+def words_stand_apart(here: Page) -> None:
+    """Numbers at an axis that is bent around zero; names of floors near the foot of the ladder."""
+    boxes = "words => words.map((word) => word.getBoundingClientRect().toJSON())"
+    ticks = here.page.locator("#plot-residual .tick[text-anchor=end]").evaluate_all(boxes)
+    assert len(ticks) > 3
+    assert all(a["top"] >= b["bottom"] - 3 for a, b in pairwise(ticks[::-1]) if a["top"] > b["top"])
+    [line] = here.page.locator("#plot-ladder .material").evaluate_all(boxes)
+    names = here.page.locator("#plot-ladder .tick:has-text('floor')").evaluate_all(boxes)
+    assert len(names) == 2
+    assert not any(name["top"] < line["top"] < name["bottom"] - 3 for name in names)
+
+
 @IN_A_BROWSER
 def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     here = page()
     here.open("relax.csv", relaxation(every=2), "maxwell")
     assert here.reads("#facts") == "20 points, 1 test"
     assert "effect-missing" in here.reads("#verdict")
+    words_stand_apart(here)
     here.page.hover("#effect-parallel-springpot")
     assert here.page.locator("#plot-view .line.preview").count() == 1
     assert here.page.locator("#plot-residual .line.preview").count() == 1

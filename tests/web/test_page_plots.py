@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from browsing import IN_A_BROWSER, Open, Page
+from browsing import IN_A_BROWSER, SMALL, Open, Page
 
 pytestmark = IN_A_BROWSER
 
@@ -18,16 +18,17 @@ TOPMOST = """() => {
     const zero = plot.querySelector(".line.zero").getBBox().y;
     return Math.max(...marks.map((mark) => Math.abs(centre(mark) - zero)));
 }"""
-
-# Of what a finger can choose, the label that belongs to it counted: whatever is smaller (WCAG 2.5.5).
-SMALL = """() => [...document.querySelectorAll("a[href], button, input, select, summary, [role=option]")]
-    .filter((target) => target.checkVisibility({ visibilityProperty: true }) && target.offsetWidth)
-    .map((target) => [target, target.closest("label") ?? target])
-    .filter((both) => both.every((target) => {
-        const box = target.getBoundingClientRect();
-        return Math.min(box.width, box.height) < 44;
-    }))
-    .map(([target]) => target.id || target.outerHTML)"""
+# Of lists to choose from, those whose choice is wider than they are.
+CUT = """lists => {
+    const pen = document.createElement("canvas").getContext("2d");
+    return lists.filter((list) => {
+        pen.font = getComputedStyle(list).font;
+        return pen.measureText(list.selectedOptions[0].text).width + 16 > list.clientWidth;
+    }).map((list) => list.id);
+}"""
+FRAMES = """() => new Promise((done) => {
+    requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)));
+})"""
 
 
 def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: bytes):
@@ -168,6 +169,23 @@ def test_what_is_empty_shows_no_picture(page: Open):
         assert here.page.locator(f"#plot-{plot}").is_hidden()
 
 
+def test_whatever_takes_room_all_stands_on_one_screen_and_choices_are_whole(
+    page: Open, damper: bytes
+):
+    """A server that has gone is told above; where there is little room each sentence is a line."""
+    here = page(1440, 900)
+    here.open("damper.csv", damper, MODEL)
+    assert here.page.locator(".bar select:visible").evaluate_all(CUT) == []
+    for height, brief in ((900, 0), (800, 1)):
+        here.page.set_viewport_size({"width": 1440, "height": height})
+        here.page.evaluate("() => document.dispatchEvent(new CustomEvent('lost'))")
+        here.page.evaluate(FRAMES)
+        assert here.page.locator("#places.brief").count() == brief
+        last = here.page.locator("#places li").last.bounding_box()
+        assert last["y"] + last["height"] < height
+        here.page.evaluate("() => { document.querySelector('#lost').hidden = true; }")
+
+
 def test_an_example_is_an_answered_page_by_one_click(page: Open):
     here = page()
     here.page.click("[data-example='artificial-fractional-zener-noise1']")
@@ -188,6 +206,7 @@ def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: by
         {
             "pointerType": "touch",
             "pointerId": 7,
+            "isPrimary": True,
             "button": 0,
             "clientX": box["x"] + 3,
             "clientY": box["y"] + 3,

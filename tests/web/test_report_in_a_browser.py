@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import IN_A_BROWSER, violations_on
+from browsing import IN_A_BROWSER, SMALL, violations_on
 
 import springpot
 from springpot.report.html import report_html
@@ -52,3 +52,13 @@ def shown(browser: Any, report: Path) -> Iterator[Shown]:
 @pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (390, "dark"), (1024, "light")])
 def test_whoever_sees_hears_or_types_can_read_it(shown: Shown, width: int, scheme: str):
     assert violations_on(shown(width, color_scheme=scheme)) == []
+
+
+def test_a_claim_is_not_cut_and_a_finger_can_choose(shown: Shown):
+    desk = shown(1024)
+    cut = "says => says.scrollHeight > says.clientHeight"
+    assert not desk.locator("#verdict").evaluate(cut)
+    phone = shown(390, 844, has_touch=True, is_mobile=True)
+    assert phone.evaluate(SMALL) == []
+    phone.locator("#rung-0").tap()
+    assert "Tap one" in phone.inner_text("#missing")

@@ -1,6 +1,6 @@
 // Data and model side by side: a view, a residual plane below it on the same axis, one cursor and one brush for all.
 
-import { h, put } from "./dom.js";
+import { FINGER, h, put } from "./dom.js";
 import { percent, pretty } from "./numbers.js";
 import { Plot, range } from "./plot.js";
 import { listen, said } from "./pointing.js";
@@ -11,7 +11,7 @@ const STEPS = [
   "Open a table of storage and loss against frequency, time signals, or a data set.",
   "Name a model, or none: then any linear passive material is judged.",
   "See where it fails, and by how much more than the noise.",
-  "Point at an effect: the dashed curve shows what it would do. Click to accept it, and watch the error fall.",
+  `${FINGER.matches ? "Tap" : "Point at"} an effect: the dashed curve shows what it would do. Accept it, and watch the error fall.`,
   "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
 ];
 const NARROW = 500; // px below which a plot is that of a phone
@@ -20,12 +20,18 @@ const MOST_PLACES = 3; // sentences below the picture: more would leave it no ro
 const MOST_NOTES = 2;
 const WIDE = 560; // px from which a second picture stands beside the first, not below it
 const BETWEEN = 8; // px between the two
+const SHORT = 220; // px of the picture below which each sentence under it is one line
 const LEAST = 140; // px between which the picture grows and shrinks with the window
 const MOST = 480;
 
-const COARSE = matchMedia("(pointer: coarse)");
-
 const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
+
+// What a hand can do with the picture.
+function hint(fixed) {
+  const [read, out, move] = FINGER.matches ? ["Tap a point to read it", "hold to leave it out", "pinch to come closer"]
+    : ["Point to read", "click to leave out", "Shift and drag to move"];
+  return `${fixed ? read : `${read}, ${out}, drag for several`}; ${move}.`;
+}
 
 // One sentence of what the answer is, above the picture.
 export function verdict({ discovery, of }) {
@@ -69,7 +75,8 @@ export class Compare {
     put(failing, this.places);
     for (const plot of this.plots) listen(plot, this);
     new ResizeObserver(() => this.resized()).observe(this.frames);
-    window.addEventListener("resize", () => this.fill());
+    const column = parent.closest(".column");
+    if (column) new ResizeObserver(() => this.fill()).observe(column);
   }
 
   resized() {
@@ -249,10 +256,14 @@ export class Compare {
   fill() {
     const column = this.parent.closest(".column");
     if (this.app.fixed || !this.main.spec || !matchMedia(DESK).matches || !column?.clientHeight) return;
-    const top = column.getBoundingClientRect().top - column.scrollTop;
     const last = [...column.children].filter((section) => !section.hidden).at(-1);
-    const left = column.clientHeight - (last.getBoundingClientRect().bottom - top);
-    const tall = Math.max(LEAST, Math.min(MOST, Math.floor((this.tall || HEIGHTS.desk[0]) + left)));
+    const room = () => {
+      const top = column.getBoundingClientRect().top - column.scrollTop;
+      return Math.floor((this.tall || HEIGHTS.desk[0]) + column.clientHeight - (last.getBoundingClientRect().bottom - top));
+    };
+    this.places.classList.remove("brief");
+    this.places.classList.toggle("brief", room() < SHORT);
+    const tall = Math.max(LEAST, Math.min(MOST, room()));
     if (tall === this.tall) return;
     this.tall = tall;
     this.render();
@@ -352,8 +363,7 @@ export class Compare {
     for (const plot of this.plots) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
       if (!scene) return;
-      const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag for several${COARSE.matches ? "" : ", with Shift to move the picture"}.`;
-      this.readout.textContent = `Point at a measured point to read it.${hint}`;
+      this.readout.textContent = hint(this.app.fixed);
       return;
     }
     const i = this.index(row);

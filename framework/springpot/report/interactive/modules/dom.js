@@ -30,6 +30,8 @@ export function put(parent, ...children) {
   return parent;
 }
 
+export const FINGER = matchMedia("(pointer: coarse)"); // no mouse that points before it clicks
+
 export const byId = (id) => document.getElementById(id);
 
 // Whether what a panel is made from is other than it was. Elements that are made anew under a pressed finger or button

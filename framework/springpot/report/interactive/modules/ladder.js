@@ -122,9 +122,11 @@ export class Ladder {
     });
     const middle = (8 + bottom) / 2;
     parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, this.app.scene.views ? "error" : `error of ${this.app.answer.of}`));
-    // No error lies below the material floor: under its line there is room, unless the other words stand there.
+    // No error lies below the material floor: under its line there is room, unless the other words stand there. Where
+    // that line would strike them through, both stand above it.
     const dashes = this.y(steps[0].material_floor);
-    parts.push(s("text", { class: "tick", x: LEFT + (dashes + 14 < bottom ? 3 : ASIDE), y: bottom - 3 }, "noise floor"));
+    const under = dashes + 14 < bottom;
+    parts.push(s("text", { class: "tick", x: LEFT + (under ? 3 : ASIDE), y: under ? bottom - 3 : dashes - 4 }, "noise floor"));
     parts.push(s("text", { class: "tick", x: LEFT + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });

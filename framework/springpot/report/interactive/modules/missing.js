@@ -1,7 +1,7 @@
 // What may be missing, as cards on three shelves: pointing previews what each would do, from what is already in the page;
 // a click accepts.
 
-import { changed, enable, h, put, usable } from "./dom.js";
+import { FINGER, changed, enable, h, put, usable } from "./dom.js";
 import { number, percent, pretty, probability, times, withInterval } from "./numbers.js";
 import { sparkline } from "./spark.js";
 
@@ -151,7 +151,7 @@ export class Missing {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     const candidate = this.candidates?.find((one) => one.effect === effect);
     const other = this.others?.find((one) => one.effect === effect);
-    let why = "point at an effect first";
+    let why = `${FINGER.matches ? "tap" : "point at"} an effect first`;
     if (this.app.waiting) why = "wait for the computation, or cancel it";
     else if (candidate || other) why = "";
     enable(this.accept, why);
@@ -161,7 +161,7 @@ export class Missing {
       return;
     }
     if (!candidate) {
-      const hint = "Point at an effect, or go through them with the arrow keys: the dashed curve shows what it would do.";
+      const hint = `${FINGER.matches ? "Tap an effect" : "Point at an effect, or go through them with the arrow keys"}: the dashed curve shows what it would do.`;
       put(this.details, h("p", { class: "quiet" }, this.candidates?.length ? hint : ""));
       return;
     }
@@ -219,6 +219,7 @@ function sentence(diagnosis, fixed, invention) {
   if (diagnosis.verdict === "adequate") return "Nothing is missing: what is left is noise. These were tried.";
   if (diagnosis.verdict === "unexplained") return "No known effect explains what is left. These were tried.";
   if (diagnosis.verdict === "inconclusive") return "These data cannot decide. These were tried.";
+  if (FINGER.matches) return fixed ? "Tap one to see what it would do." : "Tap one to preview it, then accept it.";
   return fixed ? "Point at one to see what it would do." : "Point to preview, click to accept.";
 }
 

@@ -6,6 +6,8 @@ const LEFT = 62;
 const RIGHT = 10;
 const TOP = 10;
 const BOTTOM = 38;
+const WORD = 34; // px for the number of a tick along
+const LINE = 13; // px for one line of them
 const FALL = 500; // ms
 const DRIFT = 900; // ms
 const MANY = 600; // points from which they are drawn as a cloud
@@ -52,6 +54,19 @@ function bentTicks({ min, max, bend }) {
   const decades = Math.log10(last / bend);
   for (let size = 10 ** Math.floor(Math.log10(bend)); size <= last * 1.001; size *= 10 ** Math.ceil(decades / 3)) sizes.push(size, ...(decades < 1.8 ? [3 * size] : []));
   return [...sizes.map((size) => -size).reverse(), 0, ...sizes].filter((tick) => (tick === 0 || Math.abs(tick) >= bend) && tick >= min && tick <= max);
+}
+
+// Outwards from zero, those whose words do not overlap.
+function apart(ticks, at, least) {
+  const kept = ticks.includes(0) ? [0] : [];
+  const ends = [kept[0], kept[0]];
+  for (const tick of [...ticks].sort((a, b) => Math.abs(a) - Math.abs(b))) {
+    const side = Number(tick > 0);
+    if (ends[side] !== undefined && Math.abs(at(tick) - at(ends[side])) < least) continue;
+    ends[side] = tick;
+    kept.push(tick);
+  }
+  return kept;
 }
 
 const short = (value) => {
@@ -133,16 +148,16 @@ export class Plot {
   axes({ x, y }) {
     const { width, height } = this;
     const parts = [s("rect", { class: "frame", x: LEFT, y: TOP, width: width - LEFT - RIGHT, height: height - TOP - BOTTOM })];
-    const ticks = (axis, most) => {
-      if (axis.bend) return bentTicks(axis);
+    const ticks = (axis, most, at, least) => {
+      if (axis.bend) return apart(bentTicks(axis), at, least);
       return axis.log ? logTicks(axis.min, axis.max) : niceTicks(axis.min, axis.max, most);
     };
-    for (const tick of ticks(x, width / 90)) {
+    for (const tick of ticks(x, width / 90, this.x, WORD)) {
       const at = this.x(tick);
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: TOP, y2: height - BOTTOM }));
       parts.push(s("text", { class: "tick", x: at, y: height - BOTTOM + 14, "text-anchor": "middle" }, short(tick)));
     }
-    for (const tick of ticks(y, height / 30)) {
+    for (const tick of ticks(y, height / 30, this.y, LINE)) {
       const at = this.y(tick);
       parts.push(s("line", { class: "grid", x1: LEFT, x2: width - RIGHT, y1: at, y2: at }));
       parts.push(s("text", { class: "tick", x: LEFT - 5, y: at + 4, "text-anchor": "end" }, short(tick)));
