@@ -130,17 +130,22 @@ def fits_one_screen(here: Page) -> None:
 
 def a_slider_moves_the_curve_and_leaves_the_fit(here: Page) -> None:
     fitted = here.page.get_attribute("#plot-view .line.model.storage", "d")
+    before = here.reads("#number")
     here.page.locator("[aria-label='move k']").focus()
     here.page.keyboard.press("ArrowRight")
     here.page.locator("#plot-view .line.edited").first.wait_for(state="attached")
     assert "edited" in here.reads("#edited-says")
     assert here.page.locator("#plot-residual .line.edited").count() == 2
     assert here.page.locator("#plot-ladder .ghost circle").count() == 1
+    told = here.reads("#edited-says").split("error ")[1]
+    assert told in here.reads("#number")
+    assert told not in before, "the number follows while the slider moves"
     assert here.page.get_attribute("#plot-view .line.model.storage", "d") == fitted
     here.page.click("#fit")
     playwright.expect(here.page.locator("#edited-says")).to_contain_text("fitted within these")
     here.done()
     here.page.click("#reset")
+    assert here.reads("#number") == before
     assert here.page.locator("#plot-view .line.edited").count() == 0
 
 

@@ -49,6 +49,16 @@ def test_two_fingers_that_stay_leave_no_point_out(phone: Page, touch: Touch, plo
     assert phone.reads("#facts") == "14 points, 1 sweep"
 
 
+def test_number_and_preview_stay_in_sight_with_the_picture(phone: Page):
+    phone.page.tap("#effect-inertia")
+    phone.page.evaluate("() => document.querySelector('#next').scrollIntoView(true)")
+    assert phone.page.locator("#number").bounding_box()["y"] < 0
+    now, plot = (phone.page.locator(each).bounding_box() for each in ("#now", "#plot-view"))
+    assert 0 <= now["y"] < now["y"] + now["height"] <= plot["y"]
+    assert phone.reads("#now") == "8.5 × → 0.91 × floor with inertia"
+    assert "Tap one" in phone.reads("#missing")
+
+
 def test_two_fingers_come_closer_and_move_the_picture(phone: Page, touch: Touch):
     def spread() -> tuple[float, float]:
         found = phone.page.locator("#plot-view .mark.storage").evaluate_all(XS)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from browsing import IN_A_BROWSER, SMALL, Open, Page
+import pytest
+from browsing import IN_A_BROWSER, SMALL, Open, Page, playwright
 
 pytestmark = IN_A_BROWSER
 
@@ -46,8 +47,87 @@ def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: byt
     # On the axis of the first rung, and beside what it left.
     assert here.page.evaluate(TOPMOST) < 0.5 * before
     assert here.page.locator("#plot-residual .mark.ghost").count() == 28
+    replayed(here)
     here.page.click("#sigmas")
     assert "data − model) / σ" not in here.page.text_content("#plot-residual")
+
+
+def replayed(here: Page) -> None:
+    """The ladder is looked at from its foot; it stays, and so do undo and redo."""
+    here.page.locator("#scrub").press("Home")
+    playwright.expect(here.page.locator("#rung-0")).to_have_attribute("aria-current", "step")
+    assert here.reads("#number .big") == "8.5 ×"
+    assert here.page.locator("#plot-residual .mark.ghost").count() == 0
+    assert here.page.locator("#plot-ladder .rung-mark.accepted").count() == 2
+    assert here.page.locator("#redo").get_attribute("aria-disabled") == "true"
+    here.page.locator("#scrub").press("End")
+    assert here.reads("#number .big").startswith("0.9")
+    here.page.click("#play")
+    for rung in (0, 1):
+        shown = here.page.locator(f"#rung-{rung}")
+        playwright.expect(shown).to_have_attribute("aria-current", "step")
+    assert here.page.locator("#scrub").input_value() == "1"
+
+
+LIT = "things => things.map((thing) => thing.classList.contains('lit'))"
+# Rows that light up for a place, of two temperatures at three frequencies each.
+ROWS = """async ([condition, says]) => {
+    const { spotOf } = await import("/page/spots.js");
+    const omega = [1, 10, 100, 1, 10, 100].map((hertz) => hertz * 2 * Math.PI);
+    const conditions = { temperature: [20, 20, 20, 40, 40, 40.1] };
+    const scene = { rows: [0, 1, 2, 3, 4, 5], omega, conditions };
+    return [...spotOf({ condition, says, from: 5, to: 100 }, scene).rows];
+}"""
+
+
+def test_sentence_bar_and_points_light_up_together(page: Open, damper: bytes):
+    here = page()
+    here.open("damper.csv", damper, MODEL)
+    sentences, bars = here.page.locator("#places li"), here.page.locator("#plot-residual .bar")
+
+    def lit() -> tuple[list[bool], list[bool]]:
+        groups = here.page.locator("#plot-residual g:has(> .bar)").evaluate_all(LIT)
+        return sentences.evaluate_all(LIT)[: bars.count()], groups
+
+    first = [True, False, False]
+    rings = here.page.locator("#plot-view .ring.chosen")
+    sentences.first.hover()
+    assert lit() == (first, first)
+    assert rings.count() == 3, "of storage alone, above 36 Hz"
+    here.page.hover("#hero")
+    assert lit() == ([False] * 3, [False] * 3)
+    bars.first.hover()
+    assert lit() == (first, first)
+    assert rings.count() == 2, "beside the row under the pointer itself"
+    here.page.locator("#plot-view .mark.loss").last.hover(force=True)
+    assert lit()[0][:2] == [True, True]
+    assert lit()[0] == lit()[1]
+
+
+@pytest.mark.parametrize(
+    ("condition", "rows"),
+    [
+        ("single sweep", [1, 2, 4, 5]),
+        ("at 20 degC", [1, 2]),
+        ("at 40 degC and above", [4, 5]),
+        ("at 20 to 40.1 degC", [1, 2, 4, 5]),
+        ("at an amplitude of 0.1 mm, at 20 degC and below", [1, 2]),
+    ],
+)
+def test_a_sentence_about_one_temperature_lights_only_its_sweep(page: Open, condition, rows):
+    here = page()
+    assert here.page.evaluate(ROWS, [condition, "storage stiffness too high"]) == rows
+
+
+def test_a_page_is_light(page: Open):
+    """All that one load fetches, in bytes as they cross."""
+    here = page()
+    here.page.locator("#dataset-first option").nth(1).wait_for(state="attached")
+    weights = here.page.evaluate(
+        "() => performance.getEntries().map((entry) => entry.decodedBodySize || 0)"
+    )
+    assert len(weights) > 20
+    assert 100_000 < sum(weights) <= 350_000
 
 
 def test_a_class_is_one_card_with_what_decides(page: Open, damper: bytes):

@@ -62,3 +62,14 @@ def test_a_claim_is_not_cut_and_a_finger_can_choose(shown: Shown):
     assert phone.evaluate(SMALL) == []
     phone.locator("#rung-0").tap()
     assert "Tap one" in phone.inner_text("#missing")
+
+
+def test_the_ladder_is_played_and_scrubbed(shown: Shown):
+    page = shown(1024)
+    page.locator("#scrub").press("Home")
+    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing")
+    assert page.inner_text("#number .big") == "8.5 ×"
+    page.locator("#scrub").press("ArrowRight")
+    assert page.inner_text("#verdict").startswith(f"{MODEL} + inertia: adequate")
+    page.click("#play")
+    assert page.locator("#scrub").input_value() == "0"

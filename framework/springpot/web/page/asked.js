@@ -5,7 +5,7 @@ import { spectrumSpec } from "./spectrum.js";
 import { keyOf, rowsOf } from "./wants.js";
 
 const shifts = ({ data }) => Boolean(data?.levels.some(({ column }) => column === "temperature" || column === "amplitude"));
-const free = ({ state }) => Boolean(state) && /^(material\b|$)/.test(state.model);
+const free = ({ standing: state }) => Boolean(state) && /^(material\b|$)/.test(state.model);
 
 export class Asked {
   constructor(app) {
@@ -21,13 +21,13 @@ export class Asked {
   can(name) { return this.views[name].can(this.app); }
 
   // Whether it is there, of the data that are shown.
-  has(name) { return name in this.views && this.found.get(name)?.of === this.views[name].of(this.app.state); }
+  has(name) { return name in this.views && this.found.get(name)?.of === this.views[name].of(this.app.standing); }
 
   spec(name) { return this.views[name].draw(this.found.get(name)); }
 
   // What is still to be asked for, if anything.
   want(ask) {
-    const { looks, state } = this.app;
+    const { looks, standing: state } = this.app;
     const view = this.views[looks.view];
     if (!view || !this.can(looks.view) || this.has(looks.view)) return null;
     const [name, of] = [looks.view, view.of(state)];

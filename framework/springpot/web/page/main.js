@@ -35,6 +35,7 @@ class App {
     this.history = new History();
     this.looks = looksOf();
     this.hovered = null;
+    this.looked = null; // the rung that is looked at, where it is not the last
     this.edited = null;
     this.named = null; // a model that waits for data
     this.refused = "";
@@ -42,7 +43,7 @@ class App {
     this.hands = new Hands(this);
     this.asked = new Asked(this);
     this.panels = [
-      new Hero(byId("hero-body"), this),
+      (this.hero = new Hero(byId("hero-body"), this)),
       new Data(byId("data-body"), this),
       (this.model = new ModelPanel(byId("model-body"), this)),
       (this.compare = new Compare(byId("compare-body"), this, byId("failing-body"))),
@@ -61,8 +62,16 @@ class App {
 
   get scene() { return this.data?.scene || null; }
 
+  // What is drawn: the answer of the rung that is looked at, as soon as it is here.
+  get answer() { return this.looking || this.whole; }
+
+  get looking() { return this.looked === null ? null : this.answerOf(this.looked); }
+
+  // Where what is drawn stands.
+  get standing() { return this.looking ? this.upTo(this.looked) : this.state; }
+
   // The answer to the present state; while it is being computed, the last one that there was.
-  get answer() {
+  get whole() {
     if (!this.state) return null;
     const found = this.answers.get(keyOf(this.state));
     if (found) this.last = found;
@@ -73,7 +82,7 @@ class App {
   // How far the model lies from new data, while what it may lack is sought.
   async glance() {
     const { state } = this;
-    if (this.glanced === state || this.answer || !this.scene || this.scene.views || state.accepted.length) return;
+    if (this.glanced === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
     this.glanced = state;
     try {
       this.early = { of: state, found: await api.ask("first", { state }) };
@@ -95,16 +104,16 @@ class App {
 
   get busy() { return this.work.name !== null; }
 
-  get steps() { return this.answer?.discovery.steps || []; }
+  get steps() { return this.whole?.discovery.steps || []; }
 
-  get rung() { return this.steps.length - 1; }
+  get rung() { return this.looking ? this.looked : this.steps.length - 1; }
 
   // The answers of the foot of this ladder and of the rung before, where they are here.
   get first() { return this.answerOf(0); }
 
   get before() { return this.rung > 0 ? this.answerOf(this.rung - 1) : null; }
 
-  answerOf(rung) { return this.answer ? this.answers.get(keyOf(this.upTo(rung))) || null : null; }
+  answerOf(rung) { return this.whole ? this.answers.get(keyOf(this.upTo(rung))) || null : null; }
 
   get beside() {
     const branch = this.history.beside;
@@ -261,12 +270,12 @@ class App {
   accept(name) {
     if (this.waiting) return;
     const { accept, exclude } = this.answer.actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
-    const { accepted, excluded } = this.state;
+    const { accepted, excluded } = this.standing;
     const out = new Set(excluded);
     // Rows of an action count among those that are used.
     const used = exclude.length ? [...Array(this.scene.count).keys()].filter((row) => !out.has(row)) : [];
     const rows = [...excluded, ...exclude.map((i) => used[i])].sort((a, b) => a - b);
-    this.step({ ...this.state, accepted: [...accepted, ...accept], excluded: rows });
+    this.step({ ...this.standing, accepted: [...accepted, ...accept], excluded: rows });
   }
 
   // What another state would be, as soon as a fit has told it; nothing where the pointer has gone on meanwhile.
@@ -286,7 +295,7 @@ class App {
   }
 
   // The laws that were found for the present state, if they were sought.
-  get laws() { return this.state && this.found?.of === keyOf(this.state) ? this.found : null; }
+  get laws() { return this.state && this.found?.of === keyOf(this.standing) ? this.found : null; }
 
   findLaws() {
     this.refused = "";
@@ -296,14 +305,22 @@ class App {
 
   // A rung is one of the ladder that is drawn, which may still be that of the state before.
   upTo(rung) {
-    const { model, accepted } = this.answer.state;
+    const { model, accepted } = this.whole.state;
     return { ...this.state, model, accepted: accepted.slice(0, rung) };
   }
 
   goTo(rung) { this.step(this.upTo(rung)); }
 
+  // A rung is looked at: nothing that was accepted is left for it.
+  see(rung) {
+    this.looked = rung < this.steps.length - 1 ? rung : null;
+    this.hovered = null;
+    this.render();
+    this.pursue();
+  }
+
   remove(i) {
-    const whole = this.upTo(this.rung);
+    const whole = this.upTo(this.steps.length - 1);
     this.step({ ...whole, accepted: whole.accepted.filter((_, j) => j !== i) });
   }
 
@@ -333,6 +350,7 @@ class App {
   // Show the present state: at once if its answer is here, else after asking for it.
   arrive() {
     this.hovered = null;
+    this.looked = null;
     this.refused = "";
     this.left.clear();
     this.save();
@@ -405,6 +423,7 @@ class App {
   setEdited(edited) {
     this.edited = edited;
     if (this.compare.main.spec && this.scene) this.compare.drawBeside();
+    this.hero.render();
     this.ladder.preview(this.hovered);
   }
 

@@ -21,7 +21,7 @@ export function lacking(app) {
   const { state } = app;
   if (!state) return null;
   if (!app.known.has(state.data)) return wanted(app, theData(app, state));
-  const wants = [theAnswer(app, state), app.asked.want(api.ask), theRanking(app, state), theLaws(app, state), theOneBeside(app)];
+  const wants = [theAnswer(app, state), theRungLookedAt(app), app.asked.want(api.ask), theRanking(app, state), theLaws(app, state), theOneBeside(app)];
   return wants.find((want) => wanted(app, want)) || null;
 }
 
@@ -44,6 +44,11 @@ function theAnswer(app, state) {
     take: (found) => app.answers.set(key, found),
     leave: () => app.retreat(state),
   };
+}
+
+function theRungLookedAt(app) {
+  const want = app.looked === null ? null : theAnswer(app, app.upTo(app.looked));
+  return want && { ...want, leave: () => { app.looked = null; } };
 }
 
 function theRanking(app, state) {

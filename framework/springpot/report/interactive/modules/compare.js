@@ -2,8 +2,10 @@
 
 import { FINGER, h, put } from "./dom.js";
 import { percent, pretty } from "./numbers.js";
+import { lights, spotOf } from "./spots.js";
+import { claimed } from "./hero.js";
 import { Plot, range } from "./plot.js";
-import { listen, said } from "./pointing.js";
+import { hint, listen, said } from "./pointing.js";
 import { othersOf, planeLines, planeOf, planeSpec, viewLines, viewOf, viewSpec, viewsOf } from "./views.js";
 import { DESK, Zoom } from "./zoom.js";
 
@@ -25,21 +27,6 @@ const LEAST = 140; // px between which the picture grows and shrinks with the wi
 const MOST = 480;
 
 const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
-
-// What a hand can do with the picture.
-function hint(fixed) {
-  const [read, out, move] = FINGER.matches ? ["Tap a point to read it", "hold to leave it out", "pinch to come closer"]
-    : ["Point to read", "click to leave out", "Shift and drag to move"];
-  return `${fixed ? read : `${read}, ${out}, drag for several`}; ${move}.`;
-}
-
-// One sentence of what the answer is, above the picture.
-export function verdict({ discovery, of }) {
-  const { diagnosis } = discovery;
-  const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
-  const word = discovery.verdict === "sought" ? "" : `${discovery.verdict}, `;
-  return `${diagnosis.model}: ${word}at ${percent(diagnosis.error.relative_rms)} of ${of}. ${pretty(says)}.`;
-}
 
 export class Compare {
   // `failing`: where the sentences stand that say where the model fails.
@@ -70,10 +57,14 @@ export class Compare {
       onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.second.svg, this.residual.svg);
     this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
+    // Beside pictures that stay in sight where the page is scrolled; what the strip above them says too.
+    this.now = h("p", { id: "now", "aria-hidden": "true" });
+    this.spots = [];
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
-    put(parent, this.intro, this.bar, this.key, this.frames, this.readout);
+    put(parent, this.intro, this.bar, this.key, this.now, this.frames, this.readout);
     put(failing, this.places);
     for (const plot of this.plots) listen(plot, this);
+    this.residual.means = (place) => this.mean(place);
     new ResizeObserver(() => this.resized()).observe(this.frames);
     const column = parent.closest(".column");
     if (column) new ResizeObserver(() => this.fill()).observe(column);
@@ -148,6 +139,8 @@ export class Compare {
       this.residual.fall();
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
+    this.spots = [];
+    this.meant = null;
     if (spec.told) put(this.places, spec.told.map((text) => this.sentence(text)));
     else put(this.places,
       where.slice(0, MOST_PLACES).map((place) => this.sentence(pretty(place.plane === plane || scene.views ? place.says : `${place.says} (${place.plane} plane)`), place)),
@@ -160,7 +153,8 @@ export class Compare {
     // On a phone the pictures stay in sight, and what stands above them goes.
     const section = this.parent.closest("section");
     const top = (element) => element.getBoundingClientRect().top;
-    section?.style.setProperty("--above", `${Math.round(top(this.frames) - top(section))}px`);
+    const first = this.now.offsetHeight ? this.now : this.frames;
+    section?.style.setProperty("--above", `${Math.round(top(first) - top(section))}px`);
   }
 
   // Draws another view of the same, where one is asked for, and tells the width that it leaves for the first.
@@ -180,23 +174,27 @@ export class Compare {
     return width;
   }
 
-  // A sentence and the points that it is about light up together.
   sentence(text, place = null) {
-    const rows = place ? this.rowsIn(place) : [];
-    return h("li", { title: text, class: place ? "" : "note",
-      onpointerenter: () => { if (rows.length) this.lit(rows); }, onpointerleave: () => { if (rows.length) this.lit([]); } }, text);
+    const item = h("li", { title: text, class: place ? "" : "note",
+      onpointerenter: () => this.mean(place), onpointerleave: () => this.mean(null) }, text);
+    if (place) this.spots.push({ ...spotOf(place, this.app.scene), item });
+    return item;
   }
 
-  rowsIn(place) {
-    const { scene } = this.app;
-    if (scene.views) return scene.rows.filter((row, i) => place.plane === "signal" && scene.sweeps[scene.sweep[i]].label === place.condition && scene.x[i] >= place.from && scene.x[i] <= place.to);
-    if (scene.axis.column !== "frequency" || !(place.from <= place.to)) return [];
-    const [from, to] = [place.from, place.to].map((hertz) => hertz * scene.axis.per_hertz);
-    return scene.rows.filter((row, i) => scene.x[i] >= from * 0.999 && scene.x[i] <= to * 1.001);
+  // A sentence, its bar and the points that both are about light up together, whichever of them is pointed at.
+  mean(place) {
+    this.meant = this.spots.find((spot) => spot.place === place) || null;
+    this.shine();
   }
 
-  lit(rows) {
-    for (const plot of this.plots) if (plot.spec) plot.point(this.row, new Set([...this.chosen, ...rows]));
+  shine() {
+    const { row, meant, chosen } = this;
+    for (const plot of this.plots) if (plot.spec) plot.point(row, chosen, lights(meant, plot.spec));
+    for (const spot of this.spots) {
+      const lit = meant ? spot === meant : row !== null && spot.rows.has(row);
+      spot.item.classList.toggle("lit", lit);
+      this.residual.shaded.get(spot.place)?.classList.toggle("lit", lit);
+    }
   }
 
   // The view that the server has worked out, where one is asked for and is there.
@@ -298,6 +296,7 @@ export class Compare {
 
   drawBeside() {
     const { scene, looks, answer, edited, beside } = this.app;
+    put(this.now, claimed(this.app));
     const entries = [];
     const view = this.viewed;
     const lines = (name) => [[beside?.model, "beside"], [edited, "edited"]].flatMap(([k, role]) => (k ? viewLines(name, scene, k, role) : []));
@@ -360,7 +359,7 @@ export class Compare {
   point(row) {
     const { scene, state } = this.app;
     this.row = row;
-    for (const plot of this.plots) if (plot.spec) plot.point(row, this.chosen);
+    this.shine();
     if (row === null || !scene) {
       if (!scene) return;
       this.readout.textContent = hint(this.app.fixed);
@@ -376,7 +375,7 @@ export class Compare {
     this.exclude.hidden = rows.size === 0;
     const all = rows.size > 0 && out === rows.size;
     this.exclude.textContent = `${all ? "Take back" : "Leave out"} ${rows.size} point${rows.size === 1 ? "" : "s"}`;
-    for (const plot of this.plots) if (plot.spec) plot.point(this.row, rows);
+    this.shine();
   }
 
   // Points are greyed and left out, or taken back; never deleted.

@@ -2,7 +2,6 @@
 
 import { changed, enable, h, put } from "./dom.js";
 import { number, percent, pretty, times } from "./numbers.js";
-import { verdict } from "./compare.js";
 
 const ERROR = "error: root mean square of |K_model - K| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
 const EMPTY = "See where a model fails, and which physical effect is missing from it.";
@@ -12,6 +11,26 @@ const UNANSWERED = "These data have no answer yet: see what is said above.";
 export function proposed(diagnosis) {
   const { leading, candidates } = diagnosis;
   return candidates.find((candidate) => candidate.effect === leading[0]) || null;
+}
+
+// One sentence of what the answer is, above the picture.
+export function verdict({ discovery, of }) {
+  const { diagnosis } = discovery;
+  const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
+  const word = discovery.verdict === "sought" ? "" : `${discovery.verdict}, `;
+  return `${diagnosis.model}: ${word}at ${percent(diagnosis.error.relative_rms)} of ${of}. ${pretty(says)}.`;
+}
+
+// The error in brief, and what is pointed at or moved by hand would make of it.
+export function claimed({ answer, edited, hovered }) {
+  if (!answer) return null;
+  const { noise_floor: floor, relative_rms: now } = answer.discovery.diagnosis.error;
+  const told = (error) => times(error, floor) || percent(error, 2);
+  const preview = answer.previews[hovered];
+  const next = preview || edited;
+  return [h("span", { class: "big" }, next ? told(now).replace(" floor", "") : told(now)),
+    next ? h("span", { class: `big ${preview ? "preview" : "edited"}` }, ` → ${told(next.error)}`) : null,
+    next ? ` ${preview ? `with ${hovered}` : "by hand"}` : null];
 }
 
 export class Hero {
@@ -30,8 +49,8 @@ export class Hero {
     const { answer, scene, waiting } = this.app;
     enable(this.add, waiting ? "wait for the computation, or cancel it" : "");
     const refused = this.app.refused || this.app.unanswered;
-    const { laws } = this.app;
-    if (!changed(this, answer, scene, refused, laws)) return;
+    const { edited, laws } = this.app;
+    if (!changed(this, answer, scene, refused, laws, edited)) return;
     const diagnosis = answer?.discovery.diagnosis;
     this.big.hidden = !answer;
     this.parent.classList.toggle("alone", !answer);
@@ -42,8 +61,9 @@ export class Hero {
     this.effect = found?.effect || null;
     this.add.hidden = Boolean(this.app.fixed) || !found;
     if (!answer) return;
-    this.count(diagnosis.error, answer.of);
-    this.big.className = answer.discovery.verdict;
+    // What is moved by hand is told while it moves.
+    this.count({ ...diagnosis.error, relative_rms: edited?.error ?? diagnosis.error.relative_rms }, answer.of);
+    this.big.className = edited ? "edited" : answer.discovery.verdict;
     if (diagnosis.where.length) this.place.textContent = placeOf(diagnosis.where[0], scene);
     this.place.title = this.place.textContent;
     if (found) this.add.textContent = `Add ${found.effect.split(" =")[0]} → ${fallTo(found, diagnosis.error)}`;

@@ -12,6 +12,8 @@ const LONGEST = 7; // px for a letter of a name below its step
 const RIGHT = 12;
 const ASIDE = 92; // px to the words of the noise floor where those of the material floor stand in their place
 
+const LOOK = 1600; // ms on each rung of a replay
+
 const SMALL = matchMedia("(max-height: 850px)");
 const cut = (name, most) => (name.length > most ? `${name.slice(0, Math.max(1, Math.floor(most) - 1))}…` : name);
 
@@ -20,10 +22,13 @@ export class Ladder {
     this.app = app;
     this.svg = s("svg", { id: "plot-ladder", class: "plot", role: "img" });
     this.branches = h("div", { class: "branches", role: "group", "aria-label": "Branches" });
-    this.list = h("ol", { id: "rungs", start: "0" });
+    this.list = h("ol", { id: "rungs", role: "list", start: "0" });
     this.other = h("div", { id: "beside" });
+    this.play = h("button", { type: "button", id: "play", title: "from the first model to the last", onclick: () => this.replay() }, "▶ Play");
+    this.scrub = h("input", { type: "range", id: "scrub", min: "0", step: "1", "aria-label": "rung that is shown", oninput: () => app.see(Number(this.scrub.value)) });
+    this.film = h("div", { class: "film", hidden: true }, this.play, this.scrub);
     this.frame = h("div", {}, this.svg);
-    put(parent, this.frame, this.branches, this.list, this.other);
+    put(parent, this.frame, this.branches, h("div", { class: "steps" }, this.film, this.list), this.other);
     new ResizeObserver(() => { if (this.frame.clientWidth !== this.width) this.render(); }).observe(this.frame);
   }
 
@@ -37,6 +42,10 @@ export class Ladder {
       return;
     }
     this.svg.toggleAttribute("hidden", !answer);
+    this.film.hidden = !answer || this.app.steps.length < 2;
+    this.scrub.max = this.app.steps.length - 1;
+    this.scrub.value = this.app.looked ?? rung;
+    this.scrub.setAttribute("aria-valuetext", this.app.steps[rung]?.model || "");
     this.renderBranches(history);
     if (!answer || !this.width) {
       put(this.list);
@@ -47,6 +56,16 @@ export class Ladder {
     put(this.other, beside ? this.besideList(beside) : null);
     this.draw(this.app.steps, beside);
     this.preview(this.app.hovered);
+  }
+
+  // From the first rung to the last, each long enough to be looked at; whoever goes to another meanwhile ends it.
+  async replay() {
+    const last = this.app.steps.length - 1;
+    for (let rung = 0; rung <= last; rung += 1) {
+      this.app.see(rung);
+      await new Promise((done) => { setTimeout(done, LOOK); });
+      if (this.app.looked !== rung) return;
+    }
   }
 
   rung(step, i, present) {
@@ -142,7 +161,7 @@ export class Ladder {
     if (!steps.length) return [];
     const d = steps.map((step, i) => `${i ? "L" : "M"}${this.x(i) - this.half} ${this.y(step.relative_rms)}H${this.x(i) + this.half}`).join("");
     return [s("path", { class: `stairs ${kind}`, d }), ...steps.map((step, i) =>
-      s("circle", { class: `rung-mark ${kind}`, cx: this.x(i), cy: this.y(step.relative_rms), r: 5, "data-rung": i,
+      s("circle", { class: `rung-mark ${kind}${kind === "accepted" && i === this.app.rung ? " here" : ""}`, cx: this.x(i), cy: this.y(step.relative_rms), r: 5, "data-rung": i,
         onclick: () => { if (kind === "accepted") this.app.goTo(i); } },
       s("title", {}, `${step.model}: error ${percent(step.relative_rms)}, ${times(step.relative_rms, step.noise_floor)}`)))];
   }

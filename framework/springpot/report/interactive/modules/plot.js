@@ -96,6 +96,8 @@ export class Plot {
     this.title = title;
     this.svg = s("svg", { id, class: "plot", tabindex: "0", role: "application", "aria-roledescription": "plot" });
     this.marks = [];
+    this.shaded = new Map(); // places by what is drawn of them
+    this.means = () => {}; // called with the place whose bar is pointed at
   }
 
   // Axes, shaded places, bands, lines and points; see views.js for what a spec holds.
@@ -113,6 +115,7 @@ export class Plot {
     this.previewLayer = s("g", { class: "preview-layer" });
     this.extraLayer = s("g", { class: "extra-layer" });
     this.cursorLayer = s("g", { class: "cursor-layer" });
+    this.shaded = new Map();
     this.small = spec.points.length > MANY;
     this.marks = spec.points.map((point) => (this.small && !point.out ? null : this.mark(point)));
     const cloud = this.small ? this.cloud([...spec.points.filter((point) => !point.out), ...(spec.cloud || [])]) : [];
@@ -220,14 +223,17 @@ export class Plot {
   }
 
   // The worst place over the whole height, the others as bars at the foot, one above the other.
-  shade({ from, to, says }, lane) {
+  shade({ from, to, says, place }, lane) {
     const left = Math.max(LEFT, Math.min(this.x(from), this.x(to)) - 3);
     const right = Math.min(this.width - RIGHT, Math.max(this.x(from), this.x(to)) + 3);
     if (!(right > left)) return s("g", {});
     const bottom = this.height - BOTTOM;
-    const bar = { class: "shade bar", x: left, width: right - left, y: bottom - 7 * (lane + 1), height: 5 };
+    const pointed = { onpointerenter: () => this.means(place), onpointerleave: () => this.means(null) };
+    const bar = { ...pointed, class: "shade bar", x: left, width: right - left, y: bottom - 7 * (lane + 1), height: 5 };
     const whole = { class: "shade", x: left, width: right - left, y: TOP, height: bottom - TOP };
-    return s("g", {}, lane ? null : s("rect", whole, s("title", {}, says)), s("rect", bar, s("title", {}, says)));
+    const drawn = s("g", {}, lane ? null : s("rect", whole, s("title", {}, says)), s("rect", bar, s("title", {}, says)));
+    this.shaded.set(place, drawn);
+    return drawn;
   }
 
   // Where to measure.
@@ -274,12 +280,12 @@ export class Plot {
     this.extraLayer.replaceChildren(...lines.map((line) => this.line(line)));
   }
 
-  // A ring around the points of one row, and of those that are selected.
-  point(row, chosen) {
+  // A ring around the points of one row, of those that are selected, and of those that light up.
+  point(row, chosen, lit = () => false) {
     const rings = [];
     this.spec.points.forEach((point) => {
       const here = row !== null && point.row === row;
-      if (!(here || chosen.has(point.row)) || !Number.isFinite(this.x(point.x) + this.y(point.y))) return;
+      if (!(here || chosen.has(point.row) || (point.row !== null && lit(point))) || !Number.isFinite(this.x(point.x) + this.y(point.y))) return;
       rings.push(s("circle", { class: here ? "ring" : "ring chosen", cx: this.x(point.x), cy: this.y(point.y), r: 7 }));
       if (here && this.spec.upright) {
         const at = this.x(point.x);

@@ -1,9 +1,17 @@
 // What a measured point says, and how a pointer, a finger or the keys reach it.
 
+import { FINGER } from "./dom.js";
 import { number } from "./numbers.js";
 
-const FINGER = 24; // px within which a finger means a point
+const REACH = 24; // px within which a finger means a point
 const HELD = 500; // ms after which it has stayed
+
+// What a hand can do with the picture.
+export function hint(fixed) {
+  const [read, out, move] = FINGER.matches ? ["Tap a point to read it", "hold to leave it out", "pinch to come closer"]
+    : ["Point to read", "click to leave out", "Shift and drag to move"];
+  return `${fixed ? read : `${read}, ${out}, drag for several`}; ${move}.`;
+}
 
 // The i-th row and what is left of it, in a view.
 export function said(app, i, viewed) {
@@ -55,14 +63,14 @@ export function listen(plot, picture) {
     // A second finger pinches, and Shift moves the picture: neither chooses.
     from = event.button === 0 && event.isPrimary && !picture.zoom.grip ? place(event) : null;
     if (event.pointerType !== "touch" || !from || !plot.spec) return;
-    const row = plot.nearest(...from, FINGER);
+    const row = plot.nearest(...from, REACH);
     held = setTimeout(() => { from = null; if (row !== null) picture.toggle([row]); }, HELD);
   });
   plot.svg.addEventListener("pointerup", (event) => {
     const to = place(event);
     if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) <= 6 && plot.spec) {
       const touch = event.pointerType === "touch";
-      const row = plot.nearest(...to, touch ? FINGER : 10);
+      const row = plot.nearest(...to, touch ? REACH : 10);
       if (touch) picture.point(row);
       else if (row !== null) picture.toggle([row]);
       else picture.selected(new Set());

@@ -8,8 +8,6 @@ import { Missing } from "./missing.js";
 import { withInterval } from "./numbers.js";
 import { looksOf } from "./views.js";
 
-const LOOK = 1600; // ms on each rung of a replay
-
 class Report {
   constructor({ scene, rungs, excluded }) {
     this.scene = scene;
@@ -25,10 +23,9 @@ class Report {
     this.looks = looksOf();
     this.history = { branches: [] };
     this.parameters = h("dl", { id: "parameters" });
-    const replay = h("button", { type: "button", id: "play", hidden: rungs.length < 2, onclick: () => this.play() }, "▶ Play from the first model");
     byId("bench").append(
       h("section", { id: "hero", "aria-label": "The error, and what would lower it" },
-        h("div", { id: "hero-body" }), h("div", { id: "ladder" }, h("div", { id: "ladder-body" }), replay)),
+        h("div", { id: "hero-body" }), h("div", { id: "ladder" }, h("div", { id: "ladder-body" }))),
       h("div", { class: "column" }, panel("compare", "Data and model"), panel("failing", "Where it fails")),
       h("div", { class: "column" }, panel("missing", "What may be missing"), panel("model", "Model")));
     byId("model-body").append(this.parameters);
@@ -57,25 +54,15 @@ class Report {
     for (const each of this.panels) each.render();
   }
 
-  goTo(rung) {
-    this.turn = 0;
-    this.show(rung);
-  }
+  // To look at a rung is all that can be done with it here.
+  get looked() { return this.rung; }
 
-  show(rung) {
+  goTo(rung) { this.see(rung); }
+
+  see(rung) {
     this.rung = rung;
     this.hovered = null;
     this.render();
-  }
-
-  // From the first rung to the last, each long enough to be looked at.
-  async play() {
-    const turn = (this.turn || 0) + 1;
-    this.turn = turn; // whoever goes to a rung meanwhile ends it
-    for (let rung = 0; rung < this.answers.length && this.turn === turn; rung += 1) {
-      this.show(rung);
-      await new Promise((done) => { setTimeout(done, LOOK); });
-    }
   }
 
   look(change) {

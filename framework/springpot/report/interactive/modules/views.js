@@ -171,7 +171,7 @@ export function planeSpec(name, scene, excluded, answer, view, { sigmas = false,
   const shades = answer.discovery.diagnosis.where
     .filter((place) => places === scene.x && here(place) && place.from <= place.to)
     .slice(0, 3)
-    .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
+    .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says, place }));
   const bands = [3, 1].map((times) => band(widths, times));
   return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true };
 }
