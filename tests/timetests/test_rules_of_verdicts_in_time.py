@@ -159,8 +159,12 @@ def test_a_verdict_in_one_sentence(says, candidates, more, told):
     assert verdict.sentence(error(), says, candidates, where, **more) == size + told + place
 
 
+FAR = 10.0 + EVIDENCE.rivals
+
+
 def left(squares):
-    return SimpleNamespace(squares=lambda noise: squares, misfit=False)
+    judged = SimpleNamespace(misfit=squares > FAR)
+    return SimpleNamespace(squares=lambda noise: squares, misfit=False, beside=lambda noise: judged)
 
 
 def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():
