@@ -112,9 +112,13 @@ def test_what_was_imposed_can_be_let_go(fits) -> None:
 
 def test_of_a_class_the_first_two_are_told_apart_however_unlike_their_chances() -> None:
     alike = ("thermal-transient", "thermal-growth", "fading-network", "thermal-force")
-    first = SimpleNamespace(effect="thermal-transient", alike=alike)
+    first = SimpleNamespace(effect="thermal-transient", alike=alike, probability=0.5)
     fitted = {"thermal-force", "fading-network", "thermal-transient"}
     assert _of_one_class([first], fitted) == ("thermal-transient", "fading-network")
-    alone = SimpleNamespace(effect="thermal-transient", alike=("thermal-transient",))
+    alone = SimpleNamespace(
+        effect="thermal-transient", alike=("thermal-transient",), probability=1.0
+    )
     assert _of_one_class([alone, first], fitted) is None
     assert _of_one_class([], fitted) is None
+    first.probability = 0.0
+    assert _of_one_class([first], fitted) is None

@@ -25,6 +25,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import plain
 from springpot.rheology.intime import Traced
 from springpot.rheology.points import KELVIN, Real
+from springpot.thresholds import EXPERIMENT
 
 from ..numerics import SMALLEST
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, units_of
@@ -83,8 +84,12 @@ def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | Non
 
 
 def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> tuple[str, str] | None:
-    """The first two that these tests do not tell apart, however unlike their chances."""
-    alike = [name for each in candidates[:1] for name in each.alike if name in fits]
+    """The first two that these tests do not tell apart, however unlike their chances.
+
+    None where something else is believed in.
+    """
+    believed = [each for each in candidates[:1] if each.probability > EXPERIMENT.rival]
+    alike = [name for each in believed for name in each.alike if name in fits]
     return (alike[0], alike[1]) if len(alike) > 1 else None
 
 

@@ -327,15 +327,16 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
 
     Whether something `unknown` may be it as well, beyond doubt that something is.
     """
-    gain, plain = 0.0, _is_plain(tried)
+    gain, odds, plain = 0.0, 0.0, _is_plain(tried)
     if tried:
-        gain = tried[0].delta
+        gain, odds = tried[0].delta, tried[0].evidence
     return Facts(
         by_battery=before.misfit,
         exceeds=before.doubtful,
         ruled_out=plain or unknown,
         gain=gain,
-        something=gain > VERDICT.clear_evidence,
+        # A fault of the apparatus asks for more before it casts a doubt, as before it is named.
+        something=odds > VERDICT.clear_evidence,
         unknown=unknown,
         # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
         named=plain,
