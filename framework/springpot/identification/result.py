@@ -28,6 +28,7 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
+from .bordered import Bordered, Covariance, matrix_of
 from .calibration import Calibration
 from .kept import (
     bounds_of,
@@ -45,7 +46,14 @@ from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
 from .robust import kept_of, objective_again
-from .uncertainty import Uncertainty, ends, lost_and_known, spread_of, tied_values
+from .uncertainty import (
+    Uncertainty,
+    ends,
+    lost_and_known,
+    slopes_of,
+    spread_of,
+    tied_values,
+)
 from .value import PartResult, Value, all_parameters, parts_of, printed, spare
 
 if TYPE_CHECKING:
@@ -125,7 +133,7 @@ def _reach(known: Uncertainty, form: SearchForm, x: Real) -> Real:
     by_u: Real = np.asarray(np.linalg.solve(by_theta, turn), dtype=float)
     log = np.array([p.scale == "log" for p in form.parameters])
     by_u /= np.where(log, x, 1.0)[:, None]
-    return known.quantile * spread_of(by_u, known.covariance)
+    return known.quantile * spread_of(by_u, matrix_of(known.covariance))
 
 
 SCHEMA = "springpot.identification/2"
@@ -236,7 +244,7 @@ class Identification(Known):
     ) -> Identification:
         """That of a sweep which stands alone, by its fit and the ends of the intervals (p,)."""
         fit = known.fit
-        data, coordinates = fit.measurement, fit.task.coordinates
+        data = fit.measurement
         # Relative at each point, so that soft and stiff ends of a sweep count alike.
         missed = np.abs(data.stiffness - fit.model.stiffness(fit.theta, data.points)) / sizes(data)
         dof = known.freedom
@@ -245,7 +253,7 @@ class Identification(Known):
         return cls(
             model=fit.model,
             theta=fit.theta,
-            slopes=coordinates.slopes(fit.theta, coordinates.size[0]),
+            slopes=slopes_of(fit),
             spread=known.covariance,
             units=data.units,
             reference=data.reference_temperature,
@@ -320,14 +328,23 @@ class Identification(Known):
 
         Infinite where the data do not determine a parameter, zero where it rests on a bound.
         """
+        return matrix_of(self._printed)
+
+    @cached_property
+    def _printed(self) -> Covariance:
+        """The same, of levels with parameters of their own by its blocks."""
         # In the units of the values: a covariance in others would fit none of the printed numbers.
-        factor = self._factors
-        covariance: Real = factor[:, None] * self._by_theta * factor
+        factor, known = self._factors, self._by_theta
+        if isinstance(known, Bordered):
+            return known.scaled(factor)
+        covariance: Real = factor[:, None] * known * factor
         return covariance
 
     @property
-    def _by_theta(self) -> Real:
+    def _by_theta(self) -> Covariance:
         """Covariance (p, p) of theta, infinite where the data do not determine a parameter."""
+        if isinstance(self.spread, Bordered):
+            return self.spread.carried(self.slopes)
         lost, finite = lost_and_known(self.spread)
         covariance: Real = self.slopes @ finite @ self.slopes.T
         # What hangs on a direction that the data do not determine is not determined either.
@@ -347,7 +364,7 @@ class Identification(Known):
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
         values = self._factors * self.theta
-        return populations(self.model, values, self.covariance, self.units, self.sweep)
+        return populations(self.model, values, self._printed, self.units, self.sweep)
 
     def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
@@ -365,15 +382,24 @@ class Identification(Known):
         Its intervals as well, unless they hold that already.
         """
         found = replace(self, calibration=calibration)
+        if isinstance(self.spread, Bordered):
+            # In the parameters themselves, and as further columns that all levels share.
+            known = self.spread.carried(self.slopes)
+            columns = np.column_stack([known.columns, *calibration.moved.values()])
+            unit = np.broadcast_to(np.eye(self.slopes.shape[-1]), self.slopes.shape)
+            found = replace(found, slopes=unit, spread=replace(known, columns=columns))
+            return found if not widen else found._widened(calibration)
         turn = np.linalg.pinv(self.slopes)
         shared = turn @ calibration.shared @ turn.T
         if self.uncertainty is not None:
             found = replace(found, uncertainty=replace(self.uncertainty, shared=shared))
         found = replace(found, spread=self.spread + shared)
-        if not widen:
-            return found
+        return found if not widen else found._widened(calibration)
+
+    def _widened(self, calibration: Calibration) -> Self:
+        """The same with intervals that hold what the instrument promises."""
         low, high = calibration.widened(self.model, self.theta, self.low, self.high)
-        return replace(found, low=low, high=high)
+        return replace(self, low=low, high=high)
 
     @property
     def residuals(self) -> Complex:
@@ -483,7 +509,7 @@ class Identification(Known):
             "relative_rms": self.relative_rms,
             "tests": self.tests,
             "measured": self.covered,
-            "covariance": self.covariance,
+            "covariance": self._covariance_told(),
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "optimiser": self.optimiser,
@@ -501,6 +527,13 @@ class Identification(Known):
             answer["population"] = self.populations
             answer["specimens"] = specimens_of(self.populations)
         return dict(jsonable(answer))
+
+    def _covariance_told(self) -> Any:
+        """As a matrix; of levels with parameters of their own that of the parameters of each."""
+        if not isinstance(self._printed, Bordered):
+            return self._printed
+        names = np.array(self.model.names)[self._printed.layout.places]
+        return {"names": names, "levels": self._printed.of_levels}
 
     def _kept(self) -> dict[str, Any]:
         """What people need not read: all in the units of the tests, and a sweep that is alone."""
