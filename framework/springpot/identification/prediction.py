@@ -207,7 +207,7 @@ class Known:
     def of_level(self, number: int) -> Known:
         """What is known of one of the levels that have parameters of their own."""
         assert isinstance(self.spread, Bordered), "levels have parameters of their own"
-        model, places = self.model.of_level(number)
+        model, places = self.model.of_any_level, self.spread.layout.places[number]
         told = {"model": model, "theta": self.theta[places], "slopes": self.slopes[number]}
         return Known(**{**self._told(), **told, "spread": self.spread.of_levels[number]})
 

@@ -452,10 +452,6 @@ class NamedNetwork(HasParameters):
             first += len(node.parameters)
         return np.concatenate(places, axis=1)
 
-    def of_level(self, number: int) -> tuple[Self, list[int]]:
-        """The model that one level has, and where its parameters stand in theta."""
-        return self.of_any_level, self.places[number].tolist()
-
     def at_all_levels(self, theta: Real) -> Real:
         """Parameters (p,) of which all levels have those (q,) of one."""
         places = self.places
