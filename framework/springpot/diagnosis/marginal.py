@@ -328,8 +328,13 @@ def _refund(search: Search, grown: Grown) -> float:
     kept, shares = [], 0.0
     # Effect by effect: one that has become a simpler one pays in full, whatever its partner does.
     for rows in _extras(search, grown):
-        seen = [_seen(refit, i, rival and bool(variance[i] > EVIDENCE.open)) for i in rows]
-        if min(seen) > 0.0:
+        seen = []
+        # Those that change nothing first: where one parameter is not seen, the others need no fits.
+        for i in sorted(rows, key=lambda i: float(np.linalg.norm(refit.fit.jacobian_u[:, i]))):
+            seen.append(_seen(refit, i, rival and bool(variance[i] > EVIDENCE.open)))
+            if not seen[-1]:
+                break
+        else:
             kept.append(rows)
             shares += float(np.sum(np.log(seen)))
     if not kept:
