@@ -19,8 +19,10 @@ TOPMOST = """() => {
     return Math.max(...marks.map((mark) => Math.abs(centre(mark) - zero)));
 }"""
 
-# Of what a finger can choose, the label that belongs to it counted: whatever is smaller (WCAG 2.5.5).
-SMALL = """() => [...document.querySelectorAll("a[href], button, input, select, summary, [role=option]")]
+# Of what a finger can choose, the label that belongs to it counted: whatever is smaller
+# (WCAG 2.5.5).
+SMALL = """() => [...document.querySelectorAll(
+        "a[href], button, input, select, summary, [role=option]")]
     .filter((target) => target.checkVisibility({ visibilityProperty: true }) && target.offsetWidth)
     .map((target) => [target, target.closest("label") ?? target])
     .filter((both) => both.every((target) => {
