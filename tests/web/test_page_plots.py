@@ -19,8 +19,7 @@ TOPMOST = """() => {
     return Math.max(...marks.map((mark) => Math.abs(centre(mark) - zero)));
 }"""
 
-# Of what a finger can choose, the label that belongs to it counted: whatever is smaller
-# (WCAG 2.5.5).
+# Of what a finger can choose, with the label that belongs to it: whatever is smaller (WCAG 2.5.5).
 SMALL = """() => [...document.querySelectorAll(
         "a[href], button, input, select, summary, [role=option]")]
     .filter((target) => target.checkVisibility({ visibilityProperty: true }) && target.offsetWidth)
@@ -36,7 +35,9 @@ def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: byt
     here = page()
     here.open("damper.csv", damper, MODEL)
     assert here.reads("#number .big") == "8.5 ×"
-    assert here.reads("#fails").startswith("The model's storage stiffness 8.3 %")
+    claim = here.reads("#fails")
+    assert claim.startswith("The model's storage stiffness 8.3 %")
+    assert claim.endswith("above 36 Hz. inertia (m = 0.60 kg) would explain it.")
     assert here.page.locator("#plot-residual .mark.ghost").count() == 0
     before = here.page.evaluate(TOPMOST)
 

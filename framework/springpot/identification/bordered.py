@@ -6,10 +6,10 @@ block-diagonal, plus a product of as many columns as there are shared parameters
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +128,33 @@ def matrix_of(covariance: Covariance) -> Real:
     if isinstance(covariance, Bordered):
         return covariance.dense()
     return covariance
+
+
+def lost_and_known(covariance: Real) -> tuple[Mask, Real]:
+    """Search coordinates (p,) that the data leave undetermined, covariance (p, p) of the others."""
+    lost = np.isinf(np.diag(covariance))
+    # Zero times infinity is no number: what is lost counts as certain here, and whoever asks puts
+    # it back.
+    return lost, np.where(lost[:, None] | lost[None, :], 0.0, covariance)
+
+
+def carried(spread: Covariance, slopes: Real) -> Covariance:
+    """Covariance of what depends on coordinates by slopes (p, q), or by those of each level."""
+    if isinstance(spread, Bordered):
+        return spread.carried(slopes)
+    lost, finite = lost_and_known(spread)
+    covariance: Real = slopes @ finite @ slopes.T
+    # What hangs on a direction that the data do not determine is not determined either.
+    touched = np.any(np.abs(slopes[:, lost]) > 0.0, axis=1)
+    covariance[touched, touched] = np.inf
+    return covariance
+
+
+def told_of(covariance: Covariance, names: Sequence[str]) -> Any:
+    """As plain data: a matrix, or of levels that of the parameters of each beside their names."""
+    if not isinstance(covariance, Bordered):
+        return covariance
+    return {"names": np.array(names)[covariance.layout.places], "levels": covariance.of_levels}
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,9 +30,8 @@ from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
-from .bordered import Bordered, Covariance
+from .bordered import Bordered, Covariance, lost_and_known
 from .kept import levels_in_words
-from .uncertainty import lost_and_known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -28,7 +28,7 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
-from .bordered import Bordered, Covariance, matrix_of
+from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
 from .kept import (
     bounds_of,
@@ -46,14 +46,7 @@ from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
 from .robust import kept_of, objective_again
-from .uncertainty import (
-    Uncertainty,
-    ends,
-    lost_and_known,
-    slopes_of,
-    spread_of,
-    tied_values,
-)
+from .uncertainty import Uncertainty, ends, slopes_of, spread_of, tied_values
 from .value import PartResult, Value, all_parameters, parts_of, printed, spare
 
 if TYPE_CHECKING:
@@ -343,14 +336,7 @@ class Identification(Known):
     @property
     def _by_theta(self) -> Covariance:
         """Covariance (p, p) of theta, infinite where the data do not determine a parameter."""
-        if isinstance(self.spread, Bordered):
-            return self.spread.carried(self.slopes)
-        lost, finite = lost_and_known(self.spread)
-        covariance: Real = self.slopes @ finite @ self.slopes.T
-        # What hangs on a direction that the data do not determine is not determined either.
-        touched = np.any(np.abs(self.slopes[:, lost]) > 0.0, axis=1)
-        covariance[touched, touched] = np.inf
-        return covariance
+        return carried(self.spread, self.slopes)
 
     @property
     def budget(self) -> dict[str, dict[str, float]]:
@@ -509,7 +495,7 @@ class Identification(Known):
             "relative_rms": self.relative_rms,
             "tests": self.tests,
             "measured": self.covered,
-            "covariance": self._covariance_told(),
+            "covariance": told_of(self._printed, self.model.names),
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "optimiser": self.optimiser,
@@ -527,13 +513,6 @@ class Identification(Known):
             answer["population"] = self.populations
             answer["specimens"] = specimens_of(self.populations)
         return dict(jsonable(answer))
-
-    def _covariance_told(self) -> Any:
-        """As a matrix; of levels with parameters of their own that of the parameters of each."""
-        if not isinstance(self._printed, Bordered):
-            return self._printed
-        names = np.array(self.model.names)[self._printed.layout.places]
-        return {"names": names, "levels": self._printed.of_levels}
 
     def _kept(self) -> dict[str, Any]:
         """What people need not read: all in the units of the tests, and a sweep that is alone."""

@@ -26,6 +26,7 @@ from .bordered import (
     Bordered,
     Covariance,
     Eliminated,
+    lost_and_known,
     matrix_of,
 )
 from .coordinates import WIDEST, Coordinates
@@ -309,14 +310,6 @@ def correlation_of(covariance: Real) -> Real:
         sd = np.sqrt(np.diag(covariance))
         correlation: Real = covariance / (sd[:, None] * sd[None, :])
     return correlation
-
-
-def lost_and_known(covariance: Real) -> tuple[NDArray[np.bool_], Real]:
-    """Search coordinates (p,) that the data leave undetermined, covariance (p, p) of the others."""
-    lost = np.isinf(np.diag(covariance))
-    # Zero times infinity is no number: what is lost counts as certain here, and whoever asks puts
-    # it back.
-    return lost, np.where(lost[:, None] | lost[None, :], 0.0, covariance)
 
 
 def spread_of(turn: Real, covariance: Real) -> Real:
