@@ -51,6 +51,26 @@ def test_the_effort_of_a_refit_ends_where_it_is_no_rival():
     assert inf > rival > 200.0
 
 
+@pytest.mark.parametrize(("drop", "paid"), [(4.5, False), (4.7, True), (-1.0, False)])
+def test_a_second_effect_is_fitted_where_the_drop_foretold_pays_for_it(drop, paid):
+    one, two = (
+        SimpleNamespace(element=SimpleNamespace(parameters=(0,) * count)) for count in (1, 2)
+    )
+    # Of a known noise a log-likelihood is minus half of chi-square; ln 100 is the price of one.
+    refit = SimpleNamespace(
+        fit=SimpleNamespace(measurement=range(50)),
+        noise=SimpleNamespace(log_likelihood=lambda rss, points: -0.5 * rss),
+        rss=80.0,
+        fair_rss=80.0,
+        log_likelihood=-40.0,
+    )
+    best = SimpleNamespace(refit=refit, effects=(one,))
+    assert searching.pays(best, (one, one), 80.0 - drop) is paid
+    assert searching.pays(best, (one, two), 80.0 - drop) is False
+    # What has as many parameters need only be better.
+    assert searching.pays(best, (one,), 80.0 - drop) is (drop > 0.0)
+
+
 def test_effects_of_good_pairs_are_tried_alone_unless_they_were(monkeypatch):
     def of(*names):
         return SimpleNamespace(names=names, effects=names)

@@ -121,17 +121,25 @@ def test_terms_of_one_plane_alone_are_added(first, second, pairs, monkeypatch):
         model=springpot.parse_model("kelvin"), fit=SimpleNamespace(measurement=swept(lossy))
     )
     base.data = base.noise = None
-    ends = {}
+    memory = search.Memory()
     monkeypatch.setattr(search, "effort_of", lambda found: None)
-    found = list(search._with_terms(SimpleNamespace(base=base), [], ends))
+    paying = [True]
+    monkeypatch.setattr(search, "pays", lambda best, effects, left: paying[0])
+    alone = SimpleNamespace(base=base, grown=["the best"])
+    found = list(search._with_terms(alone, [], memory))
     # Both starts of the same pair are those of one fit.
     assert fitted == [(2, 0)] * pairs
-    assert len(found) == len(ends) == pairs
-    # Next time where it ended is a start as well.
-    list(search._with_terms(SimpleNamespace(base=base), [], ends))
+    assert len(found) == len(memory.fits) == pairs
+    # Next time where it ended is a start as well, unless it is no rival by the data at hand.
+    list(search._with_terms(alone, [], memory))
     assert fitted == [(2, 0), (3, 0)] * pairs
+    far = search.Memory(memory.fits, behind=frozenset(memory.fits))
+    assert list(search._with_terms(alone, [], far)) == []
+    paying[0] = False
+    assert list(search._with_terms(alone, [], search.Memory())) == []
+    paying[0] = True
     monkeypatch.setattr(search, "enough_for", lambda base, grown: False)
-    assert list(search._with_terms(SimpleNamespace(base=base), [], {})) == []
+    assert list(search._with_terms(alone, [], search.Memory())) == []
 
 
 def grown(likelihood, name="one", **more):
@@ -238,11 +246,17 @@ def test_named_effects_are_alike_that_come_as_near(monkeypatch):
     scores = SimpleNamespace(scores=likelihoods)
     monkeypatch.setattr(result, "possible", lambda base, library: library)
     monkeypatch.setattr(result, "scan_effects", lambda *given: scores)
-    monkeypatch.setattr(result, "grown_with", lambda found, score: grown(score))
+    efforts = []
+    monkeypatch.setattr(
+        result, "grown_with", lambda found, score, effort: efforts.append(effort) or grown(score)
+    )
     monkeypatch.setattr(result, "applicable", lambda library, measurement: library)
     base = SimpleNamespace(fit=SimpleNamespace(measurement=None))
-    found = result.known_alike(SimpleNamespace(base=base, frame=0), told(10.0)[0], [])
+    [law] = told(10.0, rss=50.0)
+    found = result.known_alike(SimpleNamespace(base=base, frame=0), law, [])
     assert [each.refit.log_likelihood for each in found] == [11.0, level + 0.1]
+    # What is no rival of the law ends early.
+    assert {each.hopeless for each in efforts} == {50.0 + 2.0 * INVENTION.hopeless}
 
 
 def test_nothing_is_as_likely_as_its_prior(monkeypatch):
@@ -318,22 +332,83 @@ def test_a_search_goes_on_while_something_is_left(monkeypatch, alarm, left, exac
             super().__init__(base=base, frame=frame, scan=scan, structure=structure)
             self.alarm, self.grown, self.best = alarm, [], base
 
-    base = SimpleNamespace(frame=lambda: "frame")
+    one = np.ones(1)
+    base = SimpleNamespace(
+        frame=lambda: "frame",
+        data=SimpleNamespace(mean=SimpleNamespace(stiffness=one)),
+        noise=SimpleNamespace(weights=one),
+    )
+    monkeypatch.setattr(search, "replace", lambda found, **new: vars(found).update(new) or found)
     scan = SimpleNamespace(scores=list(range(100)))
     monkeypatch.setattr(search, "Search", Found)
     monkeypatch.setattr(search, "possible", lambda base, library: [])
     monkeypatch.setattr(search, "scan_effects", lambda *given: scan)
     monkeypatch.setattr(search, "battery", lambda *given: SimpleNamespace(p_value=left))
-    monkeypatch.setattr(search, "_with_score", lambda found, score, ends: score)
+    monkeypatch.setattr(search, "_with_score", lambda found, score, memory: [score])
     monkeypatch.setattr(search, "_promising", lambda scan, base, count: scan.scores[:count])
     monkeypatch.setattr(search, "_shortened", lambda *given: ["d"])
     monkeypatch.setattr(search, "_sort", lambda found: asked.append(len(found.grown)))
     monkeypatch.setattr(search, "is_arithmetic", lambda fitted: exact)
     monkeypatch.setattr(search, "_with_conditions", lambda *given: ["a"])
     monkeypatch.setattr(search, "_with_terms", lambda *given: ["b", "c"])
-    search.seeker()(base, [], None)
+    memory = search.Memory()
+    search._of_any(memory, base, [], None)
     fitted = INVENTION.refined
     assert asked == [fitted] * (alarm == 0.0) + [fitted + 3, fitted + 4] * goes_on
+    # Of the same data in the same noise it is not sought twice.
+    asked.clear()
+    search._of_one_term(memory, base, [], None)
+    assert asked == []
+
+
+@pytest.mark.parametrize("set_aside", [(), ("row 7",)])
+@pytest.mark.parametrize(("left", "better"), [(1.0, 0.0), (0.0, 9.9), (0.0, 10.1)])
+def test_what_a_single_law_settles_is_asked_again_where_a_longer_one_explains_far_more(
+    left, better, set_aside, monkeypatch
+):
+    asked = []
+
+    def found(evidence):
+        best = SimpleNamespace(log_evidence=evidence)
+        return SimpleNamespace(best=best, grown=["law"], left=SimpleNamespace(p_value=left))
+
+    alone, further, again = found(100.0), found(100.0 + better), found(200.0)
+
+    def search_data(data, model, library, rng, seek, begun=None):
+        asked.append((seek.func, begun))
+        return (again if len(asked) > 1 else alone), list(set_aside)
+
+    monkeypatch.setattr(search, "search_data", search_data)
+    monkeypatch.setattr(search, "_grown_further", lambda memory, begun, library, rng: further)
+    monkeypatch.setattr(search, "is_arithmetic", lambda fitted: False)
+    answer = search.search_laws(None, None, [], None)
+    first = (search._of_one_term, None)
+    if better <= SEARCH.decisive:
+        assert answer is (further if left < SEARCH.left_over else alone)
+        assert asked == [first]
+    else:
+        # Rows that a single law sets aside are no longer set aside.
+        assert answer is again
+        assert asked == [first, (search._of_any, None if set_aside else further)]
+
+
+@pytest.mark.parametrize(("share", "behind"), [(0.9, False), (1.1, True), (np.nan, False)])
+def test_a_law_far_behind_on_nearly_the_same_data_is_not_fitted_again(share, behind):
+    data = swept(lossy)
+
+    def fitted(factor):
+        model = SimpleNamespace(stiffness=lambda theta, points: factor * data.stiffness)
+        return SimpleNamespace(model=model, theta=None)
+
+    # A hundredth of |K| is a deviation of the noise; twice the log-likelihood goes with its square.
+    factor = 1.0 + 0.01 * np.sqrt(share * 2.0 * INVENTION.hopeless / len(data))
+    weights = (1.0 + 1.0j) / (0.01 * data.magnitude)
+    base = SimpleNamespace(
+        data=SimpleNamespace(mean=data), noise=SimpleNamespace(weights=weights, turn=None)
+    )
+    memory = search.Memory({"near": fitted(1.0), "other": fitted(factor)})
+    assert memory.beside(base).behind == ({"other"} if behind else set())
+    assert search.Memory().beside(base).behind == set()
 
 
 def scored(text, predicted):

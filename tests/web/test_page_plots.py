@@ -19,12 +19,25 @@ TOPMOST = """() => {
     return Math.max(...marks.map((mark) => Math.abs(centre(mark) - zero)));
 }"""
 
+# Of what a finger can choose, with the label that belongs to it: whatever is smaller (WCAG 2.5.5).
+SMALL = """() => [...document.querySelectorAll(
+        "a[href], button, input, select, summary, [role=option]")]
+    .filter((target) => target.checkVisibility({ visibilityProperty: true }) && target.offsetWidth)
+    .map((target) => [target, target.closest("label") ?? target])
+    .filter((both) => both.every((target) => {
+        const box = target.getBoundingClientRect();
+        return Math.min(box.width, box.height) < 44;
+    }))
+    .map(([target]) => target.id || target.outerHTML)"""
+
 
 def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)
     assert here.reads("#number .big") == "8.5 ×"
-    assert here.reads("#fails").startswith("The model's storage stiffness 8.3 %")
+    claim = here.reads("#fails")
+    assert claim.startswith("The model's storage stiffness 8.3 %")
+    assert claim.endswith("above 36 Hz. inertia (m = 0.60 kg) would explain it.")
     assert here.page.locator("#plot-residual .mark.ghost").count() == 0
     before = here.page.evaluate(TOPMOST)
 
@@ -164,6 +177,21 @@ def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: by
         },
     )
     here.page.locator("#facts:has-text('1 left out')").wait_for()
+
+
+def test_whatever_a_finger_can_choose_is_as_wide_and_high_as_one(page: Open, damper: bytes):
+    here = page(390, 844, has_touch=True, is_mobile=True)
+    here.page.locator("#model-body #judge").wait_for()
+    assert here.page.evaluate(SMALL) == []
+    here.open("damper.csv", damper, f"{MODEL} + inertia")
+    here.page.evaluate("() => document.querySelectorAll('details').forEach((d) => (d.open = true))")
+    assert here.page.locator("#rungs .small").count() == 1
+    assert here.page.evaluate(SMALL) == []
+    for dialog in ("#leave", "#open-data"):
+        here.page.evaluate(f"() => document.querySelector('{dialog}').click()")
+        here.page.locator("dialog[open]").wait_for()
+        assert here.page.evaluate(SMALL) == []
+        here.page.keyboard.press("Escape")
 
 
 def test_two_views_stand_side_by_side_with_one_cursor_and_one_preview(page: Open, damper: bytes):

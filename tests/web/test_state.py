@@ -468,7 +468,7 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     assert relative_error(one, model, half) == pytest.approx(exact)
     modules = Path(springpot.__file__).parent / "report" / "interactive" / "modules"
     words = (modules / "hero.js").read_text(encoding="utf-8")
-    assert "|K_model - K| / |K|" in words
+    assert "|K − K_model| / |K|" in words
 
 
 @pytest.mark.soak

@@ -56,6 +56,7 @@ def search_data(
     rng: np.random.Generator,
     seeds: Sequence[Real] = (),
     seek: Seek = search_from,
+    begun: Search | None = None,
 ) -> tuple[Search, list[Outlier]]:
     """Look for what is missing, without outliers and in units of a noise that is borne out.
 
@@ -73,6 +74,8 @@ def search_data(
         Starts worth trying beside those read off the data.
     seek : callable
         How it is looked for beside a fit whose noise is settled.
+    begun : Search, optional
+        What was found of all points already.
 
     Returns
     -------
@@ -84,7 +87,10 @@ def search_data(
     DataError
         If there are too few data to judge the model.
     """
-    search = _search_in_noise(measurement, model, library, rng, seeds, seek)
+    if begun is None:
+        search = _search_in_noise(measurement, model, library, rng, seeds, seek)
+    else:
+        search = _in_sharper_noise(begun, library, rng, seek)
     start = better_start(search)
     if start is not None:
         search = _search_in_noise(measurement, model, library, rng, [*seeds, start], seek)
@@ -218,7 +224,13 @@ def _search_in_noise(
         search = seek(as_given(base), library, rng)
         if borne_out(search.best):
             return search
-    search = seek(base, library, rng)
+    return _in_sharper_noise(seek(base, library, rng), library, rng, seek)
+
+
+def _in_sharper_noise(
+    search: Search, library: Sequence[Effect], rng: np.random.Generator, seek: Seek
+) -> Search:
+    """The search anew in the smaller noise that its best tells of, if it does."""
     # What moved with the frequency is no evidence for a cause, but what it follows so closely is no
     # noise.
     nearest = max(
@@ -226,8 +238,8 @@ def _search_in_noise(
         key=lambda fit: fit.log_evidence,
     )
     gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
-    if gain >= SEARCH.decisive and (sharper := sharpened(base, nearest)) is not None:
-        search = seek(sharper, library, rng)
+    if gain >= SEARCH.decisive and (sharper := sharpened(search.base, nearest)) is not None:
+        return seek(sharper, library, rng)
     return search
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from springpot.identification.bordered import variance_of
 from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty, held_costs
 from springpot.measurement.independence import distinct_log_omega, telling
@@ -321,14 +322,19 @@ def _refund(search: Search, grown: Grown) -> float:
     if not np.all(np.isfinite(refit.fit.jacobian_u)):
         return 0.0
     uncertainty = Uncertainty(refit.fit, absolute=True)
-    variance = np.where(uncertainty.at_bound != 0, np.inf, np.diag(uncertainty.covariance))
+    variance = np.where(uncertainty.at_bound != 0, np.inf, variance_of(uncertainty.covariance))
     # Only rivals are worth the refits that tell how far a parameter lies open.
     rival = refit.log_likelihood > search.best.log_likelihood - EVIDENCE.rivals
     kept, shares = [], 0.0
     # Effect by effect: one that has become a simpler one pays in full, whatever its partner does.
     for rows in _extras(search, grown):
-        seen = [_seen(refit, i, rival and bool(variance[i] > EVIDENCE.open)) for i in rows]
-        if min(seen) > 0.0:
+        seen = []
+        # Those that change nothing first: where one parameter is not seen, the others need no fits.
+        for i in sorted(rows, key=lambda i: float(np.linalg.norm(refit.fit.jacobian_u[:, i]))):
+            seen.append(_seen(refit, i, rival and bool(variance[i] > EVIDENCE.open)))
+            if not seen[-1]:
+                break
+        else:
             kept.append(rows)
             shares += float(np.sum(np.log(seen)))
     if not kept:

@@ -17,6 +17,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.held_material import within_material
 from springpot.identification.starts import Window, settings
 from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
@@ -516,3 +517,12 @@ def _pair(
             int(directions.setting[row]), size / float(directions.length[row])
         )
     return Pair(first, second, grown, grown.vector(values), gain)
+
+
+def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
+    """Candidates that these data are enough for, and that are no part of any material."""
+    return [
+        effect
+        for effect in library
+        if enough_for(base, base.model + effect) and not within_material(base.model, effect)
+    ]

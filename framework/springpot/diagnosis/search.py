@@ -238,7 +238,7 @@ def _strained(search: Search) -> bool:
     return spent > 1 or any(effect.prior < SEARCH.common for effect in best.effects)
 
 
-def grown_with(search: Search, score: Score) -> Grown:
+def grown_with(search: Search, score: Score, effort: Effort | None = None) -> Grown:
     """The base model refitted with one more effect, from where the scan saw it.
 
     Parameters
@@ -247,6 +247,8 @@ def grown_with(search: Search, score: Score) -> Grown:
         What was found so far: a fit that is no rival of the best one ends early.
     score : Score
         What the scan says of the effect.
+    effort : Effort, optional
+        How far the fit goes, where not to the best one.
     """
     base = search.base
     grown = refit(
@@ -255,7 +257,7 @@ def grown_with(search: Search, score: Score) -> Grown:
         base.noise,
         list(score.starts),
         starts=2,
-        effort=effort_of(search),
+        effort=effort or effort_of(search),
     )
     return Grown((score.influence.effect,), grown, score.predicted)
 
@@ -294,11 +296,38 @@ def sort_by_evidence(search: Search) -> None:
 
 def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
     """Seek a second effect beside several first ones, and pairs that only work together."""
-    fit_new(search, [*_together(search), *_one_by_one(search, effects)])
+    # Joined first: each way to a set has starts of its own, and one that pays is tried from all.
+    asked = once([*_together(search), *_one_by_one(search, effects)])
+    best = search.grown[0]
+    fit_new(search, [each for each in asked if pays(best, each.effects, each.predicted)])
     sort_by_evidence(search)
     _exchange(search, effects)
     _add_singles(search)
     search.left = battery(search.best.frame(), rng)
+
+
+def pays(best: Grown, effects: Sequence[Effect], left: float) -> bool:
+    """Whether effects will have more evidence than the best so far, if they leave what is foretold.
+
+    Parameters
+    ----------
+    best : Grown
+        The best so far.
+    effects : sequence of Effect
+        What may take its place.
+    left : float
+        Whitened residual sum of squares that a scan foretells.
+    """
+    points = 2 * len(best.refit.fit.measurement)
+    more = _parameters(effects) - _parameters(best.effects)
+    # Of a free spectrum the share is the same that the lines follow.
+    fair = left * best.refit.fair_rss / best.refit.rss
+    gain = best.refit.noise.log_likelihood(fair, points) - best.refit.log_likelihood
+    return gain > 0.5 * more * float(np.log(points))
+
+
+def _parameters(effects: Sequence[Effect]) -> int:
+    return sum(len(effect.element.parameters) for effect in effects)
 
 
 def fit_new(search: Search, asked: Sequence[AskedSet]) -> None:

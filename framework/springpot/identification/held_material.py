@@ -25,12 +25,13 @@ from springpot.thresholds import VERDICT
 
 from ..numerics import PRINTED, ROUNDING, SMALLEST
 from .allowed_shifts import laws_of_shift, refused_laws
+from .bordered import RANK
 from .known_factors import ends_of_factors
 from .levels_alone import alike
 from .material import SpectrumSearch, is_material, own_parameters
 from .native import Fit
 from .problem import weighted
-from .uncertainty import RANK, Uncertainty, allowed_cost
+from .uncertainty import Uncertainty, allowed_cost
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
@@ -208,8 +209,10 @@ MOST_PROFILED = 6
 
 Factors of many levels would take seconds.
 """
-FIRST_STEP = 0.01
-"""First step from the best fit, in coordinates, most of them logarithms: a per cent."""
+FIRST_STEP = 0.01, 1.0
+"""Least and most of the first step from the best fit, in coordinates, most of them logarithms.
+
+A quarter of what the slopes give."""
 OUTWARD = 40
 """Steps after which an interval has no end."""
 GROWTH = 1.6
@@ -275,11 +278,13 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
     for i in own:
         narrow = high[i] - low[i] < abs(fit.theta[i])
         if known.at_bound[i] == 0 and (len(own) == 1 or not narrow):
-            low[i], high[i] = profile_beside_material(fit, i, rise)
+            low[i], high[i] = profile_beside_material(fit, i, rise, (low[i], high[i]))
     return low, high
 
 
-def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, float]:
+def profile_beside_material(
+    fit: Fit, number: int, rise: float, by_slopes: tuple[float, float]
+) -> tuple[float, float]:
     """Interval of an effect's parameter.
 
     Where the best objective has risen by so much, all else refitted.
@@ -292,6 +297,8 @@ def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, 
         Number of the parameter in theta.
     rise : float
         Of the objective, at the ends of the interval.
+    by_slopes : tuple of float
+        Where the ends should lie, by the slopes at the fit.
 
     Returns
     -------
@@ -314,12 +321,18 @@ def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, 
     def above(coordinate: float) -> float:
         return search.held(best, place, coordinate).cost - best.cost - rise
 
-    ends = []
-    for sign, limit in ((-1.0, search.low[place]), (1.0, search.high[place])):
-        end = _crossing(above, float(best.u[place]), sign, float(limit))
-        parameter = fit.model.parameters[number]
+    ends, start = [], float(best.u[place])
+    parameter = fit.model.parameters[number]
+    sides = (search.low, parameter.lower), (search.high, parameter.upper)
+    for end_by_slopes, (limits, bound) in zip(by_slopes, sides, strict=True):
+        there = fit.theta[own]
+        there[place] = end_by_slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = float(np.nan_to_num(search.u_of(there)[place] - start))
+        first = float(np.clip(0.25 * abs(reach), *FIRST_STEP))
+        end = _crossing(above, start, float(limits[place]), first)
         if end is None:
-            ends.append(parameter.lower if sign < 0.0 else parameter.upper)
+            ends.append(bound)
             continue
         u: Real = best.u.copy()
         u[place] = end
@@ -328,15 +341,15 @@ def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, 
 
 
 def _crossing(
-    above: Callable[[float], float], start: float, sign: float, limit: float
+    above: Callable[[float], float], start: float, limit: float, step: float
 ) -> float | None:
-    """Coordinate on one side at which a function that is negative at the start becomes zero.
+    """Coordinate on the way to a limit at which a function that is negative at the start is zero.
 
-    None if it does not.
+    None if it does not become so.
     """
     from scipy.optimize import brentq  # loading the plugins must not take its time
 
-    inner, step = start, FIRST_STEP
+    inner, sign = start, np.sign(limit - start)
     for _ in range(OUTWARD):
         outer = start + sign * min(step, abs(limit - start))
         if above(outer) > 0.0:

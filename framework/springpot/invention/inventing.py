@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.diagnosis.examination import prepared, search_data
+from springpot.diagnosis.examination import prepared
 from springpot.diagnosis.experiment import next_experiment
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.result import NextExperiment, Progress, silent
@@ -44,7 +44,7 @@ from .result import (
     verdict_of,
     weighed,
 )
-from .search import seeker
+from .search import search_laws
 
 ASKED = 3
 """Rivals of the likeliest law of which it is asked what would tell them from it."""
@@ -192,7 +192,7 @@ def invent(
         # There a law of the clock is no law: through the spectrum it can be any curve.
         laws = [each for each in laws if each.plane != "shift"]
     progress(f"trying {len(laws)} laws beside {model.name}")
-    search, _ = search_data(data, model, laws, rng, seek=seeker())
+    search = search_laws(data, model, laws, rng)
     progress("weighing what was found")
     found = weighed(search)
     verdict = verdict_of(search, found)

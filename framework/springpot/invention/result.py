@@ -13,13 +13,15 @@ from springpot.diagnosis.evidence import distance, log_prior_of_one
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.marginal import harmonic_evidence, marginal
 from springpot.diagnosis.result import NextExperiment
-from springpot.diagnosis.scan import applicable, scan_effects
+from springpot.diagnosis.scan import applicable, possible, scan_effects
 from springpot.diagnosis.search import grown_with
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
+from springpot.identification.native import Effort
 from springpot.identification.value import Value, values_of
 from springpot.misfit.error import Error
 from springpot.misfit.floor import is_arithmetic
+from springpot.numerics import NEGLIGIBLE
 from springpot.plain_data import alive, jsonable
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
@@ -28,7 +30,6 @@ from springpot.rheology.typed import law
 from springpot.thresholds import EVIDENCE, INVENTION, VERDICT
 
 from .grammar import symbols
-from .search import possible
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -158,7 +159,8 @@ def known_alike(search: Search, law: Weighed, library: Sequence[Effect]) -> list
     """
     effects = possible(search.base, applicable(library, search.base.fit.measurement))
     scores = scan_effects(search.base, search.frame, effects).scores[: INVENTION.known]
-    grown = [grown_with(search, score) for score in scores]
+    effort = Effort(NEGLIGIBLE, law.grown.refit.rss + 2.0 * INVENTION.hopeless)
+    grown = [grown_with(search, score, effort) for score in scores]
     least = law.grown.refit.log_likelihood - EVIDENCE.rivals
     alike = [each for each in grown if each.refit.log_likelihood > least]
     return sorted(alike, key=lambda each: -each.refit.log_likelihood)

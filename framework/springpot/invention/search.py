@@ -9,15 +9,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis.grown import Grown, Search, Seek
-from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
-from springpot.diagnosis.search import effort_of, sort_by_evidence
-from springpot.identification.held_material import within_material
+from springpot.diagnosis.examination import search_data
+from springpot.diagnosis.grown import Grown, Search
+from springpot.diagnosis.scan import (
+    Scan,
+    Score,
+    best_pairs,
+    enough_for,
+    possible,
+    scan_effects,
+)
+from springpot.diagnosis.search import effort_of, pays, sort_by_evidence
+from springpot.identification.problem import weighted
+from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import is_arithmetic
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery
@@ -119,20 +129,84 @@ OF_A_CONDITION = frozenset({"n", "n2", "Xc", "Xc2"})
 """Parameters of the form of a condition."""
 
 
-Ends: TypeAlias = dict[str, Real]
-"""Where the fit of the model with a law ended (p,), by the law's text."""
+@dataclass(frozen=True)
+class Memory:
+    """Fits to nearly the same data: in other units of their noise, or of a row more.
 
-
-def seeker() -> Seek:
-    """A search for the law that is missing from a fitted model.
-
-    It remembers where its fits ended, so that it is quicker on the same data in other units of
-    their noise, or without a row: their best parameters are nearby.
+    Attributes
+    ----------
+    fits : dict of str to Refit
+        The model with a law, by the law's text.
+    searches : dict of tuple to Search
+        Those for a law of one term, by data and noise.
+    behind : frozenset of str
+        Laws that are no rivals by the data at hand.
     """
-    return partial(_sought, {})
+
+    fits: dict[str, Refit] = field(default_factory=dict)
+    searches: dict[tuple[bytes, bytes], Search] = field(default_factory=dict)
+    behind: frozenset[str] = frozenset()
+
+    def beside(self, base: Refit, asked: Sequence[Effect] | None = None) -> Memory:
+        """The same, the laws that are asked, or all, held against the data of a fit."""
+        texts = self.fits if asked is None else self.fits.keys() & set(map(text_of, asked))
+        left = {text: _left_by(self.fits[text], base) for text in texts}
+        most = min(left.values(), default=0.0) + 2.0 * INVENTION.hopeless
+        return replace(self, behind=frozenset(text for text in left if left[text] > most))
 
 
-def _sought(ends: Ends, base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
+def _left_by(fitted: Refit, base: Refit) -> float:
+    """Whitened sum of squares that a fit to nearly the same data leaves of those of `base`."""
+    mean, noise = base.data.mean, base.noise
+    left = mean.stiffness - fitted.model.stiffness(fitted.theta, mean.points)
+    return float(np.sum(weighted(left, noise.weights, noise.turn) ** 2))
+
+
+def search_laws(
+    measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
+    """Look for the law that is missing from a model of measured data.
+
+    Laws of one term settle the noise and set points aside; what they leave is sought in it. Where
+    that finds far more, what they settled is asked again.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        What a law may be missing from.
+    library : sequence of Effect
+        The laws of one term.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+    memory = Memory()
+    seek = partial(_of_one_term, memory)
+    search, set_aside = search_data(measurement, model, library, rng, seek=seek)
+    if not _leaves_more(search):
+        return search
+    further = _grown_further(memory, search, library, rng)
+    if further.best.log_evidence - search.best.log_evidence < SEARCH.decisive:
+        return further
+    begun = None if set_aside else further
+    seek = partial(_of_any, memory)
+    return search_data(measurement, model, library, rng, seek=seek, begun=begun)[0]
+
+
+def _of_one_term(
+    memory: Memory, base: Refit, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
+    """The search for a law of one term, on the same data in the same noise the same once more."""
+    key = base.data.mean.stiffness.tobytes(), base.noise.weights.tobytes()
+    if key not in memory.searches:
+        memory.searches[key] = _one_term(memory, base, library, rng)
+    return memory.searches[key]
+
+
+def _one_term(
+    memory: Memory, base: Refit, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
     effects = possible(base, library)
     frame = base.frame()
     search = Search(base, frame, scan_effects(base, frame, effects, rng), battery(frame, rng))
@@ -140,54 +214,67 @@ def _sought(ends: Ends, base: Refit, library: Sequence[Effect], rng: np.random.G
     # Where noise alone goes as far, nothing is fitted: that is what keeps laws from being invented.
     if search.alarm >= SEARCH.look_further:
         return search
+    known = memory.beside(base, effects)
     # One after the other: what is far from the best so far is not searched to its end.
     for score in _promising(search.scan, base, INVENTION.refined):
-        search.grown.append(_with_score(search, score, ends))
+        search.grown += _with_score(search, score, known)
     _sort(search)
     search.left = battery(search.best.frame(), rng)
-    # Of computed data the first law to reach arithmetic is the law, whatever rounding looks like.
-    done = search.left.p_value >= SEARCH.left_over or is_arithmetic(search.best)
-    if search.grown and not done:
-        search.grown += [
-            *_with_conditions(search, effects, ends),
-            *_with_terms(search, effects, ends),
-        ]
-        _sort(search)
-        search.grown += _shortened(search, ends)
-        _sort(search)
-        search.left = battery(search.best.frame(), rng)
     return search
 
 
-def _with_score(search: Search, score: Score, ends: Ends) -> Grown:
+def _leaves_more(search: Search) -> bool:
+    """Whether what was found leaves something, of computed data more than rounding."""
+    if not search.grown:
+        return False
+    # Of computed data the first law to reach arithmetic is the law, whatever rounding looks like.
+    return search.left.p_value < SEARCH.left_over and not is_arithmetic(search.best)
+
+
+def _of_any(
+    memory: Memory, base: Refit, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
+    """The search for a law of one term, and where it leaves something for a longer one."""
+    search = _of_one_term(memory, base, library, rng)
+    return _grown_further(memory, search, library, rng) if _leaves_more(search) else search
+
+
+def _grown_further(
+    memory: Memory, search: Search, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
+    """The same with laws of a further condition, of two terms, and shorter ones."""
+    known = memory.beside(search.base)
+    effects = possible(search.base, library)
+    further = [*_with_conditions(search, effects, known), *_with_terms(search, effects, known)]
+    search = replace(search, grown=[*search.grown, *further])
+    _sort(search)
+    search.grown += _shortened(search, known)
+    _sort(search)
+    search.left = battery(search.best.frame(), rng)
+    return search
+
+
+def _with_score(search: Search, score: Score, memory: Memory) -> Iterator[Grown]:
     """The model with a law, from where the scan saw it."""
     effect = score.influence.effect
-    return _with_law(search, effect, list(score.starts), ends, ELSEWHERE)
+    return _with_law(search, effect, list(score.starts), memory, ELSEWHERE)
 
 
 def _with_law(
-    search: Search,
-    effect: Effect,
-    seeds: list[Real],
-    ends: Ends,
-    starts: int = 0,
-) -> Grown:
-    """The model with a law, from seeds, and where its fit to nearly the same data ended."""
+    search: Search, effect: Effect, seeds: list[Real], memory: Memory, starts: int = 0
+) -> Iterator[Grown]:
+    """The model with a law, from seeds and where its fit to nearly the same data ended.
+
+    None where that fit is no rival by these data.
+    """
     base, text = search.base, text_of(effect)
-    if text in ends:
-        seeds, starts = [ends[text], *seeds], 0
+    if text in memory.behind:
+        return
+    if text in memory.fits:
+        seeds, starts = [memory.fits[text].theta, *seeds], 0
     fitted = refit(base.model + effect, base.data, base.noise, seeds, starts, effort_of(search))
-    ends[text] = fitted.theta
-    return Grown((effect,), fitted, fitted.rss)
-
-
-def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
-    """Candidates that these data are enough for, and that are no part of any material."""
-    return [
-        effect
-        for effect in library
-        if enough_for(base, base.model + effect) and not within_material(base.model, effect)
-    ]
+    memory.fits[text] = fitted
+    yield Grown((effect,), fitted, fitted.rss)
 
 
 def _sort(search: Search) -> None:
@@ -227,7 +314,7 @@ def _has_numbers(grown: Grown) -> bool:
     return bool(np.all(np.isfinite(at.value)) and np.all(np.isfinite(at.by_theta)))
 
 
-def _with_conditions(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterator[Grown]:
+def _with_conditions(search: Search, effects: Sequence[Effect], memory: Memory) -> Iterator[Grown]:
     """The best laws, each with a further condition."""
     base, measurement = search.base, search.base.fit.measurement
     conditions = frozenset[str]().union(*(effect.needs for effect in effects))
@@ -241,7 +328,8 @@ def _with_conditions(search: Search, effects: Sequence[Effect], ends: Ends) -> I
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))
         for score in _promising(scanned, base, INVENTION.seconds):
-            yield _with_score(search, score, ends)
+            if pays(search.grown[0], (score.influence.effect,), score.predicted):
+                yield from _with_score(search, score, memory)
 
 
 def _times(effect: Effect, form: str) -> str:
@@ -264,7 +352,7 @@ class _Two(NamedTuple):
     left: float
 
 
-def _with_terms(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterator[Grown]:
+def _with_terms(search: Search, effects: Sequence[Effect], memory: Memory) -> Iterator[Grown]:
     """Laws of two terms, each pair once."""
     starts: dict[str, list[_Two]] = {}
     for two in (*_after_the_best(search, effects), *_together(search)):
@@ -274,13 +362,17 @@ def _with_terms(search: Search, effects: Sequence[Effect], ends: Ends) -> Iterat
         if two.first.plane == two.second.plane and two.first.plane in SUMMED:
             starts.setdefault(_joined(two.first, two.second), []).append(two)
     base = search.base
-    foretold = sorted(starts.items(), key=lambda each: min(two.left for two in each[1]))
-    for text, tried in foretold[: INVENTION.refined]:
+    foretold = {text: min(tried, key=lambda two: two.left) for text, tried in starts.items()}
+    for text in sorted(foretold, key=lambda text: foretold[text].left)[: INVENTION.refined]:
+        likely, tried = foretold[text], starts[text]
+        # What is true is so without a second term: that would be a longer text for the same curve.
+        if not pays(search.grown[0], (likely.first, likely.second), likely.left):
+            continue
         for both in laws([text], base.fit.measurement):
             model = base.model + both
             if enough_for(base, model):
                 seeds = [_carried(two, model, both) for two in tried]
-                yield _with_law(search, both, seeds, ends)
+                yield from _with_law(search, both, seeds, memory)
 
 
 def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]:
@@ -309,7 +401,7 @@ def _together(search: Search) -> Iterator[_Two]:
         yield _Two(first, second, pair.model, pair.start, base.rss - pair.gain)
 
 
-def _shortened(search: Search, ends: Ends) -> Iterator[Grown]:
+def _shortened(search: Search, memory: Memory) -> Iterator[Grown]:
     """The best laws with one thing less, each once."""
     base = search.base
     done = {text_of(grown.effects[0]) for grown in search.grown}
@@ -324,7 +416,7 @@ def _shortened(search: Search, ends: Ends) -> Iterator[Grown]:
             done.add(text)
             for law in laws([text], base.fit.measurement):
                 seed = _seed(base.model + law, known, law, start)
-                yield _with_law(search, law, [seed], ends)
+                yield from _with_law(search, law, [seed], memory)
 
 
 def _joined(first: Effect, second: Effect) -> str:

@@ -12,6 +12,7 @@ import warnings
 from cmath import isfinite
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NoReturn, TypeAlias, TypeVar
 
 import numpy as np
@@ -44,6 +45,8 @@ _KNOWN = ", ".join((*VARIABLES, *CONSTANTS, *CALLED, "max", "min"))
 N = TypeVar("N", bound=ast.expr)
 
 
+# A law is read when it is found, bound to its data, held against others: a few hundred texts.
+@lru_cache(maxsize=1024)
 def parsed(text: str) -> Term:
     """The tree of a formula.
 

@@ -422,9 +422,11 @@ class BalancedSeries(Composition):
             further = np.clip(log_own - off / slope, least, most)
             # About a bend Newton's steps go round in circles: the middle is tried instead of what
             # lies outside, or between two ends is hardly nearer.
-            slow = np.abs(further - log_own) > 0.5 * step
+            away = np.abs(further - log_own)
             between = (low >= least) & (high <= most)
-            astray = (further < low) | (further > high) | (slow & between)
+            astray = (further < low) | (further > high) | ((away > 0.5 * step) & between)
+            # Where it is found, rounding alone says on which side.
+            astray &= away >= ALIKE
             further = np.where(astray, 0.5 * (low + high), further)
             step, log_own = np.abs(further - log_own), further
             if np.max(step, initial=0.0) < ALIKE:

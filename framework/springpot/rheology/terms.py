@@ -253,7 +253,7 @@ class Power(Term):
         whole = self._of_any(base, exponent)
         # NaN is none of these: it stays what it is.
         beyond = np.abs(whole.value) > ENDLESS
-        if not np.any(beyond):
+        if not beyond.any():
             return whole
         # Nor must a solver be drawn further where nothing changes.
         kept = {name: np.where(beyond, 0.0, slope) for name, slope in whole.slopes.items()}
