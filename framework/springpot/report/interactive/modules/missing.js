@@ -66,6 +66,20 @@ export class Missing {
     this.show(this.app.hovered);
   }
 
+  // Parameters that were moved are a hypothesis as well: to be held where they stand, all else fitted.
+  edit(one) {
+    this.hand?.remove();
+    this.hand = null;
+    this.others = this.others?.filter((other) => other.shelf !== BY_HAND);
+    if (!one) return;
+    const asked = { ...one, class: [], shelf: BY_HAND };
+    this.others.push(asked);
+    this.hand = h("div", { role: "group", class: "shelf", "aria-label": MOVED, "data-title": MOVED }, this.card([asked], this.app.answer.discovery.diagnosis));
+    this.list.prepend(this.hand);
+    this.list.hidden = false;
+    this.accept.hidden = false;
+  }
+
   // What is ruled out is one line until somebody asks; where nothing else is there, all of it is shown.
   unfold(folded) {
     this.folded = folded;
@@ -187,6 +201,8 @@ export class Missing {
 const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 
 const ON_DATA = "With the data themselves";
+export const BY_HAND = "by hand";
+const MOVED = "Moved by hand";
 const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
 
 // What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data.
