@@ -269,7 +269,8 @@ def _numbered(sweep: Measurement, column: str) -> Measurement:
         labels = dict(sweep.labels)
         given = labels.pop(column).tolist()
         words = list(dict.fromkeys(given))
-        number = np.array([1.0 + words.index(word) for word in given])
+        places = {word: 1.0 + i for i, word in enumerate(words)}
+        number = np.array([places[word] for word in given])
         told = {LEVELS.format(column): json.dumps(words)}
         sweep = replace(
             sweep,
@@ -286,10 +287,9 @@ def _numbered(sweep: Measurement, column: str) -> Measurement:
     if sweep.repeat is None:
         return sweep
     # Counted anew within a level: what has parameters of its own is no repeat of another.
-    repeat = sweep.repeat.copy()
-    for each in np.unique(level):
-        repeat[level == each] -= repeat[level == each].min()
-    return replace(sweep, repeat=repeat)
+    first = np.full(int(level.max()) + 1, sweep.repeat.max())
+    np.minimum.at(first, level, sweep.repeat)
+    return replace(sweep, repeat=sweep.repeat - first[level])
 
 
 def own_values(

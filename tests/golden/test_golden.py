@@ -10,7 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from bare import told
+from bare import every, told
 from cases import CASES
 
 from answers import asked, cases_of, gist, kept, moved, same
@@ -42,12 +42,13 @@ FEW = (
     "fractional-kelvin hides inertia",
     "artificial-springpot-noise2 by springpot",
     "sweep hides time-delay beside a relaxation",
+    "discover: zener hides inertia",
 )
 
 
 def tens():
     """All questions, ten at a time: the suite asks the few of them."""
-    names = [case.name for kind in CASES for case in cases_of(kind)]
+    names = [case.name for case in every()]
     for number in range(0, len(names), 10):
         yield pytest.param(names[number : number + 10], marks=pytest.mark.soak)
 
@@ -55,8 +56,7 @@ def tens():
 @pytest.mark.parametrize("names", [FEW, *tens()])
 def test_answers_need_no_threads_no_processes_and_no_library_of_optimisers(names, tmp_path):
     """Bit for bit: what runs where a browser runs Python."""
-    every = [case for kind in CASES for case in cases_of(kind)]
-    cases = [case for case in every if case.name in names]
+    cases = [case for case in every() if case.name in names]
     bare = subprocess.run(
         [sys.executable, str(Path(__file__).with_name("bare.py")), *(case.name for case in cases)],
         check=True,

@@ -90,7 +90,12 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
         theta=np.array([theta, 1.0]), jacobian_u=np.array([[0.0, 2.0], [0.0, 0.0]])
     )
     own = SimpleNamespace(
-        fit=fit, at_bound=np.array([at, 0]), level=0.95, freedom=7, scale=4.0 / side
+        fit=fit,
+        at_bound=np.array([at, 0]),
+        level=0.95,
+        freedom=7,
+        scale=4.0 / side,
+        eliminated=None,
     )
     module = "springpot.identification.uncertainty"
     monkeypatch.setattr(f"{module}._bounds", lambda fit: (np.array([lower]), np.array([upper])))

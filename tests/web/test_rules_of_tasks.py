@@ -214,11 +214,19 @@ def test_only_a_connection_that_cannot_be_taken_passes_without_a_word(error, tol
     assert len(words) == told
 
 
-@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize(("kernel", "runs"), [(None, False), ("ipykernel", True), ("marimo", True)])
 @pytest.mark.parametrize("extra", [True, False])
-def test_a_cell_shows_a_page_where_a_kernel_runs_and_has_the_extra(kernel, extra, monkeypatch):
+def test_a_cell_shows_a_page_where_a_kernel_runs_and_has_the_extra(
+    kernel, runs, extra, monkeypatch
+):
     monkeypatch.setattr(launch, "find_spec", lambda name: name if extra else None)
-    monkeypatch.delitem(sys.modules, "ipykernel", raising=False)
+    for name in ("ipykernel", "marimo"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
     if kernel:
-        monkeypatch.setitem(sys.modules, "ipykernel", sys)
-    assert launch._in_notebook() is (kernel and extra)
+        module = SimpleNamespace(running_in_notebook=lambda: True)
+        monkeypatch.setitem(sys.modules, kernel, module)
+    assert launch._in_notebook() is (runs and extra)
+    # A program that imports marimo is no notebook of it.
+    imported = SimpleNamespace(running_in_notebook=lambda: False)
+    monkeypatch.setitem(sys.modules, "marimo", imported)
+    assert launch._in_notebook() is (kernel == "ipykernel" and extra)

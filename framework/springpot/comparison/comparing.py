@@ -59,6 +59,8 @@ def compare(
     if not models:
         raise OptionError("nothing to compare: give at least one model")
     measured, measurement = len(measurement), thinned(measurement)
+    # Levels of which no point is left have no parameters either.
+    models = [model.at_levels(np.unique(model.levels(measurement.points))) for model in models]
     fits = _fits(measurement, models, progress)
     quiet = fits[0]
     notes = []

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from springpot.identification.bordered import variance_of
 from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty, held_costs
 from springpot.measurement.independence import distinct_log_omega, telling
@@ -321,7 +322,7 @@ def _refund(search: Search, grown: Grown) -> float:
     if not np.all(np.isfinite(refit.fit.jacobian_u)):
         return 0.0
     uncertainty = Uncertainty(refit.fit, absolute=True)
-    variance = np.where(uncertainty.at_bound != 0, np.inf, np.diag(uncertainty.covariance))
+    variance = np.where(uncertainty.at_bound != 0, np.inf, variance_of(uncertainty.covariance))
     # Only rivals are worth the refits that tell how far a parameter lies open.
     rival = refit.log_likelihood > search.best.log_likelihood - EVIDENCE.rivals
     kept, shares = [], 0.0

@@ -296,7 +296,8 @@ def sort_by_evidence(search: Search) -> None:
 
 def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
     """Seek a second effect beside several first ones, and pairs that only work together."""
-    asked = [*_together(search), *_one_by_one(search, effects)]
+    # Joined first: each way to a set has starts of its own, and one that pays is tried from all.
+    asked = once([*_together(search), *_one_by_one(search, effects)])
     best = search.grown[0]
     fit_new(search, [each for each in asked if pays(best, each.effects, each.predicted)])
     sort_by_evidence(search)

@@ -25,12 +25,13 @@ from springpot.thresholds import VERDICT
 
 from ..numerics import PRINTED, ROUNDING, SMALLEST
 from .allowed_shifts import laws_of_shift, refused_laws
+from .bordered import RANK
 from .known_factors import ends_of_factors
 from .levels_alone import alike
 from .material import SpectrumSearch, is_material, own_parameters
 from .native import Fit
 from .problem import weighted
-from .uncertainty import RANK, Uncertainty, allowed_cost
+from .uncertainty import Uncertainty, allowed_cost
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, ROUNDING, SMALLEST
+from .normal import Equations, Whole
 
 Rows: TypeAlias = NDArray[np.intp]
 Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
@@ -31,6 +32,7 @@ REACH = 3.0
 """Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm.
 """
 
+WHOLE = Whole()
 
 TRIED = ("u", "cost", "gradient", "jtj", "residual")
 
@@ -45,8 +47,8 @@ class Solution:
         Search coordinates.
     cost : ndarray, shape (R,)
         Sum of squared residuals.
-    jtj : ndarray, shape (R, p, p)
-        Jacobian times its transpose at `u`.
+    jtj : ndarray, shape (R, ...)
+        Jacobian times its transpose at `u`, as the equations have it.
     residual : ndarray, shape (R, m)
         Residuals at `u`.
     converged : ndarray of bool, shape (R,)
@@ -114,6 +116,7 @@ class _Rules:
     confirm: int
     flat: float
     alike: float
+    equations: Equations
 
     @classmethod
     def of(
@@ -126,11 +129,12 @@ class _Rules:
         confirm: int,
         flat: float,
         alike: float,
+        equations: Equations,
     ) -> _Rules:
         """The rules with one box and one floor for each row of `u0`."""
         floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
         boxes = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
-        return cls(*boxes, floors, team, confirm, flat, alike)
+        return cls(*boxes, floors, team, confirm, flat, alike, equations)
 
     def of_rows(self, rows: Rows) -> _Rules:
         """Those of the rows still at work."""
@@ -152,6 +156,7 @@ def levenberg_marquardt(
     damping: float = START_DAMPING,
     flat: float = FLAT,
     alike: float = ALIKE,
+    equations: Equations = WHOLE,
 ) -> Solution:
     """Minimise the sum of squared residuals of every row, within its box.
 
@@ -181,6 +186,9 @@ def levenberg_marquardt(
         on.
     alike : float
         Ends within this fraction of the best objective agree with it.
+    equations : Equations
+        How the derivative is squared and a step solved for: of levels with parameters of their own
+        by its blocks, whose form the derivative then has.
 
     Returns
     -------
@@ -204,11 +212,11 @@ def levenberg_marquardt(
     array([[1.414214],
            [1.414214]])
     """
-    rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat, alike)
+    rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat, alike, equations)
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted
     # for it.
     with np.errstate(all="ignore"):
-        state = _first(evaluate, np.clip(u0, rules.lower, rules.upper), damping)
+        state = _first(evaluate, np.clip(u0, rules.lower, rules.upper), damping, equations)
         # Rows are written back here as they leave, so that those at work stay packed together.
         ended = _State(**{name: value.copy() for name, value in vars(state).items()})
         converged, steps = _descend(evaluate, state, ended, rules, iterations)
@@ -242,10 +250,10 @@ def _descend(
     return converged, steps
 
 
-def _first(evaluate: Evaluate, u: Real, damping: float) -> _State:
+def _first(evaluate: Evaluate, u: Real, damping: float, equations: Equations) -> _State:
     rows = np.arange(len(u))
     residual, jacobian = evaluate(u, rows)
-    cost, gradient, jtj = _normal(residual, jacobian)
+    cost, gradient, jtj = equations.normal(residual, jacobian)
     # So that any finite trial is better than a start without a value.
     cost = np.where(np.isfinite(cost), cost, np.inf)
     return _State(
@@ -253,24 +261,15 @@ def _first(evaluate: Evaluate, u: Real, damping: float) -> _State:
     )
 
 
-def _normal(residual: Real, jacobian: Real) -> tuple[Real, Real, Real]:
-    """Objective, half its gradient, and J J'."""
-    cost: Real = np.matmul(residual[:, None, :], residual[:, :, None])[:, 0, 0]
-    gradient: Real = np.matmul(jacobian, residual[:, :, None])[:, :, 0]
-    return cost, gradient, np.matmul(jacobian, jacobian.transpose(0, 2, 1))
-
-
 def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.bool_]:
     """One damped step of every row, by its own rules; says which rows are finished."""
-    trial = np.minimum(
-        np.maximum(state.u + _step(state, rules.lower, rules.upper), rules.lower), rules.upper
-    )
+    trial = np.minimum(np.maximum(state.u + _step(state, rules), rules.lower), rules.upper)
     step = trial - state.u
     # The drop that the quadratic model foretells for the step as it was cut, not as it was wanted.
-    bent = np.matmul(state.jtj, step[:, :, None])[:, :, 0]
+    bent = rules.equations.bent(state.jtj, step)
     predicted = -(step * (2.0 * state.gradient + bent)).sum(axis=1)
     residual, jacobian = evaluate(trial, state.rows)
-    cost, gradient, jtj = _normal(residual, jacobian)
+    cost, gradient, jtj = rules.equations.normal(residual, jacobian)
     gain = state.cost - cost
     # A trial whose objective is no number compares as not better, and is taken back.
     better = gain > 0.0
@@ -284,42 +283,19 @@ def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.boo
     return finished
 
 
-def _step(state: _State, lower: Real, upper: Real) -> Real:
+def _step(state: _State, rules: _Rules) -> Real:
     """The damped Gauss-Newton step, no longer than `REACH`, frozen at bounds."""
     if state.u.shape[1] == 0:
         return np.zeros_like(state.u)
     downhill = -state.gradient
     # A step against a bound would be cut there, and the other variables would have counted on it.
-    frozen = ((state.u <= lower) & (downhill < 0.0)) | ((state.u >= upper) & (downhill > 0.0))
-    matrix = state.jtj.copy()
-    p = matrix.shape[-1]
-    diagonal = matrix.reshape(-1, p * p)[:, :: p + 1]
-    stiffest = diagonal.max(axis=1, keepdims=True)
-    # A parameter that moves no residual has nothing on the diagonal: it is damped as if by a trace
-    # of the stiffest.
-    diagonal += state.damping[:, None] * np.maximum(diagonal, 1e-8 * stiffest) + SMALLEST
-    if frozen.any():
-        # Rows and columns of the unit matrix, which leave the other equations as they are.
-        matrix[frozen] = 0.0
-        matrix.transpose(0, 2, 1)[frozen] = 0.0
-        diagonal[frozen] = 1.0
-        downhill = np.where(frozen, 0.0, downhill)
-    step = _solved(matrix, downhill)
+    frozen = ((state.u <= rules.lower) & (downhill < 0.0)) | (
+        (state.u >= rules.upper) & (downhill > 0.0)
+    )
+    step = rules.equations.step(state.jtj, downhill, state.damping, frozen)
     longest = np.abs(step).max(axis=1, keepdims=True, initial=SMALLEST)
     shortened: Real = step * np.minimum(1.0, REACH / longest)
     return shortened
-
-
-def _solved(matrix: Real, right: Real) -> Real:
-    """Solutions of the damped normal equations; zero where they are not finite."""
-    try:
-        step: Real = np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=float)
-    except np.linalg.LinAlgError:
-        # One singular matrix refuses the whole batch: a shift that changes no other lets it pass.
-        scale = np.trace(matrix, axis1=1, axis2=2)[:, None, None]
-        shifted = matrix + 1e-14 * scale * np.eye(matrix.shape[-1])
-        step = np.asarray(np.linalg.solve(shifted, right[:, :, None])[:, :, 0], dtype=float)
-    return np.where(np.isfinite(step), step, 0.0)
 
 
 def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:

@@ -22,10 +22,12 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, NEGLIGIBLE
+from .bordered import LevelSlopes
 from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
 from .material import STILL, SpectrumSearch, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
+from .normal import Layout
 from .places import followed_by_places
 from .problem import Objective, Problem, default_objective, numbers_of, weighted
 from .recorder import Recorder
@@ -158,7 +160,18 @@ class Fit:
     @cached_property
     def jacobian_u(self) -> Real:
         """Derivative of the residuals by the search coordinates, shape (2n, p)."""
+        if self.by_level is not None:
+            return self.by_level.layout.dense(self.by_level.jacobian).T
         return _in_parts(self._at_solution[1]).T
+
+    @cached_property
+    def by_level(self) -> LevelSlopes | None:
+        """The same by the parameters of the level of each, where levels have their own."""
+        if self.task.levels is None:
+            return None
+        known = self.task.levels.layout
+        layout = Layout(known.places, np.tile(known.number, 2))
+        return LevelSlopes(layout, _in_parts(self._at_solution[1]))
 
     @cached_property
     def _at_solution(self) -> tuple[Real, Real]:
@@ -302,7 +315,12 @@ def _placed(
             return [*seeds_theta, solved], 0
         # The scan of shapes needs gains that scale a whole branch; here some are held or end at a
         # bound.
-        return [*seeds_theta, *_released_starts(model, measurement, objective, starts)], 0
+        placed = [*seeds_theta, *_released_starts(model, measurement, objective, starts)]
+        if model.own and starts:
+            # Where one of each would fit all levels best, each begins.
+            one = fit(model.of_any_level, measurement, objective, starts=starts)
+            placed.append(model.at_all_levels(one.theta))
+        return placed, 0
     if starts and any(effect.by_levels for effect in model.effects):
         # A scan of one dimension for each level would find nothing; the data say where its factor
         # lies.
@@ -327,7 +345,7 @@ def _solved(
     if rng is not None:
         offset = _offset(rng)  # drawn for any model, that the generator goes on alike
     # The way to the optimum is the same with a few points; only its last steps need all of them.
-    coarse = task.thin(COARSE_POINTS)
+    coarse = task.thin(COARSE_POINTS * task.level_count)
     if task.model.constrained:
         # Every start is given, and gains cannot be projected out of a model that holds some of
         # them.
@@ -388,10 +406,11 @@ def _fit_material(
 def _if_linear(model: Model, measurement: Measurement, objective: Objective) -> Real | None:
     """The best parameters (p,) of a model that is linear in them, all of them from zero up.
 
-    None where it is not, or the objective is not of differences of K.
+    None where it is not, where levels have parameters of their own, or the objective is not of
+    differences of K.
     """
     ends = {(parameter.lower, parameter.upper) for parameter in model.parameters}
-    if objective.logarithmic or ends != {(0.0, np.inf)}:
+    if model.own or objective.logarithmic or ends != {(0.0, np.inf)}:
         return None
     size = float(np.mean(measurement.magnitude))
     count = len(model.parameters)

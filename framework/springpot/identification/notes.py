@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
 from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
+from .bordered import Bordered, variance_of
 from .kept import note_on_levels
 from .native import Fit
 from .specimens import told
-from .uncertainty import Uncertainty
+from .uncertainty import Uncertainty, printed_covariance
 from .value import LOST
 
 WEAK = 1.0
@@ -76,19 +76,21 @@ def _levels_in_words(fit: Fit) -> Iterator[str]:
             yield note
 
 
-def _is_order(fit: Fit, parameter: Parameter) -> bool:
+def _orders_of(fit: Fit) -> set[str]:
+    """Names of the parameters that are orders."""
+    parameters = fit.model.parameters
     # Not every number between 0 and 1 is an order: the unit of a constant has to depend on it.
-    return (parameter.lower, parameter.upper) == (0.0, 1.0) and any(
-        other.unit.time == parameter.name for other in fit.model.parameters
-    )
+    within = {each.name for each in parameters if (each.lower, each.upper) == (0.0, 1.0)}
+    return within & {str(each.unit.time) for each in parameters}
 
 
 def _bounds(known: Uncertainty) -> Iterator[str]:
+    orders = _orders_of(known.fit)
     for parameter, side in zip(known.fit.model.parameters, known.at_bound.tolist(), strict=True):
         name = parameter.name
         # An order at its end is told as the element that it then is, the lines of a spectrum as a
         # whole.
-        if side == 0 or parameter.detail or _is_order(known.fit, parameter):
+        if side == 0 or parameter.detail or name in orders:
             continue
         if side < 0 and parameter.lower == 0.0:
             yield f"{name} is zero as far as these data show: a model without it fits as well"
@@ -106,9 +108,9 @@ def _bounds(known: Uncertainty) -> Iterator[str]:
 
 
 def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
-    element = {0: "spring", 1: "dashpot"}
+    element, orders = {0: "spring", 1: "dashpot"}, _orders_of(known.fit)
     for i, parameter in enumerate(known.fit.model.parameters):
-        if not _is_order(known.fit, parameter):
+        if parameter.name not in orders:
             continue
         for bound, end in ((0, low[i]), (1, high[i])):
             near = abs(known.fit.theta[i] - bound)
@@ -122,7 +124,7 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
 
 
 def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
-    open_ones = []
+    open_ones, variance = [], variance_of(known.covariance)
     for i, parameter in enumerate(known.fit.model.parameters):
         name = parameter.name
         if known.at_bound[i] or parameter.detail:
@@ -130,7 +132,7 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
         width = high[i] - low[i]
         size = abs(known.fit.theta[i])
         # Not "above": a width that is no number counts as well.
-        if np.isinf(known.covariance[i, i]) or not width < LOST * size:
+        if np.isinf(variance[i]) or not width < LOST * size:
             open_ones.append(name)
         elif width > WEAK * size:
             yield (
@@ -149,18 +151,39 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
 def _correlated(known: Uncertainty) -> list[str]:
     """The few most strongly correlated pairs."""
     names = known.fit.model.names
+    if isinstance(known.covariance, Bordered):
+        return _told_of_pairs(names, _pairs_of_levels(known.fit, known.covariance))
     detail = [i for i, parameter in enumerate(known.fit.model.parameters) if parameter.detail]
     correlation = np.nan_to_num(known.correlation)
     # Neighbouring lines of a spectrum are nearly one: nobody asks for either by itself.
     correlation[detail] = correlation[:, detail] = 0.0
     rows, columns = np.tril_indices(len(names), -1)
-    order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:NAMED].tolist()
-    pairs = [(int(rows[k]), int(columns[k])) for k in order]
+    return _told_of_pairs(names, zip(rows, columns, correlation[rows, columns], strict=True))
+
+
+def _pairs_of_levels(fit: Fit, covariance: Bordered) -> Iterator[tuple[int, int, float]]:
+    """Numbers of two parameters of one level, and their correlation."""
+    known, seen = printed_covariance(fit, covariance), set[tuple[int, int]]()
+    sd, places = np.sqrt(known.variance), known.layout.places
+    rows, columns = np.tril_indices(places.shape[1], -1)
+    with np.errstate(all="ignore"):
+        sizes = sd[places[:, rows]] * sd[places[:, columns]]
+        correlation = np.nan_to_num(known.of_levels[:, rows, columns] / sizes)
+    numbers = (each.ravel().tolist() for each in (places[:, rows], places[:, columns], correlation))
+    for i, j, size in zip(*numbers, strict=True):
+        # Two that all levels share are a pair of each.
+        if (i, j) not in seen:
+            yield i, j, size
+        seen.add((i, j))
+
+
+def _told_of_pairs(names: Sequence[str], pairs: Iterable[tuple[int, int, float]]) -> list[str]:
+    strong = [pair for pair in pairs if abs(pair[2]) > CORRELATED]
+    strong.sort(key=lambda pair: -abs(pair[2]))
     return [
-        f"{names[j]} and {names[i]} are strongly correlated ({correlation[i, j]:+.3f}): the data"
+        f"{names[j]} and {names[i]} are strongly correlated ({size:+.3f}): the data"
         " fix a combination of them better than either"
-        for i, j in pairs
-        if abs(correlation[i, j]) > CORRELATED
+        for i, j, size in strong[:NAMED]
     ]
 
 

@@ -18,6 +18,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import SMALLEST
+from .bordered import Bordered, Covariance
 from .kept import levels_in_words
 from .specimens import FEWEST
 from .value import Value
@@ -86,7 +87,7 @@ def _ends(value: Value) -> dict[str, Any]:
 def populations(
     model: Model,
     values: Real,
-    covariance: Real,
+    covariance: Covariance,
     units: Units,
     sweep: Measurement | None = None,
 ) -> dict[str, Population]:
@@ -100,7 +101,7 @@ def populations(
         The fitted model.
     values : ndarray, shape (p,)
         Its parameters in printed units.
-    covariance : ndarray, shape (p, p)
+    covariance : ndarray, shape (p, p), or Bordered
         Of these.
     units : Units
         Those of the data.
@@ -109,25 +110,41 @@ def populations(
         each.
     """
     found, released = {}, {each.name: each for each in model.released().parameters}
+    names, origins = model.names, model.origins
     for shared in model.own:
-        rows = [i for i, origin in enumerate(model.origins) if origin == shared]
+        rows = [i for i, origin in enumerate(origins) if origin == shared]
         # The share of an order is none of the released model's.
         parameter = released.get(shared, model.parameters[rows[0]])
-        own, error = values[rows], covariance[np.ix_(rows, rows)]
+        own, error = values[rows], _errors(covariance, rows)
         # Sizes scatter by a share of themselves; an order, which may be zero, by itself.
         log = parameter.scale == "log"
-        if len(rows) < FEWEST or not np.all(np.isfinite(error)) or (log and np.any(own <= 0.0)):
+        if (
+            len(rows) < FEWEST
+            or not np.all(np.isfinite(error.variance))
+            or (log and np.any(own <= 0.0))
+        ):
             continue
         if log:
-            own, error = np.log(own), error / np.outer(own, own)
+            error = Errors(error.own / own**2, error.common / own[:, None])
+            own = np.log(own)
         start = len(shared) + 1
-        levels, batches = [model.names[i][start:] for i in rows], None
+        levels, batches = [names[i][start:] for i in rows], None
         if sweep is not None:
             levels = levels_in_words(sweep, model.own[shared]) or levels
             batches = _batches(sweep, model.own[shared])
         unit = units.of(parameter.unit)[1]
         found[shared] = of_one(own, error, log, levels, unit, batches)
     return found
+
+
+def _errors(covariance: Covariance, rows: list[int]) -> Errors:
+    """Those of one parameter of all levels, by its numbers."""
+    if not isinstance(covariance, Bordered):
+        return Errors.of(covariance[np.ix_(rows, rows)])
+    alone = np.zeros(len(covariance.lost))
+    alone[covariance.layout.own] = np.diagonal(covariance.blocks, axis1=1, axis2=2)
+    alone[covariance.lost] = np.inf
+    return Errors(alone[rows], covariance.columns[rows])
 
 
 def _batches(sweep: Measurement, column: str) -> list[str] | None:
@@ -168,36 +185,88 @@ class Component(NamedTuple):
     misfit: float
 
 
-def component(value: Real, error: Real, design: Real) -> Component:
-    """The scatter of values (n,) about `design` (n, b) times means, beside their errors (n, n)."""
-    spread, ways = np.linalg.eigh(error)
-    turned, columns = ways.T @ value, ways.T @ design
-    weight = 1.0 / (np.maximum(spread, 0.0) + SIZES[:, None] ** 2 + SMALLEST)
-    power = np.einsum("sn,nb,nc->sbc", weight, columns, columns)
-    pull = np.einsum("sn,nb,n->sb", weight, columns, turned)
-    means = np.linalg.solve(power, pull[..., None])[..., 0]
-    apart = turned - means @ columns.T
+class Errors(NamedTuple):
+    """Covariance of the errors of values: each has its own, and some they have in common.
+
+    Attributes
+    ----------
+    own : ndarray, shape (n,)
+        Variances of those of each alone.
+    common : ndarray, shape (n, k)
+        The common ones, each of unit variance: times its own transpose their covariance.
+    """
+
+    own: Real
+    common: Real
+
+    @classmethod
+    def of(cls, covariance: Real) -> Errors:
+        """Those of a covariance (n, n), of which as much as there can be is each one's own."""
+        own = np.diag(covariance)
+        if np.array_equal(covariance, np.diag(own)):
+            return cls(own, np.zeros((len(own), 0)))
+        spread, ways = np.linalg.eigh(covariance)
+        least = max(float(spread[0]), 0.0)
+        return cls(np.full(len(own), least), ways * np.sqrt(np.maximum(spread - least, 0.0)))
+
+    @property
+    def variance(self) -> Real:
+        """Of each value, (n,)."""
+        return np.asarray(self.own + np.sum(self.common**2, axis=1))
+
+    def times(self, vector: Real) -> Real:
+        """The covariance times a vector (n,)."""
+        return np.asarray(self.own * vector + self.common @ (self.common.T @ vector))
+
+    def beside(self, square: float, right: Real) -> Real:
+        """Solution (n, b) of the covariance and a further variance of each (Woodbury 1950)."""
+        weight = 1.0 / (self.own + square + SMALLEST)
+        part = weight[:, None] * self.common
+        inner = np.eye(self.common.shape[1]) + self.common.T @ part
+        found: Real = weight[:, None] * right - part @ np.linalg.solve(inner, part.T @ right)
+        return found
+
+
+def component(value: Real, error: Errors, design: Real) -> Component:
+    """The scatter of values (n,) about `design` (n, b) times means, beside their errors."""
+    weight = 1.0 / (error.own + SIZES[:, None] ** 2 + SMALLEST)
+    count, columns = design.shape[1], np.column_stack([design, value, error.common])
+    # Of each size: products of all columns, and less what common errors take from these.
+    products = np.array([weight @ (columns * each[:, None]) for each in columns.T])
+    products = np.moveaxis(products, 1, 0)
+    mine, border = products[:, :count, : count + 1], products[:, count + 1 :, : count + 1]
+    inner = np.eye(error.common.shape[1]) + products[:, count + 1 :, count + 1 :]
+    taken = np.matmul(np.swapaxes(border[..., :count], 1, 2), np.linalg.solve(inner, border))
+    power, pull = (mine - taken)[..., :count], (mine - taken)[..., count:]
+    means = np.linalg.solve(power, pull)[..., 0]
+    # What is left itself, as it may be a small difference of large squares.
+    apart = value - means @ design.T
+    along = (weight * apart) @ error.common
     misfit = (weight * apart**2).sum(axis=1)
-    _, determinant = np.linalg.slogdet(power)
+    misfit -= (along * np.linalg.solve(inner, along[..., None])[..., 0]).sum(axis=1)
+    determinant = np.linalg.slogdet(power)[1] + np.linalg.slogdet(inner)[1]
     likelihood = -0.5 * (misfit - np.log(weight).sum(axis=1) + determinant)
-    best, quantile = int(np.argmax(likelihood)), student(INTERVAL, len(value) - design.shape[1])
+    best, quantile = int(np.argmax(likelihood)), student(INTERVAL, len(value) - count)
     inside = SIZES[2.0 * (likelihood[best] - likelihood) <= quantile**2]
-    drawn = design @ means[best] + SIZES[best] ** 2 * (ways @ (weight[best] * apart[best]))
+    square = float(SIZES[best]) ** 2
+    pulled = error.beside(square, apart[best][:, None])[:, 0]
+    drawn = design @ means[best] + square * pulled
     # What reaches the end of those that were tried has none that the data tell.
     most = float(inside.max()) if inside.max() < SIZES[-1] else float("inf")
     ends = float(SIZES[best]), float(inside.min()), most
-    return Component(*ends, means[best], np.linalg.inv(power[best]), drawn, float(misfit[best]))
+    covariance = np.linalg.inv(power[best])
+    return Component(*ends, means[best], covariance, drawn, float(apart[best] @ pulled))
 
 
 def of_one(
     value: Real,
-    error: Real,
+    error: Real | Errors,
     log: bool,
     levels: Sequence[str],
     unit: str,
     batches: Sequence[str] | None = None,
 ) -> Population:
-    """The population of one parameter, of values (n,) with the covariance (n, n) of their errors.
+    """The population of one parameter, of values (n,) with their errors or these' covariance.
 
     Logarithms where `log`; `batches` (n,) are those that the specimens are of.
 
@@ -207,6 +276,8 @@ def of_one(
     profile of the same likelihood.
     """
     count, compared, limits = len(value), {}, None
+    if not isinstance(error, Errors):
+        error = Errors.of(error)
     if batches is None:
         within, outer = component(value, error, np.ones((count, 1))), None
         variance, spare = float(within.covariance[0, 0]), count - 1
@@ -214,19 +285,18 @@ def of_one(
         # interval.
         variance *= max(within.misfit / spare, 1.0)
         mean, drawn = float(within.means[0]), within.drawn
-        limits = _limits(mean, within.value, np.diag(error), log)
+        limits = _limits(mean, within.value, error.variance, log)
     else:
         names = list(dict.fromkeys(batches))
         groups = np.array([names.index(each) for each in batches])
         design = np.eye(len(names))[groups]
         within = component(value, error, design)
-        outer = component(within.means, within.covariance, np.ones((design.shape[1], 1)))
+        outer = component(within.means, Errors.of(within.covariance), np.ones((len(names), 1)))
         mean, spare = float(outer.means[0]), design.shape[1] - 1
         variance = _of_mean(error, design, within, outer)
         # What is sure of itself stays where it is, wherever its batch is drawn to.
-        spread = error + (within.value**2 + SMALLEST) * np.eye(count)
-        moved = error @ (outer.drawn - within.means)[groups]
-        drawn = within.drawn + np.linalg.solve(spread, moved)
+        moved = error.times((outer.drawn - within.means)[groups])
+        drawn = within.drawn + error.beside(within.value**2, moved[:, None])[:, 0]
         compared = _compared(within, names, count, unit, log)
     half = student(INTERVAL, spare) * np.sqrt(variance)
     ends = np.array([mean, mean - half, mean + half, *drawn])
@@ -275,7 +345,7 @@ def _compared(
     return compared
 
 
-def _of_mean(error: Real, design: Real, within: Component, outer: Component) -> float:
+def _of_mean(error: Errors, design: Real, within: Component, outer: Component) -> float:
     """Variance of the mean by the scatter of the batches' means alone, which are few.
 
     Of equal batches these are independent and normal, so that Student's t with one less than the
@@ -285,9 +355,9 @@ def _of_mean(error: Real, design: Real, within: Component, outer: Component) -> 
     variance = float(outer.covariance[0, 0]) * outer.misfit / (count - 1)
     whole = within.covariance + (outer.value**2 + SMALLEST) * np.eye(count)
     share = np.linalg.solve(whole, np.ones(count))
-    single = np.linalg.solve(error + (within.value**2 + SMALLEST) * np.eye(len(error)), design)
+    single = error.beside(within.value**2, design)
     weight = single @ within.covariance @ (share / share.sum())
-    return max(variance, float(weight @ error @ weight))
+    return max(variance, float(weight @ error.times(weight)))
 
 
 def specimens_of(found: Mapping[str, Population]) -> dict[str, dict[str, float]]:

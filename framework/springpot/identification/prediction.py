@@ -25,13 +25,13 @@ from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
 from springpot.rheology.levels import held
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
+from .bordered import Bordered, Covariance, lost_and_known
 from .kept import levels_in_words
-from .uncertainty import lost_and_known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -169,8 +169,9 @@ class Known:
     theta : ndarray, shape (p,)
         Its parameters, in `units`.
     slopes : ndarray, shape (p, q)
-        Their derivative by the coordinates in which their uncertainty is told.
-    spread : ndarray, shape (q, q)
+        Their derivative by the coordinates in which their uncertainty is told; where levels have
+        parameters of their own, level by level (G, r, r).
+    spread : ndarray, shape (q, q), or Bordered
         Covariance of these; infinite variance where the tests say nothing.
     units : Units
         Of the tests that they were fitted to.
@@ -190,7 +191,7 @@ class Known:
     model: Model
     theta: Real
     slopes: Real
-    spread: Real
+    spread: Covariance
     units: Units
     reference: float
     misfit: float = 0.0
@@ -198,18 +199,38 @@ class Known:
     covered: Covered = field(default_factory=Covered)
     sweep: Measurement | None = None
 
+    def _told(self) -> dict[str, Any]:
+        """What is known, by name."""
+        return {each.name: getattr(self, each.name) for each in fields(Known)}
+
+    def of_level(self, number: int) -> Known:
+        """What is known of one of the levels that have parameters of their own."""
+        assert isinstance(self.spread, Bordered), "levels have parameters of their own"
+        model, places = self.model.of_any_level, self.spread.layout.places[number]
+        told = {"model": model, "theta": self.theta[places], "slopes": self.slopes[number]}
+        return Known(**{**self._told(), **told, "spread": self.spread.of_levels[number]})
+
     @property
     def of_specimen(self) -> Known:
         """The model without what the tests did themselves: a drift does not go into another one."""
         model = self.model.of_specimen
-        count = len(model.parameters)
-        told = {each.name: getattr(self, each.name) for each in fields(Known)}
-        told |= {"model": model, "theta": self.theta[:count], "slopes": self.slopes[:count]}
-        return Known(**told)
+        kept = list(range(len(model.parameters)))
+        return Known(**{**self._told(), **self._of(model, kept)})
+
+    def _of(self, model: Model, kept: list[int]) -> dict[str, Any]:
+        """What changes where a part of the model is left, with some of its parameters."""
+        told = {"model": model, "theta": self.theta[kept], "spread": self.spread}
+        slopes = self.slopes
+        if isinstance(self.spread, Bordered) and len(kept) < len(self.theta):
+            slopes, told["spread"] = self.spread.layout.matrix(slopes), self.spread.dense()
+        # Of levels the slopes are those of each, and all are kept.
+        return {**told, "slopes": slopes[kept] if slopes.ndim == 2 else slopes}
 
     @property
     def theta_covariance(self) -> Real:
         """Covariance (p, p) of the parameters; what the tests leave open has a huge variance."""
+        if isinstance(self.spread, Bordered):
+            return np.nan_to_num(self.spread.carried(self.slopes).dense(), posinf=ENDLESS)
         # An endless variance times a slope of zero would be no number.
         spread = np.nan_to_num(self.spread, nan=0.0, posinf=ENDLESS)
         covariance: Real = self.slopes @ spread @ self.slopes.T
@@ -226,8 +247,8 @@ class Known:
         model = self.model
         for name in names:
             model = model - name
-        kept = [self.model.names.index(name) for name in model.names]
-        return replace(self, model=model, theta=self.theta[kept], slopes=self.slopes[kept])
+        places = {name: i for i, name in enumerate(self.model.names)}
+        return replace(self, **self._of(model, [places[name] for name in model.names]))
 
     def predict(
         self,
@@ -441,6 +462,8 @@ def _of_parts(real: Real, imaginary: Real) -> Complex:
 def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
     # At the reference of the fit: constants of shifts mean something there only.
     points = points_at(log_omega, conditions, known.reference)
+    if isinstance(known.spread, Bordered):
+        return _at_levels(known, points, log_omega, conditions)
     with np.errstate(all="ignore"):
         value = known.model.stiffness(known.theta, points)
         # At rest a derivative may be no number: what does not move K there adds nothing to the
@@ -449,6 +472,20 @@ def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[
         by_u = by_theta @ known.slopes
     sd = [_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)]
     return value, _of_parts(*sd)
+
+
+def _at_levels(
+    known: Known, points: Points, log_omega: Real, conditions: Mapping[str, Real]
+) -> tuple[Complex, Complex]:
+    """The same, each point by what is known of its level."""
+    number = known.model.levels(points)
+    value, sd = np.empty((2, len(number)), dtype=np.complex128)
+    order = np.argsort(number, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
+        some = {name: column[rows] for name, column in conditions.items()}
+        level = known.of_level(int(number[rows[0]]))
+        value[rows], sd[rows] = _at(level, log_omega[rows], some)
+    return value, sd
 
 
 def _band(by_u: Real, covariance: Real, size: Real) -> Real:

@@ -23,11 +23,10 @@ from springpot.measurement.units import Units
 from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.model import Model
-from springpot.rheology.parameters import SearchForm
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ROUNDING
+from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
 from .kept import (
     bounds_of,
@@ -43,89 +42,15 @@ from .native import Fit
 from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
+from .published import search_parameters
 from .regularisation import SmoothSpectrum, regularised
 from .robust import kept_of, objective_again
-from .uncertainty import Uncertainty, ends, lost_and_known, spread_of, tied_values
-from .value import PartResult, Value, all_parameters, parts_of, printed, spare
+from .uncertainty import Uncertainty, slopes_of, tied_values
+from .value import PartResult, Value, all_parameters, parts_of, spare
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-def search_parameters(known: Uncertainty, ends_low: Real, ends_high: Real) -> dict[str, Value]:
-    """The parameters in the model's published search form, by linear propagation.
-
-    None where it has no such form.
-    """
-    estimate, form = known.fit, known.fit.model.search
-    if form is None:
-        return {}
-    q = len(form.parameters)
-    with np.errstate(all="ignore"):
-        # The elements come first in theta; what follows are effects, which the published form does
-        # not know.
-        x = form.from_elements(estimate.theta[:q])
-        reach = _reach(known, form, x)
-        log = np.array([p.scale == "log" for p in form.parameters])
-        bounds = (
-            np.array([p.lower for p in form.parameters]),
-            np.array([p.upper for p in form.parameters]),
-        )
-        low, high = ends(x, np.where(np.isfinite(reach), reach, np.inf), log, bounds)
-        # A slope tells nothing of a step away from a bound: there the ends themselves are carried
-        # over.
-        for moved in _at_ends(known, ends_low[:q], ends_high[:q]):
-            other = np.nan_to_num(form.from_elements(moved), nan=np.inf)
-            low, high = (
-                np.fmax(np.fmin(low, other), bounds[0]),
-                np.fmin(np.fmax(high, other), bounds[1]),
-            )
-    for i, j in _shared(estimate, form, x):
-        low[i], high[i] = ends_low[j], ends_high[j]
-    return printed(form.parameters, x, low, high, estimate.measurement.units)
-
-
-def _at_ends(known: Uncertainty, low: Real, high: Real) -> list[Real]:
-    """The parameters of the form, those at a bound put at both ends of their interval in turn."""
-    moved = []
-    at_bound = known.at_bound[: len(low)]
-    for i in np.flatnonzero(at_bound).tolist():
-        # An upper end is often infinite, where the form has limits that its formulas do not reach.
-        places = [low[i]]
-        if at_bound[i] < 0:
-            places.append(high[i])
-        for place in places:
-            theta = known.fit.theta[: len(low)].copy()
-            theta[i] = place
-            moved.append(theta)
-    return moved
-
-
-def _shared(fit: Fit, form: SearchForm, x: Real) -> list[tuple[int, int]]:
-    """Places (in the form, in the model) of parameters that both have.
-
-    These have one interval, not two.
-    """
-    names = fit.model.names[: len(form.parameters)]
-    places = [(i, names.index(p.name)) for i, p in enumerate(form.parameters) if p.name in names]
-    return [(i, j) for i, j in places if np.isclose(x[i], fit.theta[j], rtol=ROUNDING)]
-
-
-def _reach(known: Uncertainty, form: SearchForm, x: Real) -> Real:
-    """Half the width of the intervals of ln x (logarithmic parameters) or x."""
-    coordinates = known.fit.task.coordinates
-    q = len(form.parameters)
-    turn = coordinates.slopes(known.fit.theta, coordinates.size[0])[:q]
-    by_theta = form.jacobian(x)
-    # Where several values of the form give the same elements, the data say nothing of its
-    # parameters.
-    if not np.all(np.isfinite(by_theta)) or np.linalg.matrix_rank(by_theta) < q:
-        return np.full(q, np.inf)
-    by_u: Real = np.asarray(np.linalg.solve(by_theta, turn), dtype=float)
-    log = np.array([p.scale == "log" for p in form.parameters])
-    by_u /= np.where(log, x, 1.0)[:, None]
-    return known.quantile * spread_of(by_u, known.covariance)
 
 
 SCHEMA = "springpot.identification/2"
@@ -236,7 +161,7 @@ class Identification(Known):
     ) -> Identification:
         """That of a sweep which stands alone, by its fit and the ends of the intervals (p,)."""
         fit = known.fit
-        data, coordinates = fit.measurement, fit.task.coordinates
+        data = fit.measurement
         # Relative at each point, so that soft and stiff ends of a sweep count alike.
         missed = np.abs(data.stiffness - fit.model.stiffness(fit.theta, data.points)) / sizes(data)
         dof = known.freedom
@@ -245,7 +170,7 @@ class Identification(Known):
         return cls(
             model=fit.model,
             theta=fit.theta,
-            slopes=coordinates.slopes(fit.theta, coordinates.size[0]),
+            slopes=slopes_of(fit),
             spread=known.covariance,
             units=data.units,
             reference=data.reference_temperature,
@@ -320,20 +245,22 @@ class Identification(Known):
 
         Infinite where the data do not determine a parameter, zero where it rests on a bound.
         """
+        return matrix_of(self._printed)
+
+    @cached_property
+    def _printed(self) -> Covariance:
+        """The same, of levels with parameters of their own by its blocks."""
         # In the units of the values: a covariance in others would fit none of the printed numbers.
-        factor = self._factors
-        covariance: Real = factor[:, None] * self._by_theta * factor
+        factor, known = self._factors, self._by_theta
+        if isinstance(known, Bordered):
+            return known.scaled(factor)
+        covariance: Real = factor[:, None] * known * factor
         return covariance
 
     @property
-    def _by_theta(self) -> Real:
+    def _by_theta(self) -> Covariance:
         """Covariance (p, p) of theta, infinite where the data do not determine a parameter."""
-        lost, finite = lost_and_known(self.spread)
-        covariance: Real = self.slopes @ finite @ self.slopes.T
-        # What hangs on a direction that the data do not determine is not determined either.
-        touched = np.any(np.abs(self.slopes[:, lost]) > 0.0, axis=1)
-        covariance[touched, touched] = np.inf
-        return covariance
+        return carried(self.spread, self.slopes)
 
     @property
     def budget(self) -> dict[str, dict[str, float]]:
@@ -347,7 +274,7 @@ class Identification(Known):
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
         values = self._factors * self.theta
-        return populations(self.model, values, self.covariance, self.units, self.sweep)
+        return populations(self.model, values, self._printed, self.units, self.sweep)
 
     def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
@@ -365,15 +292,24 @@ class Identification(Known):
         Its intervals as well, unless they hold that already.
         """
         found = replace(self, calibration=calibration)
+        if isinstance(self.spread, Bordered):
+            # In the parameters themselves, and as further columns that all levels share.
+            known = self.spread.carried(self.slopes)
+            columns = np.column_stack([known.columns, *calibration.moved.values()])
+            unit = np.broadcast_to(np.eye(self.slopes.shape[-1]), self.slopes.shape)
+            found = replace(found, slopes=unit, spread=replace(known, columns=columns))
+            return found if not widen else found._widened(calibration)
         turn = np.linalg.pinv(self.slopes)
         shared = turn @ calibration.shared @ turn.T
         if self.uncertainty is not None:
             found = replace(found, uncertainty=replace(self.uncertainty, shared=shared))
         found = replace(found, spread=self.spread + shared)
-        if not widen:
-            return found
+        return found if not widen else found._widened(calibration)
+
+    def _widened(self, calibration: Calibration) -> Self:
+        """The same with intervals that hold what the instrument promises."""
         low, high = calibration.widened(self.model, self.theta, self.low, self.high)
-        return replace(found, low=low, high=high)
+        return replace(self, low=low, high=high)
 
     @property
     def residuals(self) -> Complex:
@@ -483,7 +419,7 @@ class Identification(Known):
             "relative_rms": self.relative_rms,
             "tests": self.tests,
             "measured": self.covered,
-            "covariance": self.covariance,
+            "covariance": told_of(self._printed, self.model.names),
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "optimiser": self.optimiser,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
 from ..numerics import SMALLEST
+from .bordered import Bordered, LevelSlopes
 from .material import is_material
 from .native import Fit
 
@@ -81,6 +82,15 @@ class Specimens:
         moved = pulls @ inverse
         covariance: Real = self.count / (self.count - 1) * moved.T @ moved
         return covariance
+
+    def sandwich_of_levels(
+        self, slopes: LevelSlopes, residual: Real, inverse: Bordered
+    ) -> Bordered:
+        """The same of specimens among levels that have parameters of their own."""
+        both = np.concatenate([self.number, self.number])
+        moved = inverse.times(slopes.pulls(residual, both, self.count))
+        columns = np.sqrt(self.count / (self.count - 1)) * moved.T
+        return replace(inverse, blocks=np.zeros_like(inverse.blocks), columns=columns)
 
     def scatter(self, fit: Fit) -> float:
         """Standard deviation of the specimens' stiffness over their mean.

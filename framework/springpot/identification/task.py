@@ -13,7 +13,9 @@ from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE
 from .coordinates import Coordinates
-from .leastsquares import FLAT, Evaluate, Rows, Solution, levenberg_marquardt
+from .leastsquares import FLAT, WHOLE, Evaluate, Rows, Solution, levenberg_marquardt
+from .levelled import Levelled
+from .normal import Equations
 from .problem import require_derivative
 from .starts import (
     Branches,
@@ -79,6 +81,23 @@ class Task:
             self.model.parameters, float(np.mean(self.points.log_omega)), self.scale, amplitude
         )
 
+    @cached_property
+    def levels(self) -> Levelled | None:
+        """The levels that have parameters of their own; None where all parameters are shared."""
+        if not self.model.own:
+            return None
+        return Levelled(self.model, self.points, self.coordinates)
+
+    @property
+    def level_count(self) -> int:
+        """Levels that have parameters of their own; one where all parameters are shared."""
+        return 1 if self.levels is None else len(self.levels.layout.places)
+
+    @property
+    def equations(self) -> Equations:
+        """How the derivative of `evaluator` is squared."""
+        return WHOLE if self.levels is None else self.levels.arrow
+
     @property
     def count(self) -> int:
         """Number of points."""
@@ -110,7 +129,10 @@ class Task:
         lower, upper = (
             np.array([getattr(p, end) for p in self.model.parameters]) for end in ("lower", "upper")
         )
-        require_derivative(self.model, np.clip(inside, lower, upper), self.points)
+        model, theta = self.model, np.clip(inside, lower, upper)
+        if self.levels is not None:
+            model, theta = self.levels.one, theta[self.levels.layout.places[0]]
+        require_derivative(model, theta, self.points)
 
     @cached_property
     def branches(self) -> Branches:
@@ -188,26 +210,33 @@ class Task:
         return owner[rows]
 
     def evaluator(self, owner: Rows) -> Evaluate:
-        """Residuals (r, 2n) and derivative (r, p, 2n) of rows, row i of data set `owner[i]`."""
+        """Residuals (r, 2n) and derivative (r, p, 2n) of rows, row i of data set `owner[i]`.
+
+        Where levels have parameters of their own, the derivative by those of the level of each.
+        """
         self._require_derivative()
-        coordinates, network = self.coordinates, self.model.network
+        coordinates, network, levels = self.coordinates, self.model.network, self.levels
 
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             which = self._data_sets(owner, rows)
             size, weight = coordinates.size[which], self._weight[which]
             theta = coordinates.theta(u, size)
-            response = network.respond(theta, self.points, GRADIENT)
-            by_theta = response.by_theta
+            if levels is None:
+                value, slopes, _ = network.respond(theta, self.points, GRADIENT)
+            else:
+                value, slopes = levels.respond(theta, np.broadcast_to(size, theta.shape))
             if self.logarithmic:
                 # The logarithm of the ratio, not a difference of two: this would jump by a turn
                 # where one phase passes 180 degrees.
-                residual = interleaved(np.log(response.value / self.stiffness[which]))
-                by_theta = by_theta / response.value[:, None, :]
+                residual = interleaved(np.log(value / self.stiffness[which]))
+                slopes = slopes / value[:, None, :]
             else:
-                residual = interleaved(self._turned(response.value)) - self._target[which]
-                by_theta = self._turned(by_theta)
-            jacobian = interleaved(by_theta) * weight[:, None, :]
-            return residual * weight, coordinates.carry(jacobian, theta, size)
+                residual = interleaved(self._turned(value)) - self._target[which]
+                slopes = self._turned(slopes)
+            jacobian = interleaved(slopes) * weight[:, None, :]
+            if levels is None:
+                jacobian = coordinates.carry(jacobian, theta, size)
+            return residual * weight, jacobian
 
         return evaluate
 
@@ -327,6 +356,7 @@ class Task:
             damping=damping,
             flat=flat,
             alike=alike,
+            equations=self.equations,
         )
 
     def starts(self, keep: int, offset: float = 0.0) -> tuple[Real, Real]:

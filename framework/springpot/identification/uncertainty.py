@@ -20,21 +20,23 @@ from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ALIKE, NEGLIGIBLE, PRINTED
+from .bordered import (
+    PART,
+    RANK,
+    Bordered,
+    Covariance,
+    Eliminated,
+    lost_and_known,
+    matrix_of,
+)
 from .coordinates import WIDEST, Coordinates
-from .leastsquares import Rows, levenberg_marquardt
+from .leastsquares import WHOLE, Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
 from .native import Fit
+from .normal import Equations
 from .problem import weighted
 from .specimens import Specimens, follows_specimens
 from .value import Value
-
-RANK = 1e-10
-"""Directions with a singular value this small a share of the largest are undetermined."""
-PART = 1e-3
-"""Part in such a direction from which a parameter is lost with it.
-
-Rounding mixes directions by 1e-16 / RANK.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,9 +124,11 @@ class Uncertainty:
         # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good
         # as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
-        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= NEGLIGIBLE * np.linalg.norm(
-            self._data_size
-        )
+        if self.fit.by_level is None:
+            traces = np.linalg.norm(self.fit.jacobian_u, axis=0)
+        else:
+            traces = self.fit.by_level.sizes
+        traceless = traces <= NEGLIGIBLE * np.linalg.norm(self._data_size)
         below = (u <= low + np.where(log, _slack(low), linear)) | (free & traceless & (u < 0))
         above = (u >= high - np.where(log, _slack(high), linear)) | (log & traceless & (u > 0))
         return np.where(below, -1, np.where(above, 1, 0))
@@ -138,30 +142,41 @@ class Uncertainty:
         return np.abs(task.weights * np.abs(task.stiffness))
 
     @cached_property
-    def covariance(self) -> Real:
+    def covariance(self) -> Covariance:
         """Covariance (p, p) in search coordinates.
 
         Infinite variance where the data say nothing, 0 at a bound.
         """
         covariance = self._covariance(self.specimens)
         if self.shared is not None:
-            covariance = covariance + self.shared
+            covariance = matrix_of(covariance) + self.shared
         return covariance
 
     def widening(self, i: int) -> float:
         """Variance of parameter i by the scatter of specimens, over that by the points."""
         if self.specimens is None:
             return 1.0
-        turn = _printed_slopes(self.fit)[i : i + 1]
         points, specimens = (
-            float(spread_of(turn, covariance)[0])
+            float(_printed_spread(self.fit, covariance)[i])
             for covariance in (self._covariance(None), self._covariance(self.specimens))
         )
         if not (np.isfinite(specimens) and np.isfinite(points) and points > 0.0):
             return 1.0
         return (specimens / points) ** 2
 
-    def _covariance(self, specimens: Specimens | None) -> Real:
+    @cached_property
+    def eliminated(self) -> Eliminated | None:
+        """Own parameters of levels eliminated from the slopes; None where all are shared."""
+        if self.fit.by_level is None:
+            return None
+        return Eliminated(self.fit.by_level, self.at_bound == 0)
+
+    def _covariance(self, specimens: Specimens | None) -> Covariance:
+        if self.eliminated is not None:
+            if specimens is None:
+                return self.eliminated.covariance(self.scale)
+            unit, slopes = self.eliminated.covariance(1.0), self.eliminated.slopes
+            return specimens.sandwich_of_levels(slopes, self.fit.residual, unit)
         # What rests on a bound does not move with the data: it takes no part, and the others are
         # the surer for it.
         free = np.flatnonzero(self.at_bound == 0)
@@ -175,7 +190,7 @@ class Uncertainty:
         known = values > RANK * values.max(initial=0.0)
         inverse = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)
         spread = inverse[:, None] * directions / size
-        covariance = np.zeros((len(self.fit.u),) * 2)
+        covariance: Real = np.zeros((len(self.fit.u),) * 2)
         with np.errstate(invalid="ignore"):
             inverse_square = spread.T @ spread
             whole = self.scale**2 * inverse_square
@@ -212,6 +227,8 @@ class Uncertainty:
     def correlation(self) -> Real:
         """Correlation (p, p) of the parameters as printed; NaN where undetermined or at a bound."""
         fit = self.fit
+        if isinstance(self.covariance, Bordered):
+            return correlation_of(printed_covariance(fit, self.covariance).dense())
         turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
         with np.errstate(all="ignore"):
             return correlation_of(turn @ self.covariance @ turn.T)
@@ -222,11 +239,10 @@ class Uncertainty:
         Zero or infinite where the data give no end.
         """
         fit, coordinates = self.fit, self.fit.task.coordinates
-        turn = _printed_slopes(fit)
         with np.errstate(
             invalid="ignore"
         ):  # of a parameter on its bound nothing is known from here
-            reach = self.quantile * spread_of(turn, self.covariance)
+            reach = self.quantile * _printed_spread(fit, self.covariance)
         low, high = ends(fit.theta, reach, coordinates.log, _bounds(fit))
         rest = np.flatnonzero(self.at_bound)
         for i in rest.tolist():
@@ -241,11 +257,14 @@ class Uncertainty:
         fit, (lower, upper) = self.fit, _bounds(self.fit)
         slope = _linear_slope(fit, i)
         whole = float(np.linalg.norm(slope))
-        others = fit.jacobian_u[:, self.at_bound == 0]
         # What the others can make up for tells nothing of this one.
-        if others.size:
-            slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
-        size = float(np.linalg.norm(slope))
+        if self.eliminated is not None:
+            size = self.eliminated.left(slope)
+        else:
+            others = fit.jacobian_u[:, self.at_bound == 0]
+            if others.size:
+                slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
+            size = float(np.linalg.norm(slope))
         # From a bound there is one way only: the whole tail lies on that side.
         side = student(2.0 * self.level - 1.0, self.freedom)
         reach = float("inf")
@@ -293,14 +312,6 @@ def correlation_of(covariance: Real) -> Real:
     return correlation
 
 
-def lost_and_known(covariance: Real) -> tuple[NDArray[np.bool_], Real]:
-    """Search coordinates (p,) that the data leave undetermined, covariance (p, p) of the others."""
-    lost = np.isinf(np.diag(covariance))
-    # Zero times infinity is no number: what is lost counts as certain here, and whoever asks puts
-    # it back.
-    return lost, np.where(lost[:, None] | lost[None, :], 0.0, covariance)
-
-
 def spread_of(turn: Real, covariance: Real) -> Real:
     """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite if undetermined."""
     lost, known = lost_and_known(covariance)
@@ -332,16 +343,45 @@ def _printed_slopes(fit: Fit) -> Real:
     """Derivative (p, p) of ln theta (logarithmic parameters) or theta by the search coordinates."""
     coordinates = fit.task.coordinates
     turn = coordinates.slopes(fit.theta, coordinates.size[0])
-    scale: Real = np.where(coordinates.log, np.where(fit.theta == 0.0, 1.0, fit.theta), 1.0)
-    return turn / scale[:, None]
+    return turn / _printed_scale(fit)[:, None]
+
+
+def _printed_scale(fit: Fit) -> Real:
+    log = fit.task.coordinates.log
+    return np.where(log, np.where(fit.theta == 0.0, 1.0, fit.theta), 1.0)
+
+
+def slopes_of(fit: Fit) -> Real:
+    """Derivative (p, p) of theta by the search coordinates; level by level (G, q, q) if own."""
+    coordinates, levels = fit.task.coordinates, fit.task.levels
+    if levels is not None:
+        return levels.slopes(fit.theta, coordinates.size[0])
+    return coordinates.slopes(fit.theta, coordinates.size[0])
+
+
+def printed_covariance(fit: Fit, covariance: Bordered) -> Bordered:
+    """That of theta."""
+    return covariance.carried(slopes_of(fit))
+
+
+def _printed_spread(fit: Fit, covariance: Covariance) -> Real:
+    """Standard deviations (p,) of ln theta (logarithmic parameters) or theta."""
+    if isinstance(covariance, Bordered):
+        scale = _printed_scale(fit)
+        return np.sqrt(printed_covariance(fit, covariance).variance) / scale
+    return spread_of(_printed_slopes(fit), covariance)
 
 
 def _linear_slope(fit: Fit, i: int) -> Real:
     """Derivative (2n,) of the residuals by parameter i itself."""
-    jacobian = fit.model.jacobian(fit.theta, fit.measurement.points)[:, i]
+    points, levels = fit.measurement.points, fit.task.levels
+    if levels is None:
+        jacobian = fit.model.jacobian(fit.theta, points)[:, i]
+    else:
+        jacobian = levels.derivative(fit.theta, i)
     weights = fit.task.weights[0]
     if fit.task.logarithmic:
-        jacobian = jacobian / fit.model.stiffness(fit.theta, fit.measurement.points)
+        jacobian = jacobian / fit.model.stiffness(fit.theta, points)
     slope: Real = np.nan_to_num(weighted(jacobian, weights, fit.objective.turn))
     return slope
 
@@ -433,7 +473,7 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
 
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
     """Standard deviation of parameter i in plain coordinates, or a small step if there is none."""
-    sd = float(spread_of(_printed_slopes(known.fit)[i : i + 1], known.covariance)[0])
+    sd = float(_printed_spread(known.fit, known.covariance)[i])
     if not plain.log[i]:
         sd /= float(plain.size[0, i])
     # Any step will do where the Jacobian knows none: the search along the profile doubles it.
@@ -459,12 +499,15 @@ class Path:
         Number of the parameter.
     evaluate : callable
         Residuals and their slopes by the coordinates, as `levenberg_marquardt` asks for them.
+    equations : Equations
+        How these are squared.
     """
 
     coordinates: Coordinates
     u: Real
     i: int
     evaluate: Callable[[Real, Rows], tuple[Real, Real]]
+    equations: Equations = WHOLE
 
     @classmethod
     def of(cls, fit: Fit, i: int) -> Path:
@@ -476,7 +519,7 @@ class Path:
             # All places are of the one data set.
             return task.evaluator(np.zeros(len(u), dtype=np.intp))(u, np.arange(len(u)))
 
-        return cls(plain, plain.u(fit.theta, plain.size[0]), i, evaluate)
+        return cls(plain, plain.u(fit.theta, plain.size[0]), i, evaluate, task.equations)
 
     def interval(self, step: float, allowed: float) -> tuple[float, float]:
         """Where the best objective has risen to `allowed` on either side, else the bounds."""
@@ -533,15 +576,22 @@ class Path:
         # All places begin at the best fit, and are solved side by side.
         u = np.tile(self.u, (len(places), 1))
         u[:, self.i] = places
-        solve = levenberg_marquardt
-        return solve(self.evaluate, u, lower, upper, floor=0.0, flat=ALIKE, iterations=60).cost
+        return levenberg_marquardt(
+            self.evaluate,
+            u,
+            lower,
+            upper,
+            flat=ALIKE,
+            iterations=60,
+            equations=self.equations,
+        ).cost
 
 
 def tied_values(
     model: Model,
     theta: Real,
     interval: tuple[Real, Real],
-    covariance: Real,
+    covariance: Covariance,
     quantile: float,
     units: Units,
 ) -> dict[str, tuple[str, Value]]:
@@ -565,11 +615,11 @@ def tied_values(
     units : Units
         Those of the data.
     """
-    found = {}
+    found, whole = {}, matrix_of(covariance) if model.ties else np.zeros((0, 0))
     # Where each parameter alone goes to the ends of its own interval.
     moved = [list(_moved(model, theta, interval, i)) for i in range(len(theta) * bool(model.ties))]
     for number, each in enumerate(model.followers(theta)):
-        low, high = _by_covariance(each, covariance, quantile)
+        low, high = _by_covariance(each, whole, quantile)
         parents = np.flatnonzero(each.slopes)
         resting = [i for i in parents if theta[i] in (interval[0][i], interval[1][i])]
         if len(parents) == 1:

@@ -13,7 +13,7 @@ from springpot.diagnosis.evidence import distance, log_prior_of_one
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.marginal import harmonic_evidence, marginal
 from springpot.diagnosis.result import NextExperiment
-from springpot.diagnosis.scan import applicable, scan_effects
+from springpot.diagnosis.scan import applicable, possible, scan_effects
 from springpot.diagnosis.search import grown_with
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
@@ -30,7 +30,6 @@ from springpot.rheology.typed import law
 from springpot.thresholds import EVIDENCE, INVENTION, VERDICT
 
 from .grammar import symbols
-from .search import possible
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

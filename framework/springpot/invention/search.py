@@ -17,9 +17,15 @@ import numpy as np
 
 from springpot.diagnosis.examination import search_data
 from springpot.diagnosis.grown import Grown, Search
-from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
+from springpot.diagnosis.scan import (
+    Scan,
+    Score,
+    best_pairs,
+    enough_for,
+    possible,
+    scan_effects,
+)
 from springpot.diagnosis.search import effort_of, pays, sort_by_evidence
-from springpot.identification.held_material import within_material
 from springpot.identification.problem import weighted
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import is_arithmetic
@@ -269,15 +275,6 @@ def _with_law(
     fitted = refit(base.model + effect, base.data, base.noise, seeds, starts, effort_of(search))
     memory.fits[text] = fitted
     yield Grown((effect,), fitted, fitted.rss)
-
-
-def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
-    """Candidates that these data are enough for, and that are no part of any material."""
-    return [
-        effect
-        for effect in library
-        if enough_for(base, base.model + effect) and not within_material(base.model, effect)
-    ]
 
 
 def _sort(search: Search) -> None:

@@ -145,12 +145,13 @@ def lowest_error(model: Model, measurement: Measurement, theta: Real, error: flo
 
 def _of_levels(model: Model, measurement: Measurement, theta: Real, error: float) -> float:
     """The least error where each level may have a material of its own."""
-    number, square = model.levels(measurement.points), 0.0
-    for i in np.unique(number).tolist():
-        (one, places), part = model.of_level(i), measurement.subset(number == i)
-        missed = one.stiffness(theta[places], part.points) / part.stiffness - 1.0
-        own = float(np.sqrt(np.mean(np.abs(missed) ** 2)))
-        square += len(part) * lowest_error(one, part, theta[places], own) ** 2
+    number, one, square = model.levels(measurement.points), model.of_any_level, 0.0
+    order, places = np.argsort(number, kind="stable"), model.places
+    for rows in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
+        part, own = measurement.subset(rows), theta[places[number[rows[0]]]]
+        missed = one.stiffness(own, part.points) / part.stiffness - 1.0
+        alone = float(np.sqrt(np.mean(np.abs(missed) ** 2)))
+        square += len(part) * lowest_error(one, part, own, alone) ** 2
     return min(float(np.sqrt(square / len(measurement))), error)
 
 

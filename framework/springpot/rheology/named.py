@@ -8,7 +8,7 @@ Whether an effect that a model has already would be the same thing once more.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Self, TypeVar
@@ -438,20 +438,42 @@ class NamedNetwork(HasParameters):
             return np.zeros(at.log_omega.shape[-1], dtype=np.intp)
         return own.level(at)
 
-    def of_level(self, number: int) -> tuple[Self, list[int]]:
-        """The model that one level has, and where its parameters stand in theta."""
-        first, places, nodes, placed = 0, list[int](), list[Node](), self.placed()
-        for node in (self.material, *(each.effect.element for each in placed)):
-            mine, last = np.arange(len(node.parameters)), first + len(node.parameters)
+    @property
+    def places(self) -> NDArray[np.intp]:
+        """Where the parameters (q,) of each level stand in theta, (levels, q)."""
+        first, places = 0, list[NDArray[np.intp]]()
+        nodes = [self.material, *(each.effect.element for each in self.placed())]
+        levels = max((len(node.places) for node in nodes if isinstance(node, Own)), default=1)
+        for node in nodes:
+            mine = np.arange(len(node.parameters))[None]
             if isinstance(node, Own):
-                mine, node = node.places[number], node.node
-            places += (first + mine).tolist()
-            nodes.append(node)
-            first = last
-        effects = tuple(
-            replace(each.effect, element=node) for each, node in zip(placed, nodes[1:], strict=True)
-        )
-        return replace(self, material=nodes[0], effects=effects), places
+                mine = node.places
+            places.append(np.broadcast_to(first + mine, (levels, mine.shape[1])))
+            first += len(node.parameters)
+        return np.concatenate(places, axis=1)
+
+    def at_all_levels(self, theta: Real) -> Real:
+        """Parameters (p,) of which all levels have those (q,) of one."""
+        places = self.places
+        whole = np.empty(int(places.max()) + 1)
+        whole[places] = theta
+        return whole
+
+    @property
+    def of_any_level(self) -> Self:
+        """The model that each level has for itself, which has one set of parameters."""
+        return self._mapped(lambda node: node.node if isinstance(node, Own) else node)
+
+    def at_levels(self, kept: NDArray[np.intp]) -> Self:
+        """The model with some of the levels that have parameters of their own, by their numbers."""
+        if len(kept) == len(self.places):
+            return self
+        return self._mapped(lambda node: node.at_levels(kept) if isinstance(node, Own) else node)
+
+    def _mapped(self, change: Callable[[Node], Node]) -> Self:
+        """The model with each of its nodes changed."""
+        effects = tuple(replace(each, element=change(each.element)) for each in self.effects)
+        return replace(self, material=change(self.material), effects=effects)
 
     @property
     def constrained(self) -> bool:

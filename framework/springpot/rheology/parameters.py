@@ -159,7 +159,8 @@ class HasParameters(ABC):
             If a name is unknown or missing.
         """
         # A name too many is told before one that lacks: it is mostly the misspelt form of that one.
-        unknown = [name for name in values if name not in self.names]
+        known = set(self.names)
+        unknown = [name for name in values if name not in known]
         if unknown:
             raise ModelError(
                 f"{self.name} has no parameter '{unknown[0]}': it has {', '.join(self.names)}"

@@ -403,5 +403,8 @@ def workbench(
 
 def _in_notebook() -> bool:
     """Whether a cell can show a page: a kernel runs this program, and the extra is installed."""
+    if find_spec("anywidget") is None:
+        return False
     # Looked for among what is loaded: a kernel has loaded itself long since.
-    return "ipykernel" in sys.modules and find_spec("anywidget") is not None
+    marimo = sys.modules.get("marimo")
+    return "ipykernel" in sys.modules or (marimo is not None and marimo.running_in_notebook())

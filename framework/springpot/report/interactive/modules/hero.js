@@ -3,7 +3,7 @@
 import { changed, enable, h, put } from "./dom.js";
 import { number, percent, pretty, times } from "./numbers.js";
 
-const ERROR = "error: root mean square of |K_model - K| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
+const ERROR = "error: root mean square of |K − K_model| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
 const EMPTY = "See where a model fails, and which physical effect is missing from it.";
 const UNANSWERED = "These data have no answer yet: see what is said above.";
 
@@ -26,7 +26,7 @@ export function claimed({ answer, edited, hovered }) {
   if (!answer) return null;
   const { noise_floor: floor, relative_rms: now } = answer.discovery.diagnosis.error;
   const told = (error) => times(error, floor) || percent(error, 2);
-  const preview = answer.previews[hovered];
+  const preview = hovered !== "by hand" && answer.previews[hovered];
   const next = preview || edited;
   return [h("span", { class: "big" }, next ? told(now).replace(" floor", "") : told(now)),
     next ? h("span", { class: `big ${preview ? "preview" : "edited"}` }, ` → ${told(next.error)}`) : null,
@@ -65,6 +65,7 @@ export class Hero {
     this.count({ ...diagnosis.error, relative_rms: edited?.error ?? diagnosis.error.relative_rms }, answer.of);
     this.big.className = edited ? "edited" : answer.discovery.verdict;
     if (diagnosis.where.length) this.place.textContent = placeOf(diagnosis.where[0], scene);
+    if (diagnosis.verdict === "effect-missing" && found?.parameters) this.place.textContent += ` ${explained(found)}`;
     this.place.title = this.place.textContent;
     if (found) this.add.textContent = `Add ${found.effect.split(" =")[0]} → ${fallTo(found, diagnosis.error)}`;
   }
@@ -91,6 +92,13 @@ function withoutAnswer(scene, refused) {
 
 // What lies too high or too low is the model's; of tests in time and of single points whole sentences are said.
 const placeOf = ({ says }, { views }) => pretty(!views && /^(storage|loss)/.test(says) ? `The model's ${says}.` : `${says[0].toUpperCase()}${says.slice(1)}.`);
+
+// Its first parameter is its size: "inertia (m = 0.60 kg) would explain it."
+function explained({ effect, parameters }) {
+  const [size] = Object.entries(parameters);
+  const told = size ? ` (${size[0]} = ${pretty(`${number(size[1].value, 2)} ${size[1].unit}`)})` : "";
+  return `${effect}${told} would explain it.`;
+}
 
 function fallTo(candidate, error) {
   const after = candidate.error_after ?? candidate.predicted_error;
