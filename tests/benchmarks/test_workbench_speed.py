@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from http.client import HTTPConnection
-from time import perf_counter, sleep
+from time import perf_counter, process_time, sleep
 from typing import Any
 
 import numpy as np
@@ -27,15 +27,15 @@ REPEATS = 5
 HANDS = {"k": {"value": 390.0}, "c": {"value": 60.0}, "alpha": {"value": 0.55}}
 
 
-def table(seed: int) -> bytes:
+def table(seed: int, points: int = POINTS) -> bytes:
     """A damper with a moving mass, with another scatter for each seed.
 
     So that nothing is kept from before.
     """
-    rng, frequency = np.random.default_rng(seed), np.geomspace(0.5, 50.0, POINTS)
+    rng, frequency = np.random.default_rng(seed), np.geomspace(0.5, 50.0, points)
     s = 2j * np.pi * frequency
     exact = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.55)) + 6e-4 * s**2
-    k = exact * (1 + 0.005 * (rng.normal(size=POINTS) + 1j * rng.normal(size=POINTS)))
+    k = exact * (1 + 0.005 * (rng.normal(size=points) + 1j * rng.normal(size=points)))
     rows = "".join(
         f"{f:.6g},{v.real:.6g},{v.imag:.6g}\n" for f, v in zip(frequency, k, strict=True)
     )
@@ -118,3 +118,20 @@ def test_the_page_waits_little_longer_than_the_computation_takes():
         assert middle(moved) < middle(bare) / 10
     finally:
         asked.bench.close()
+
+
+@pytest.mark.soak
+def test_an_answer_without_a_model_takes_less_time_than_its_points():
+    """A dropped file is judged beside any material before a model is named."""
+    longest = []
+    for points, seeds in ((POINTS, 15), (6 * POINTS, 9), (200 * POINTS, 3)):
+        times = []
+        for seed in range(seeds + 1):
+            content, begun = table(seed, points), process_time()
+            springpot.discover(measured_in("damper.csv", content)[0], accept=[])
+            times.append(process_time() - begun)
+        times = times[1:]  # the first has the imports
+        longest.append(max(times))
+        print(f"{points} points: {middle(times):.2f} s, the longest of {seeds} {max(times):.2f} s")
+    assert longest[1] < 6.0 * longest[0]
+    assert longest[2] < 200.0 * longest[0] / 10.0

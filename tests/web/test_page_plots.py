@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from time import perf_counter
 
+import pytest
 from browsing import IN_A_BROWSER, Open, Page
 
 pytestmark = IN_A_BROWSER
@@ -234,3 +236,37 @@ def test_the_spectrum_of_any_material_is_a_view(page: Open, damper: bytes):
     here.judge(MODEL)
     assert here.page.locator("#view [value=spectrum]").is_disabled()
     assert "frequency f [Hz]" in here.page.text_content("#plot-view")
+
+
+MOVED = """async () => {
+    const slider = document.querySelector(".parameter input[type=range]");
+    const plot = document.querySelector("#plot-residual");
+    const times = [];
+    for (let i = 0; i < 40; i += 1) {
+        const drawn = new Promise((done) => {
+            const seen = new MutationObserver(() => {
+                seen.disconnect();
+                done(performance.now());
+            });
+            seen.observe(plot, { subtree: true, childList: true, attributes: true });
+        });
+        const begun = performance.now();
+        slider.value = Number(slider.value) + (i % 2 ? 1 : -1) * Number(slider.step);
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        times.push(await drawn - begun);
+        await new Promise((done) => { setTimeout(done, 50); });
+    }
+    return times.sort((a, b) => a - b);
+}"""
+
+
+@pytest.mark.soak
+def test_residuals_follow_a_slider_while_it_moves(page: Open, damper: bytes):
+    here = page()
+    here.open("damper.csv", damper, MODEL)
+    begun = perf_counter()
+    here.judge(f"{MODEL} + inertia")
+    answered = 1e3 * (perf_counter() - begun)
+    times = here.page.evaluate(MOVED)
+    print(f"from a slider to its residuals {times[20]:.1f} ms, the longest {times[-1]:.1f} ms")
+    assert times[20] < answered / 5

@@ -9,6 +9,7 @@ import json
 import runpy
 import shlex
 from collections import OrderedDict
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -76,8 +77,9 @@ def test_a_key_is_that_of_its_state_and_of_no_other(state: State):
         State(state.data, MODEL, (), (), 1),
         State("x", MODEL),
         State(state.data),
+        State(state.data, MODEL, fixed=(("k", 390.0),)),
     ]
-    assert len({one.key for one in [state, *others]}) == 6
+    assert len({one.key for one in [state, *others]}) == 7
     assert all(State.of(json.loads(json.dumps(one.to_dict()))).key == one.key for one in others)
 
 
@@ -86,7 +88,9 @@ ANYTHING = st.none() | st.integers() | st.floats() | st.text() | st.lists(st.tex
 
 @settings(max_examples=50)
 @given(
-    st.dictionaries(st.sampled_from(["data", "model", "accepted", "excluded", "seed"]), ANYTHING)
+    st.dictionaries(
+        st.sampled_from(["data", "model", "accepted", "excluded", "seed", "fixed"]), ANYTHING
+    )
 )
 def test_a_state_takes_nothing_that_is_none(anything: dict[str, object]):
     try:
@@ -286,6 +290,21 @@ def test_a_name_cannot_break_out_of_the_script(state: State):
         assert "os" not in compiled.co_names
 
 
+@pytest.mark.parametrize(
+    "fixed", [[], {"k": True}, {"k": "1"}, {"k": float("inf")}, {str(i): 1.0 for i in range(101)}]
+)
+def test_what_is_held_is_a_finite_number_by_its_name(fixed):
+    with pytest.raises(DataError, match="no state of the workbench"):
+        State.of({"data": "x", "fixed": fixed})
+
+
+def test_what_is_held_is_fitted_on_no_rung(state: State, data: Measurement):
+    held = replace(state, accepted=("inertia",), fixed=(("k", 390.0),))
+    told = answer(held, ladder_of(held, data), data)
+    assert [one["name"] for one in told["parameters"]] == ["c", "alpha", "inertia.m"]
+    assert told["state"]["fixed"] == {"k": 390.0}
+
+
 def test_the_command_line_is_that_of_the_state(state: State):
     words = shlex.split(leaving.command(state.accepting("inertia"), "my damper.csv"))
     assert words == [
@@ -306,6 +325,9 @@ def test_the_command_line_is_that_of_the_state(state: State):
         "--seed",
         "0",
     ]
+    held = State("x", MODEL, fixed=(("alpha", 0.5), ("k", 390.0)))
+    assert leaving.command(held, "d.csv").endswith("--fix alpha=0.5 --fix k=390.0 --seed 0")
+    assert "fix={'alpha': 0.5, 'k': 390.0})" in leaving.script(held, "d.csv")
     left_out = State("x", MODEL, (), (1, 7, 8))
     assert leaving.command(left_out, "d.csv").endswith(
         "--exclude row=8..9 --exclude row=2 --seed 0"
@@ -468,7 +490,7 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     assert relative_error(one, model, half) == pytest.approx(exact)
     modules = Path(springpot.__file__).parent / "report" / "interactive" / "modules"
     words = (modules / "hero.js").read_text(encoding="utf-8")
-    assert "|K_model - K| / |K|" in words
+    assert "|K − K_model| / |K|" in words
 
 
 @pytest.mark.soak

@@ -108,6 +108,8 @@ def command(state: State, source: str) -> str:
         words += ["--model", state.model]
     for name in state.accepted:
         words += ["--accept", name]
+    for name, value in state.fixed:
+        words += ["--fix", f"{name}={value!r}"]
     for rows in rows_to_exclude(state):
         words += ["--exclude", rows]
     return shlex.join([*words, "--seed", str(state.seed)])
@@ -131,6 +133,8 @@ def script(state: State, *sources: str) -> str:
     # By `repr`, as all that is set into the program: a name stays a text, whatever stands in it.
     accepted, exclude = list(state.accepted), _exclude_argument(state)
     asked = f"{state.model or None!r}, accept={accepted!r}, seed={state.seed}{exclude}"
+    if state.fix:
+        asked += f", fix={state.fix!r}"
     return f"""{head}
 import springpot
 

@@ -16,6 +16,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -219,6 +220,8 @@ MOST_EFFECTS = 12
 MOST_ROWS = 1_000_000
 """Rows that may be left out: more than any file within the limit of an upload holds."""
 LARGEST_SEED = 2**32
+MOST_HELD = 100
+"""Parameters that may be held: more than any model has."""
 
 
 @dataclass(frozen=True)
@@ -237,6 +240,8 @@ class State:
         Rows of the data that are left out, ascending.
     seed : int
         Of simulated noise.
+    fixed : tuple of (str, float)
+        Parameters that are held, in printed units, by name.
 
     Examples
     --------
@@ -249,6 +254,7 @@ class State:
     accepted: tuple[str, ...] = ()
     excluded: tuple[int, ...] = ()
     seed: int = 0
+    fixed: tuple[tuple[str, float], ...] = ()
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> State:
@@ -268,6 +274,7 @@ class State:
                     sorted({_number(row) for row in _listed(given.get("excluded", ()), MOST_ROWS)})
                 ),
                 _number(given.get("seed", 0)),
+                _held(given.get("fixed", {})),
             )
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DataError(f"this is no state of the workbench: {error}") from None
@@ -289,11 +296,17 @@ class State:
 
     def accepting(self, effect: str) -> State:
         """The next rung."""
-        return State(self.data, self.model, (*self.accepted, effect), self.excluded, self.seed)
+        return replace(self, accepted=(*self.accepted, effect))
+
+    @property
+    def fix(self) -> dict[str, float] | None:
+        """What is held, as `springpot.discover` takes it."""
+        return dict(self.fixed) or None
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON has it."""
-        return asdict(self)
+        """As JSON has it; where nothing is held, nothing is said of it."""
+        told = asdict(self) | {"fixed": self.fix}
+        return {key: value for key, value in told.items() if value is not None}
 
 
 def digest_of(text: str) -> str:
@@ -312,6 +325,15 @@ def _number(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < LARGEST_SEED:
         raise ValueError(f"{str(value)[:40]!r} is no whole number from 0 on")
     return value
+
+
+def _held(value: object) -> tuple[tuple[str, float], ...]:
+    if not isinstance(value, dict) or len(value) > MOST_HELD:
+        raise ValueError(f"what is held is at most {MOST_HELD} names with their values")
+    for number in value.values():
+        if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
+            raise ValueError(f"{str(number)[:40]!r} is no number")
+    return tuple(sorted((_text(name), float(number)) for name, number in value.items()))
 
 
 def _listed(value: object, most: int) -> list[object]:

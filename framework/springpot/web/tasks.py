@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from springpot.api import compare, discover, identify, invent, mastercurve
+from springpot.constraints import constrained
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import silent
 from springpot.errors import DataError, SpringpotError
@@ -83,7 +84,9 @@ def ladder_of(
     used = given(kept(measurement, state.excluded))
     # A list, though it may be empty: without one the evidence would accept effects by itself.
     accepted, model = list(state.accepted), state.model or None
-    ladder = discover(used, model, accept=accepted, seed=state.seed, progress=told, begun=begun)
+    ladder = discover(
+        used, model, accept=accepted, seed=state.seed, fix=state.fix, progress=told, begun=begun
+    )
     assert isinstance(ladder, Ladder)
     return ladder
 
@@ -418,7 +421,7 @@ def held(
 
 
 def _bound(state: State, data: Opened) -> Model:
-    model = parse_model(state.expression)
+    model = constrained(parse_model(state.expression), _units(data), state.fix)
     if isinstance(data, Specimen):
         return model
     return model.bound_to(kept(data, state.excluded).points)
@@ -444,7 +447,7 @@ def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[
     """The model of a state, with a law that is typed if there is one, fitted and drawn."""
     (asked, own), data = with_law(State.of(state), law), _opened(text)
     used = given(kept(data, asked.excluded))
-    fit: Any = identify(used, parse_model(asked.expression))
+    fit: Any = identify(used, parse_model(asked.expression), fix=asked.fix)
     return tried(asked, own, data, fit)
 
 
@@ -452,7 +455,7 @@ def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """The laws that may be missing from the model of a state, each drawn."""
     asked, measurement = State.of(state), _measured(text)
     used = kept(measurement, asked.excluded)
-    found = invent(used, asked.expression, seed=asked.seed, progress=told)
+    found = invent(used, asked.expression, seed=asked.seed, fix=asked.fix, progress=told)
     return invented(asked, measurement, found)
 
 
@@ -481,7 +484,7 @@ def smoothed(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     asked = State.of(state)
     used = kept(_measured(text), asked.excluded)
     told("seeking the smoothest spectrum that the data allow")
-    found = identify(used, parse_model(asked.expression))
+    found = identify(used, parse_model(asked.expression), fix=asked.fix)
     if found.spectrum is None:
         raise DataError(f"{found.model.name} has elements, and no spectrum that the data choose")
     spectrum, unit = found.spectrum, used.units.stiffness

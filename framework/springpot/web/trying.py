@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from springpot.comparison.comparing import compare
+from springpot.constraints import constrained
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
@@ -45,7 +46,7 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
         used = used.subset(rows)
-    model = parse_model(state.expression)
+    model = constrained(parse_model(state.expression), used.units, state.fix)
     [judged] = compare(used, [model], np.random.default_rng(state.seed)).judgements
     error = judged.error.to_dict()
     rung = {"model": model.name, "accepted": None, "class": [], **error}

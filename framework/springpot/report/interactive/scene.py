@@ -124,8 +124,12 @@ class PageScene:
         per_hertz = 1.0
         if self.axis.column == "frequency":
             per_hertz = measurement.units.on_clock(1.0)
+        words = _words(measurement.units)
         planes = {
-            plane.plane: {"shows": plane.shows, "label": plane.label(measurement.units.stiffness)}
+            plane.plane: {
+                "shows": plane.shows,
+                "label": plane.label(measurement.units.stiffness).replace("K", words["symbol"]),
+            }
             for plane in PLANES
         }
         return {
@@ -142,7 +146,7 @@ class PageScene:
                 "logarithmic": self.axis.logarithmic,
                 "per_hertz": per_hertz,
             },
-            "words": _words(measurement.units),
+            "words": words,
             "cloud": self._cloud(sweep_of),
             "rows": rows.tolist(),
             "x": rounded(self.axis.values[rows]),

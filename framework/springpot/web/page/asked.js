@@ -2,7 +2,7 @@
 
 import { masterSpec } from "./master.js";
 import { spectrumSpec } from "./spectrum.js";
-import { keyOf, rowsOf } from "./wants.js";
+import { keyOf, ofModel, rowsOf } from "./wants.js";
 
 const shifts = ({ data }) => Boolean(data?.levels.some(({ column }) => column === "temperature" || column === "amplitude"));
 const free = ({ state }) => Boolean(state) && /^(material\b|$)/.test(state.model);
@@ -13,7 +13,7 @@ export class Asked {
     this.found = new Map(); // by view, with what it is of
     // `of`: what it depends on; `can`: whether these data and this model have it; `draw`: how it is drawn.
     this.views = {
-      "master-curve": { name: "Master curve", task: "mastercurve", can: shifts, of: rowsOf, state: (state) => ({ ...state, model: "", accepted: [] }), draw: (found) => masterSpec(app.scene, found, app.state.excluded) },
+      "master-curve": { name: "Master curve", task: "mastercurve", can: shifts, of: rowsOf, state: (state) => ofModel(state, ""), draw: (found) => masterSpec(app.scene, found, app.state.excluded) },
       spectrum: { name: "Spectrum", task: "spectrum", can: free, of: keyOf, state: (state) => state, draw: spectrumSpec },
     };
   }

@@ -92,7 +92,7 @@ function listSets(select, library) {
   const known = library?.datasets || [];
   if (select.length === known.length + 1) return;
   put(select, h("option", { value: "" }, "choose…"),
-    known.map((set) => h("option", { value: set.name, disabled: Boolean(set.unavailable), title: set.summary }, set.name)));
+    known.map((set) => h("option", { value: set.name, disabled: Boolean(set.unavailable), title: set.unavailable || set.summary }, set.name)));
 }
 
 export function listenForDrops(app) {

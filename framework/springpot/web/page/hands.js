@@ -44,9 +44,8 @@ export class Hands {
     this.moves += 1;
     this.wanted = null;
     const { state } = app.answer;
-    app.refused = "";
     const { found, refused } = await app.work.run(FIT, (how) => api.ask("held", { state, hands }, how));
-    if (refused) app.refused = refused;
+    if (refused) app.model.says(refused);
     if (found) {
       app.model.take(found.values);
       this.show(found, "fitted within these");

@@ -11,13 +11,13 @@ import { History } from "./history.js";
 import { Ladder } from "./ladder.js";
 import { Law } from "./law.js";
 import { leaveDialog } from "./leave.js";
-import { Missing } from "./missing.js";
+import { BY_HAND, Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
 import { Race } from "./race.js";
 import { looksOf } from "./views.js";
 import { Watch } from "./watch.js";
-import { answerTo, keyOf, lacking, rowsOf, textOf } from "./wants.js";
+import { answerTo, heldWith, keyOf, lacking, ofModel, rowsOf, textOf } from "./wants.js";
 import { Work } from "./work.js";
 
 const SAVED = "springpot-session";
@@ -218,8 +218,8 @@ class App {
   stateOn(data, onto) {
     const before = this.state || BEGINNING;
     const excluded = onto && before.data === onto ? before.excluded : [];
-    const state = { ...before, data, accepted: onto ? before.accepted : [], excluded };
-    return this.named === null ? state : { ...state, model: this.named, accepted: [] };
+    const state = { ...(onto ? before : ofModel(before, before.model)), data, excluded };
+    return this.named === null ? state : ofModel(state, this.named);
   }
 
   // What waited for these data is for those that are open, if any are.
@@ -255,11 +255,21 @@ class App {
     this.render();
   }
 
-  judging(model) { return { ...this.state, model, accepted: [] }; }
+  judging(model) { return ofModel(this.state, model); }
+
+  // Parameters by name, in printed units, to be held where they are; of nothing all are fitted again.
+  hold(values) {
+    const { fixed, ...state } = this.state;
+    this.step(values ? { ...state, fixed: { ...fixed, ...values } } : state);
+  }
 
   // An effect by its name, a law by its text, or what can be done with the data.
   accept(name) {
     if (this.waiting) return;
+    if (name === BY_HAND) {
+      this.hold(this.model.moved());
+      return;
+    }
     const { accept, exclude } = this.answer.actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
     const { accepted, excluded } = this.state;
     const out = new Set(excluded);
@@ -297,14 +307,14 @@ class App {
   // A rung is one of the ladder that is drawn, which may still be that of the state before.
   upTo(rung) {
     const { model, accepted } = this.answer.state;
-    return { ...this.state, model, accepted: accepted.slice(0, rung) };
+    return heldWith({ ...this.state, model, accepted: accepted.slice(0, rung) });
   }
 
   goTo(rung) { this.step(this.upTo(rung)); }
 
   remove(i) {
     const whole = this.upTo(this.rung);
-    this.step({ ...whole, accepted: whole.accepted.filter((_, j) => j !== i) });
+    this.step(heldWith({ ...whole, accepted: whole.accepted.filter((_, j) => j !== i) }));
   }
 
   step(state) {
@@ -404,6 +414,8 @@ class App {
 
   setEdited(edited) {
     this.edited = edited;
+    if (edited) this.answer.previews[BY_HAND] = edited;
+    this.missing.edit(edited && this.model.movedAs(BY_HAND, edited));
     if (this.compare.main.spec && this.scene) this.compare.drawBeside();
     this.ladder.preview(this.hovered);
   }

@@ -10,12 +10,12 @@ export function masterSpec(scene, master, excluded) {
     const nearest = [...factors.keys()].reduce((a, b) => (Math.abs(b - here) < Math.abs(a - here) ? b : a));
     const { a, b = 1 } = factors.get(nearest);
     const colour = `var(--sweep-${Math.round((8 * scene.sweep[i]) / Math.max(1, scene.sweeps.length - 1))})`;
-    const x = (scene.omega[i] / 2 / Math.PI) * a;
+    const x = (scene.omega[i] / 2 / Math.PI) * scene.words.per_hertz * a;
     const out = excluded.includes(row);
     return [{ x, y: scene.storage[i] / b, kind: "storage", row, colour, out, sweep: scene.sweep[i] }, { x, y: scene.loss[i] / b, kind: "loss", row, colour, out, sweep: scene.sweep[i] }];
   });
-  const x = { label: "reduced frequency a f [Hz]", log: true };
-  const { symbol } = scene.words;
+  const { symbol, clock } = scene.words;
+  const x = { label: `reduced frequency a ${clock === "Hz" ? "f" : "ω"} [${clock}]`, log: true };
   const y = { label: `${symbol}'/b, ${symbol}''/b [${scene.units.stiffness}]`, log: true };
   [x.min, x.max] = range(points.map((point) => point.x), true, 0.03);
   [y.min, y.max] = range(points.map((point) => point.y), true, 0.1);

@@ -137,16 +137,16 @@ export class ModelPanel {
 
   row(parameter, movable) {
     const [value, interval] = withInterval(parameter.value, parameter.low, parameter.high);
-    const hand = { value: parameter.value, fixed: false, lower: null, upper: null, touched: false };
+    const hand = { value: parameter.value, fitted: parameter.value, fixed: false, lower: null, upper: null, touched: false };
     this.hands.set(parameter.name, hand);
     const told = h("span", { class: "told", title: "fitted value and its 95 % interval" }, pretty(`${value} ${interval} ${parameter.unit === "-" ? "" : parameter.unit}`));
     const name = h("span", { class: "name" }, parameter.name);
     const head = h("div", { class: "head" }, name, told);
     if (!movable) return h("div", { class: "parameter" }, head);
     const box = h("input", { type: "number", step: "any", value, "aria-label": `${parameter.name} in ${parameter.unit}`,
-      onchange: () => this.moved(parameter, Number(box.value), "box") });
+      onchange: () => this.place(parameter, Number(box.value), "box") });
     const slider = h("input", { type: "range", min: -STEPS, max: STEPS, value: 0, "aria-label": `move ${parameter.name}`,
-      oninput: () => this.moved(parameter, this.placed(parameter, Number(slider.value)), "slider") });
+      oninput: () => this.place(parameter, this.placed(parameter, Number(slider.value)), "slider") });
     const fix = h("input", { type: "checkbox", onchange: () => { hand.fixed = fix.checked; this.touched(hand); } });
     const bound = (side) => h("input", { type: "number", step: "any", placeholder: `${side}: ${number(parameter[side])}`, "aria-label": `${side} bound of ${parameter.name}`,
       onchange: (event) => { hand[side] = event.target.value === "" ? null : Number(event.target.value); this.touched(hand); } });
@@ -161,7 +161,18 @@ export class ModelPanel {
     return value + (reach * place) / STEPS;
   }
 
-  moved(parameter, value, by) {
+  // What a hand has put elsewhere than the fit: values by name.
+  moved() {
+    return Object.fromEntries([...this.hands].filter(([, hand]) => hand.touched && hand.value !== hand.fitted).map(([name, { value }]) => [name, value]));
+  }
+
+  // The same as a card of a cause.
+  movedAs(effect, { error }) {
+    const label = Object.entries(this.moved()).map(([name, value]) => `${name} = ${number(value)}`).join(", ");
+    return label ? { effect, label: `hold ${label}`, says: "what was moved is held where it stands, and all else is fitted", shown: "by hand", error_after: error } : null;
+  }
+
+  place(parameter, value, by) {
     const hand = this.hands.get(parameter.name);
     if (!Number.isFinite(value)) return;
     hand.value = value;

@@ -14,7 +14,15 @@ export const rowsOf = ({ data, excluded, seed }) => JSON.stringify([data, exclud
 export const textOf = (data) => `data ${data}`;
 export const answerTo = (state) => `answer ${keyOf(state)}`;
 
-const withoutModel = (state) => ({ ...state, model: "", accepted: [] });
+// Another model has other parameters: nothing of it is held.
+export const ofModel = ({ fixed, ...state }, model) => ({ ...state, model, accepted: [] });
+// What is held of an effect is held as long as it is there.
+export function heldWith({ fixed = {}, ...state }) {
+  const there = (name) => !name.includes(".") || state.accepted.some((effect) => name.startsWith(`${effect.split(" =")[0]}.`));
+  const kept = Object.entries(fixed).filter(([name]) => there(name));
+  return kept.length ? { ...state, fixed: Object.fromEntries(kept) } : state;
+}
+const withoutModel = (state) => ofModel(state, "");
 
 // Each is named, asks, keeps what came, and is left alone when it was refused or cancelled.
 export function lacking(app) {

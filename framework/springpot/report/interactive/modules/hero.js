@@ -4,7 +4,7 @@ import { changed, enable, h, put } from "./dom.js";
 import { number, percent, pretty, times } from "./numbers.js";
 import { verdict } from "./compare.js";
 
-const ERROR = "error: root mean square of |K_model - K| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
+const ERROR = "error: root mean square of |K − K_model| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
 const EMPTY = "See where a model fails, and which physical effect is missing from it.";
 const UNANSWERED = "These data have no answer yet: see what is said above.";
 

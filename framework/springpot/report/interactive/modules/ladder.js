@@ -1,7 +1,7 @@
 // The error, rung by rung, against the noise floor: every rung can be gone back to, left out or branched from.
 
 import { changed, h, put, s } from "./dom.js";
-import { percent, times } from "./numbers.js";
+import { number, percent, times } from "./numbers.js";
 import { logTicks } from "./plot.js";
 
 const TALL = 150; // px of the picture
@@ -43,7 +43,7 @@ export class Ladder {
       put(this.other, h("p", { class: "quiet" }, answer ? "" : "The error of each model against the noise floor is drawn here."));
       return;
     }
-    put(this.list, this.leftOut(), this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
+    put(this.list, this.leftOut(), this.held(), this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
     put(this.other, beside ? this.besideList(beside) : null);
     this.draw(this.app.steps, beside);
     this.preview(this.app.hovered);
@@ -73,6 +73,15 @@ export class Ladder {
     const rows = excluded.length === 1 ? `row ${excluded[0] + 1}` : `${excluded.length} rows`;
     return h("li", { id: "left-out", title: `left out: rows ${excluded.slice(0, 40).map((row) => row + 1).join(", ")}` }, `without ${rows}`,
       this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `take back ${rows}`, title: "take them back", onclick: () => this.app.leaveOut([]) }, "×"));
+  }
+
+  // Parameters that are held are no longer fitted on any rung.
+  held() {
+    const { fixed } = this.app.state;
+    if (!fixed) return null;
+    const told = Object.entries(fixed).map(([name, value]) => `${name} = ${number(value)}`).join(", ");
+    return h("li", { id: "held" }, `${told} held`,
+      this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `release ${told}`, title: "fit them again", onclick: () => this.app.hold(null) }, "×"));
   }
 
   renderBranches(history) {

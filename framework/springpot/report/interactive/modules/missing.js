@@ -41,7 +41,9 @@ export class Missing {
     }
     const diagnosis = answer?.discovery.diagnosis;
     this.active = null;
-    this.candidates = diagnosis?.candidates || [];
+    const accepted = diagnosis?.model.split(" + ") || [];
+    // What is there already is a cause no more, unless a second one of it was fitted.
+    this.candidates = (diagnosis?.candidates || []).filter((one) => one.error_after !== null || !accepted.includes(one.effect));
     this.others = othersOf(this.app);
     this.says.title = laws ? pretty(laws.invention.says) : "";
     this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed, laws?.invention) : "Effects are ranked here as soon as there are data.";
@@ -62,6 +64,20 @@ export class Missing {
     this.accept.hidden = Boolean(this.app.fixed) || none;
     this.unfold(this.folded);
     this.show(this.app.hovered);
+  }
+
+  // Parameters that were moved are a hypothesis as well: to be held where they stand, all else fitted.
+  edit(one) {
+    this.hand?.remove();
+    this.hand = null;
+    this.others = this.others?.filter((other) => other.shelf !== BY_HAND);
+    if (!one) return;
+    const asked = { ...one, class: [], shelf: BY_HAND };
+    this.others.push(asked);
+    this.hand = h("div", { role: "group", class: "shelf", "aria-label": MOVED, "data-title": MOVED }, this.card([asked], this.app.answer.discovery.diagnosis));
+    this.list.prepend(this.hand);
+    this.list.hidden = false;
+    this.accept.hidden = false;
   }
 
   // What is ruled out is one line until somebody asks; where nothing else is there, all of it is shown.
@@ -177,14 +193,16 @@ export class Missing {
         }).join("; ") || "not fitted: it stands too far behind"),
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
-        ...row("cannot be told from", others.join(", ") || "nothing: it has its own curve"),
-        ...(candidate.verdict === "missing" || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`))));
+        ...(others.length ? row("cannot be told from", others.join(", ")) : []),
+        ...(candidate.shelf !== FOLDED || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`))));
   }
 }
 
 const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 
 const ON_DATA = "With the data themselves";
+export const BY_HAND = "by hand";
+const MOVED = "Moved by hand";
 const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
 
 // What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data.
@@ -206,7 +224,7 @@ function othersOf({ answer, laws }) {
 
 const MEANS = {
   size: "its parameters with their 95 % intervals",
-  error: "root mean square of |K_model - K| / |K| before and after it joins, K being what was measured; the noise floor is what noise alone leaves",
+  error: "root mean square of |K − K_model| / |K| before and after it joins, K being what was measured; the noise floor is what noise alone leaves",
   evidence: "probability that it is among what is missing; drop of the Bayesian information criterion when it joins, above 6 clear, above 10 decisive",
   "cannot be told from": "effects that change these data alike",
   "would have been seen": "relative change of K above which the effect would have been seen",

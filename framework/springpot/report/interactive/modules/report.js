@@ -5,7 +5,7 @@ import { Compare } from "./compare.js";
 import { Hero } from "./hero.js";
 import { Ladder } from "./ladder.js";
 import { Missing } from "./missing.js";
-import { withInterval } from "./numbers.js";
+import { pretty, withInterval } from "./numbers.js";
 import { looksOf } from "./views.js";
 
 const LOOK = 1600; // ms on each rung of a replay
@@ -52,7 +52,7 @@ class Report {
   render() {
     this.parameters.replaceChildren(...this.answer.parameters.flatMap((parameter) => {
       const [value, interval] = withInterval(parameter.value, parameter.low, parameter.high);
-      return [h("dt", {}, parameter.name), h("dd", {}, `${value} ${interval} ${parameter.unit}`)];
+      return [h("dt", {}, parameter.name), h("dd", {}, pretty(`${value} ${interval} ${parameter.unit === "-" ? "" : parameter.unit}`))];
     }));
     for (const each of this.panels) each.render();
   }
