@@ -159,6 +159,10 @@ def _told(**changed):
         ({"helps": ["thermal-force", "finite-ramp"]}, "defensible"),
         ({"helps": ["thermal-force"]}, "hedged"),
         (
+            {"explains": ["basset", "ageing"], "says": "missing is basset or ageing"},
+            "defensible",
+        ),
+        (
             {"verdict": "effect-missing", "explains": ["basset"], "missing": ["basset"]},
             "confidently wrong",
         ),

@@ -133,7 +133,9 @@ def judged(one: Unseen, told: dict[str, Any]) -> str:
     """Right, defensible, hedged or confidently wrong; see `NOTE`."""
     named = [*told["explains"], *told["helps"]]
     said = f"{told['verdict']}: {told['says']}"
-    if (named[:1] and named[0] in one.true) or any(word in said for word in one.true):
+    # A headline names a whole class: there too the first name alone is what is said.
+    words = set(one.true) - set(named)
+    if (named[:1] and named[0] in one.true) or any(word in said for word in words):
         return "right"
     claimed = set(told["missing"]) - set(one.true)
     if claimed or told["verdict"] == "adequate":

@@ -186,6 +186,17 @@ def test_the_largest_score_of_noise_is_a_square_and_none_is_negative():
     np.testing.assert_allclose(found, np.maximum(drawn, 0.0) ** 2, rtol=1e-5)
 
 
+def test_a_draw_that_is_as_likely_with_the_other_sign_serves_twice():
+    drawn = np.linspace(-2.0, 3.0, scan.DRAWS // 2)
+    parts = iter(np.array_split(drawn, 2))
+    frame = SimpleNamespace(size=1, draws=lambda count, rng: next(parts)[:, None])
+    tried = [SimpleNamespace(unit=np.ones((1, 1)))]
+    found = scan._simulated_maxima(frame, tried, None, scan.DRAWS, mirrored=True)
+    np.testing.assert_allclose(np.sort(found)[-1], 9.0, rtol=1e-5)
+    assert len(found) == scan.DRAWS
+    assert np.sum(found > 0.0) == len(drawn), "each lies to one of the two sides"
+
+
 def harmonic(measured, predicted, radius):
     """A fit with one row of noise 0.03 + 0.04 i beside a size of 5, and its third harmonic."""
     data = SimpleNamespace(

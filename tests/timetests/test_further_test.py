@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 import springpot
 from springpot import TimeTest
 from springpot.timetests import identify
-from springpot.timetests.experiment import AfterTest, planned_tests
+from springpot.timetests.experiment import AfterTest, _of_one_class, planned_tests
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("fractional-zener")
@@ -107,3 +108,17 @@ def test_what_was_imposed_can_be_let_go(fits) -> None:
     assert set(plans) == {"repeats", "factor", "time", "release", "omega"}
     assert plans["release"].part.test.kind == "recovery"
     assert plans["omega"].part.test.omega[0] == pytest.approx(1.0 / 100.0, rel=0.01)
+
+
+def test_of_a_class_the_first_two_are_told_apart_however_unlike_their_chances() -> None:
+    alike = ("thermal-transient", "thermal-growth", "fading-network", "thermal-force")
+    first = SimpleNamespace(effect="thermal-transient", alike=alike, probability=0.5)
+    fitted = {"thermal-force", "fading-network", "thermal-transient"}
+    assert _of_one_class([first], fitted) == ("thermal-transient", "fading-network")
+    alone = SimpleNamespace(
+        effect="thermal-transient", alike=("thermal-transient",), probability=1.0
+    )
+    assert _of_one_class([alone, first], fitted) is None
+    assert _of_one_class([], fitted) is None
+    first.probability = 0.0
+    assert _of_one_class([first], fitted) is None

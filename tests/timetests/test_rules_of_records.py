@@ -19,10 +19,13 @@ from springpot.timetests import (
     verdict,
     where,
 )
+from springpot.timetests.left import Left
 from springpot.timetests.material import spectrum_of
+from springpot.timetests.scatter import ResidualScatter
 
 TIME = np.linspace(0.0, 4.0, 401)
 RUN = np.sin(2.0 * np.pi * TIME)
+BY_TURNS = np.repeat(np.tile([1.0, -1.0], 20), 5)
 
 
 def record(value=RUN, kind="history"):
@@ -163,11 +166,41 @@ def test_an_effect_explains_as_well_by_its_criterion_or_by_its_squares(
     helps, delta, squares, alike
 ):
     def of(squares, delta, helps):
-        left = SimpleNamespace(squares=lambda noise: squares)
+        judged = SimpleNamespace(misfit=True)
+        left = SimpleNamespace(squares=lambda noise: squares, beside=lambda noise: judged)
         return SimpleNamespace(left=left, delta=delta, helps=helps)
 
     best = of(50.0, 100.0, True)
     assert verdict._as_well(of(50.0 + squares, 100.0 - delta, helps), best, None) is alike
+
+
+@pytest.mark.parametrize(
+    ("lead", "helps", "size", "alike"),
+    [
+        # Now far behind, now ahead, or a little behind all along: by 24 in sum, either way.
+        (BY_TURNS, True, 1.0, True),
+        (0.0 * BY_TURNS, True, 1.0, False),
+        # One that does not help, or leaves more than noise, stays out however its lead scatters.
+        (BY_TURNS, False, 1.0, False),
+        (BY_TURNS, True, 0.3, False),
+    ],
+)
+def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
+    lead, helps, size, alike
+):
+    noise = ResidualScatter(size, 0.0, 0.0, 1.0)
+    # Up and down, as what repeats the sample before is no noise.
+    one = np.tile([1.0, -1.0], 100)
+    other = np.sqrt(1.12 + lead) * one
+    best, each = (
+        SimpleNamespace(
+            left=Left(1, (value,), (noise,), (np.zeros((0, 200)),), (np.zeros(200),)),
+            delta=delta,
+            helps=helps,
+        )
+        for value, delta in ((one, 100.0), (other, 60.0))
+    )
+    assert verdict._as_well(each, best, [noise]) is alike
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import springpot
 from springpot.diagnosis.actions import leaving_out_the_beginning
 from springpot.diagnosis.evidence import unknown_odds
 from springpot.diagnosis.in_practice import Misfit
+from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import exponentials, verdict, where
@@ -102,12 +103,27 @@ def test_facts_are_the_gain_of_the_best_and_what_is_beyond_doubt():
     assert (none.gain, none.something, none.ruled_out, none.by_battery) == (0.0, False, False, True)
     for missed in (True, False):
         left = SimpleNamespace(misfit=missed)
-        best = tried(delta=VERDICT.clear_evidence + 1.0, helps=True, left=left)
+        clear = VERDICT.clear_evidence + 1.0
+        best = tried(evidence=clear, delta=clear, helps=True, left=left)
         told = verdict.facts_of(before, [best, tried(delta=99.0)], False)
         assert told.gain == best.delta
         assert (told.something, told.ruled_out, told.named, told.left) == (True, True, True, missed)
     unknown = verdict.facts_of(before, [tried()], True)
     assert (unknown.ruled_out, unknown.named, unknown.left) == (True, False, False)
+
+
+def test_a_fault_of_the_apparatus_casts_no_doubt_by_what_a_specimen_would_need():
+    before = SimpleNamespace(misfit=False, doubtful=False)
+    clear = VERDICT.clear_evidence + 1.0
+    dear = clear + 2.0 * float(np.log(EVIDENCE.apparatus))
+    told = {
+        odds: verdict.facts_of(before, [tried("drift", odds, clear)], False)
+        for odds in (clear, dear)
+    }
+    assert told[clear].something
+    assert not told[dear].something
+    assert rule_for(told[clear]).verdict == "inconclusive"
+    assert rule_for(told[dear]).verdict == "adequate"
 
 
 BY_ITSELF = "nothing is missing that these tests could show"
@@ -159,8 +175,12 @@ def test_a_verdict_in_one_sentence(says, candidates, more, told):
     assert verdict.sentence(error(), says, candidates, where, **more) == size + told + place
 
 
+FAR = 10.0 + EVIDENCE.rivals
+
+
 def left(squares):
-    return SimpleNamespace(squares=lambda noise: squares, misfit=False)
+    judged = SimpleNamespace(misfit=squares > FAR)
+    return SimpleNamespace(squares=lambda noise: squares, misfit=False, beside=lambda noise: judged)
 
 
 def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():

@@ -26,6 +26,7 @@ from springpot.misfit.frame import (
     DRAWN,
     FURTHER,
     LEAST_SEEN,
+    Drawn,
     NoiseFrame,
     near_an_alarm,
     relative_to,
@@ -271,9 +272,8 @@ def scan(
                 float(np.mean(simulated >= furthest)), len(simulated)
             ):
                 break
-            simulated = np.concatenate(
-                [simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(rounds))]
-            )
+            more = _simulated_maxima(frame, tried, rng, rounds * DRAWS, frame.has_mirror)
+            simulated = np.concatenate([simulated, more])
         if len(simulated):
             threshold = float(np.quantile(simulated, 0.99))
         # The measured one counts as a draw: a chance of zero would be more than the draws can say.
@@ -336,21 +336,31 @@ def scan_effects(
 
 
 def _simulated_maxima(
-    frame: NoiseFrame, tried: Sequence[Directions], rng: np.random.Generator
+    frame: NoiseFrame,
+    tried: Sequence[Directions],
+    rng: np.random.Generator,
+    count: int = DRAWS,
+    mirrored: bool = False,
 ) -> Real:
-    """Largest score over the library in each of many draws of noise alone, shape (draws,)."""
+    """Largest score over the library in each of many draws of noise alone, shape (count,).
+
+    Mirrored, each draw serves twice, with either sign: antithetic variates.
+    """
     # All directions against the same draws: their kinship is then in the largest of them.
     unit = np.concatenate(
         [np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1
     ).astype(DRAWN)
     if unit.shape[1] == 0:
         return np.zeros(0)
-    maxima = np.empty(DRAWS)
-    # In four parts, which need a quarter of the memory at a time.
-    for part in np.array_split(np.arange(DRAWS), 4):
-        noise = frame.draws(len(part), rng)
-        maxima[part] = np.max(noise @ unit, axis=1)
-    return np.asarray(np.square(np.maximum(maxima, 0.0)), dtype=np.float64)
+    maxima: list[Drawn] = []
+    drawn = count // 2 if mirrored else count
+    # In parts, which need a quarter of the memory of the first draws at a time.
+    for part in np.array_split(np.arange(drawn), -(-4 * drawn // DRAWS)):
+        scores = frame.draws(len(part), rng) @ unit
+        maxima.append(np.max(scores, axis=1))
+        if mirrored:
+            maxima.append(-np.min(scores, axis=1))
+    return np.square(np.maximum(np.concatenate(maxima).astype(np.float64), 0.0))
 
 
 def _score(

@@ -315,6 +315,11 @@ class NoiseFrame:
         scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
         return np.asarray(noise / scale[:, None])
 
+    @property
+    def has_mirror(self) -> bool:
+        """Whether a draw is as likely with the other sign: what few digits leave out is not."""
+        return self._steps is None
+
     @cached_property
     def _steps(self) -> Complex | None:
         """Rounding steps of K' and K'' (n,), where rounding is a good part of the noise."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -17,7 +17,7 @@ from springpot.diagnosis.contest import (
     worth_telling_apart,
 )
 from springpot.diagnosis.experiment import FARTHER, POINTS, STRONGER
-from springpot.diagnosis.result import NextExperiment
+from springpot.diagnosis.result import Candidate, NextExperiment
 from springpot.errors import ModelError
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
@@ -25,6 +25,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import plain
 from springpot.rheology.intime import Traced
 from springpot.rheology.points import KELVIN, Real
+from springpot.thresholds import EXPERIMENT
 
 from ..numerics import SMALLEST
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, units_of
@@ -69,7 +70,7 @@ def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | Non
     chances = {
         each.effect: each.probability for each in case.diagnosis.candidates if each.effect in fits
     }
-    pair = worth_telling_apart(chances)
+    pair = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
     if pair is None:
         return None
     first, second = (fits[name] for name in pair)
@@ -80,6 +81,16 @@ def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | Non
 
     plans = list(planned_tests(parts, first))
     return most_telling(plans, contest, pair, (chances[pair[0]], chances[pair[1]]))
+
+
+def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> tuple[str, str] | None:
+    """The first two that these tests do not tell apart, however unlike their chances.
+
+    None where something else is believed in.
+    """
+    believed = [each for each in candidates[:1] if each.probability > EXPERIMENT.rival]
+    alike = [name for each in believed for name in each.alike if name in fits]
+    return (alike[0], alike[1]) if len(alike) > 1 else None
 
 
 @dataclass(frozen=True, eq=False)

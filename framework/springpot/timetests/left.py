@@ -149,6 +149,10 @@ class Left:
         told = zip(self.residuals, noise, self.scatters, strict=True)
         return sum(scatter.squares(value, own) for value, scatter, own in told)
 
+    def whitened(self, noise: Sequence[ResidualScatter]) -> list[Real]:
+        """The residuals over that noise, free of its memory."""
+        return [each.whitened(value) for each, value in zip(noise, self.residuals, strict=True)]
+
     def squares_felt(self, noise: Sequence[ResidualScatter]) -> float:
         """The same that noise of the imposed channels is to be expected to leave."""
         pairs = zip(self.felt, noise, strict=True)

@@ -21,6 +21,7 @@ from springpot.identification.value import AGREE, PartResult, Value
 from springpot.measurement.sign import said_of_sign, turned
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
+from springpot.misfit.told_apart import told_apart
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
 from springpot.rheology.effect import Effect, Layer
@@ -326,15 +327,16 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
 
     Whether something `unknown` may be it as well, beyond doubt that something is.
     """
-    gain, plain = 0.0, _is_plain(tried)
+    gain, odds, plain = 0.0, 0.0, _is_plain(tried)
     if tried:
-        gain = tried[0].delta
+        gain, odds = tried[0].delta, tried[0].evidence
     return Facts(
         by_battery=before.misfit,
         exceeds=before.doubtful,
         ruled_out=plain or unknown,
         gain=gain,
-        something=gain > VERDICT.clear_evidence,
+        # A fault of the apparatus asks for more before it casts a doubt, as before it is named.
+        something=odds > VERDICT.clear_evidence,
         unknown=unknown,
         # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
         named=plain,
@@ -374,11 +376,19 @@ def _class(
 def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
     """Whether an effect explains the tests as well as the best one.
 
-    More parameters do not exclude one that helps beyond doubt.
+    More parameters do not exclude one that helps beyond doubt, nor does a lead that is no more than
+    its own scatter where both leave noise alone.
     """
+    if best.delta - each.delta <= EVIDENCE.rivals:
+        return True
+    if not each.helps:
+        return False
     worse = each.left.squares(noise) - best.left.squares(noise)
-    near = best.delta - each.delta <= EVIDENCE.rivals
-    return near or (each.helps and worse <= EVIDENCE.rivals)
+    if worse <= EVIDENCE.rivals:
+        return True
+    if any(one.left.beside(noise).misfit for one in (best, each)):
+        return False
+    return not told_apart(zip(best.left.whitened(noise), each.left.whitened(noise), strict=True))
 
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
