@@ -268,8 +268,8 @@ def tables(parts: dict[str, list[dict[str, Any]]]) -> dict[str, list[list[str]]]
         within = percent([low <= true <= high for _, true, low, high in told])
         found["exponents"] = [["exponents in their 95 % intervals"], [within]]
     seconds = [row["seconds"] for rows in parts.values() for row in rows]
-    times = [f"{np.median(seconds):.1f}", f"{np.quantile(seconds, 0.95):.1f}"]
-    found["seconds"] = [["processor time a case [s], median", "95 %"], times]
+    times = [f"{moment:.1f}" for moment in np.quantile(seconds, [0.5, 0.95, 1.0])]
+    found["seconds"] = [["processor time a case [s], median", "95 %", "longest"], times]
     return found
 
 
