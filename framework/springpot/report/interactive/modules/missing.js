@@ -75,7 +75,8 @@ export class Missing {
     const asked = { ...one, class: [], shelf: BY_HAND };
     this.others.push(asked);
     this.hand = h("div", { role: "group", class: "shelf", "aria-label": MOVED, "data-title": MOVED }, this.card([asked], this.app.answer.discovery.diagnosis));
-    this.list.prepend(this.hand);
+    // Below the causes: what a hand is about to choose stays where it is.
+    this.list.insertBefore(this.hand, this.list.querySelector(`[data-shelf="${FOLDED}"]`));
     this.list.hidden = false;
     this.accept.hidden = false;
   }
