@@ -13,6 +13,10 @@ pytestmark = IN_A_BROWSER
 MODEL = "fractional-maxwell"
 PLACES = """() => [...document.querySelectorAll("#plot-view circle.mark")]
     .map((mark) => mark.getAttribute("cx"))"""
+SHORTENED = """() => {
+    const claim = document.querySelector("#fails");
+    return claim.scrollHeight > claim.clientHeight + 1;
+}"""
 TOPMOST = """() => {
     const plot = document.querySelector("#plot-residual");
     const marks = [...plot.querySelectorAll(".mark:not(.ghost)")];
@@ -40,6 +44,7 @@ def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: byt
     claim = here.reads("#fails")
     assert claim.startswith("The model's storage stiffness 8.3 %")
     assert claim.endswith("above 36 Hz. inertia (m = 0.60 kg) would explain it.")
+    assert not here.page.evaluate(SHORTENED), "the claim is read whole"
     assert here.page.locator("#plot-residual .mark.ghost").count() == 0
     before = here.page.evaluate(TOPMOST)
 

@@ -14,11 +14,10 @@ export function proposed(diagnosis) {
 }
 
 // One sentence of what the answer is, above the picture.
-export function verdict({ discovery, of }) {
+export function verdict({ discovery }) {
   const { diagnosis } = discovery;
-  const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
-  const word = discovery.verdict === "sought" ? "" : `${discovery.verdict}, `;
-  return `${diagnosis.model}: ${word}at ${percent(diagnosis.error.relative_rms)} of ${of}. ${pretty(says)}.`;
+  const word = discovery.verdict === "sought" ? "" : `${discovery.verdict}; `;
+  return `${diagnosis.model}: ${word}${pretty(diagnosis.says)}.`;
 }
 
 // The error in brief, and what is pointed at or moved by hand would make of it.
@@ -91,7 +90,7 @@ function withoutAnswer(scene, refused) {
 }
 
 // What lies too high or too low is the model's; of tests in time and of single points whole sentences are said.
-const placeOf = ({ says }, { views }) => pretty(!views && /^(storage|loss)/.test(says) ? `The model's ${says}.` : `${says[0].toUpperCase()}${says.slice(1)}.`);
+const placeOf = ({ says }, { views }) => pretty(!views && /^(storage|loss)/.test(says) ? `The model's ${says.replace(" of |K|", "")}.` : `${says[0].toUpperCase()}${says.slice(1)}.`);
 
 // Its first parameter is its size: "inertia (m = 0.60 kg) would explain it."
 function explained({ effect, parameters }) {
