@@ -13,11 +13,23 @@ import pytest
 import springpot
 
 ROOT = Path(__file__).parents[2]
-PYODIDE = ROOT / "build" / "node" / "node_modules" / "pyodide"
+PYODIDE = ROOT / ".venv" / "node" / "node_modules" / "pyodide"
 NODE = shutil.which("node")
+OLDEST = 20
+"""Version of Node from which Pyodide runs in it."""
+
+
+def runs() -> bool:
+    """Whether there is a Node that is new enough, and Pyodide."""
+    if NODE is None or not PYODIDE.is_dir():
+        return False
+    told = subprocess.run([NODE, "--version"], capture_output=True, text=True).stdout
+    return int(told.lstrip("v").partition(".")[0] or 0) >= OLDEST
+
+
 pytestmark = pytest.mark.skipif(
-    NODE is None or not PYODIDE.is_dir(),
-    reason="there is no Pyodide here: 'npm install --prefix build/node pyodide'",
+    not runs(),
+    reason="there is no Pyodide here: 'npm install --prefix .venv/node pyodide'",
 )
 DISTRIBUTED = {"numpy", "scipy"}
 """What Pyodide brings along."""
