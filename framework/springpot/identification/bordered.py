@@ -102,9 +102,7 @@ class Bordered:
         np.logical_or.at(lost, layout.places, touched | ~finite)
         columns[lost] = 0.0
         blocks = np.matmul(np.matmul(inner, self.blocks), np.swapaxes(inner, 1, 2))
-        gone = lost[layout.own]
-        blocks = np.where(gone[:, :, None] | gone[:, None, :], 0.0, blocks)
-        return Bordered(layout, blocks, columns, lost)
+        return Bordered(layout, _without(blocks, lost[layout.own]), columns, lost)
 
     def scaled(self, factors: Real) -> Bordered:
         """That of the parameters times factors (p,)."""
@@ -278,9 +276,7 @@ class Eliminated:
         lost = self.free & (lost | ~np.isfinite(scale))
         scale = scale if np.isfinite(scale) else 0.0
         columns[lost] = 0.0
-        gone = lost[own]
-        blocks = np.where(gone[:, :, None] | gone[:, None, :], 0.0, blocks)
-        return Bordered(layout, scale**2 * blocks, scale * columns, lost)
+        return Bordered(layout, scale**2 * _without(blocks, lost[own]), scale * columns, lost)
 
     def left(self, slope: Real) -> float:
         """Norm of a slope (m,) of residuals less what the free parameters can make up for."""
@@ -304,6 +300,11 @@ class Eliminated:
             moved -= float(seen @ seen)
             squares += float(np.sum((own - seen) ** 2))
         return float(np.sqrt(squares + max(moved, 0.0)))
+
+
+def _without(blocks: Real, lost: Mask) -> Real:
+    """Blocks (G, o, o) with nothing in the rows and columns of what is lost (G, o)."""
+    return np.where(lost[:, :, None] | lost[:, None, :], 0.0, blocks)
 
 
 def _known(values: Real) -> Mask:

@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
@@ -131,8 +132,7 @@ class Layout:
     @cached_property
     def rows(self) -> list[NDArray[np.intp]]:
         """Rows of each level."""
-        counts = np.bincount(self.number, minlength=len(self.places))
-        return np.split(np.argsort(self.number, kind="stable"), np.cumsum(counts)[:-1])
+        return rows_of_levels(self.number, len(self.places))
 
     @cached_property
     def _cuts(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:

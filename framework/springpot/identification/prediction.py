@@ -23,7 +23,7 @@ from springpot.measurement.covered import Covered, between
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
-from springpot.rheology.levels import held
+from springpot.rheology.levels import held, rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.suggestions import suggested
@@ -480,11 +480,10 @@ def _at_levels(
     """The same, each point by what is known of its level."""
     number = known.model.levels(points)
     value, sd = np.empty((2, len(number)), dtype=np.complex128)
-    order = np.argsort(number, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
-        some = {name: column[rows] for name, column in conditions.items()}
-        level = known.of_level(int(number[rows[0]]))
-        value[rows], sd[rows] = _at(level, log_omega[rows], some)
+    for level, rows in enumerate(rows_of_levels(number, len(known.model.places))):
+        if len(rows):
+            some = {name: column[rows] for name, column in conditions.items()}
+            value[rows], sd[rows] = _at(known.of_level(level), log_omega[rows], some)
     return value, sd
 
 

@@ -26,6 +26,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
+from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
@@ -145,10 +146,12 @@ def lowest_error(model: Model, measurement: Measurement, theta: Real, error: flo
 
 def _of_levels(model: Model, measurement: Measurement, theta: Real, error: float) -> float:
     """The least error where each level may have a material of its own."""
-    number, one, square = model.levels(measurement.points), model.of_any_level, 0.0
-    order, places = np.argsort(number, kind="stable"), model.places
-    for rows in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
-        part, own = measurement.subset(rows), theta[places[number[rows[0]]]]
+    one, places, square = model.of_any_level, model.places, 0.0
+    levels = rows_of_levels(model.levels(measurement.points), len(places))
+    for own, rows in zip(theta[places], levels, strict=True):
+        if not len(rows):
+            continue
+        part = measurement.subset(rows)
         missed = one.stiffness(own, part.points) / part.stiffness - 1.0
         alone = float(np.sqrt(np.mean(np.abs(missed) ** 2)))
         square += len(part) * lowest_error(one, part, own, alone) ** 2

@@ -48,6 +48,20 @@ def held(column: str, values: Real) -> Real:
     return np.full(len(values), HELD_OTHER * float(np.max(np.abs(values), initial=0.0)))
 
 
+def rows_of_levels(number: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
+    """Rows of each of so many levels, in their order, by the level (n,) that each row is of.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology.levels import rows_of_levels
+    >>> [rows.tolist() for rows in rows_of_levels(np.array([2, 0, 2]), 3)]
+    [[1], [], [0, 2]]
+    """
+    counts = np.bincount(number, minlength=count)
+    return np.split(np.argsort(number, kind="stable"), np.cumsum(counts)[:-1])
+
+
 def levels_of(column: str, values: Real) -> NDArray[np.int64]:
     """Number of the level that each value belongs to, in ascending order.
 
@@ -395,9 +409,7 @@ class Own(Node):
 
     def rows(self, at: Points) -> list[NDArray[np.intp]]:
         """Numbers of the points of each level, in their order."""
-        number = self.level(at)
-        counts = np.bincount(number, minlength=len(self.places))
-        return np.split(np.argsort(number, kind="stable"), np.cumsum(counts)[:-1])
+        return rows_of_levels(self.level(at), len(self.places))
 
     def at_levels(self, kept: NDArray[np.intp]) -> Own:
         """The node with some of its levels, by their numbers."""

@@ -3,6 +3,8 @@
 import { changed, enable, h, put } from "./dom.js";
 import { number, percent, pretty, times } from "./numbers.js";
 
+// The name under which parameters that were moved are a cause like others.
+export const BY_HAND = "by hand";
 const ERROR = "error: root mean square of |K − K_model| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
 const EMPTY = "See where a model fails, and which physical effect is missing from it.";
 const UNANSWERED = "These data have no answer yet: see what is said above.";
@@ -25,11 +27,11 @@ export function claimed({ answer, edited, hovered }) {
   if (!answer) return null;
   const { noise_floor: floor, relative_rms: now } = answer.discovery.diagnosis.error;
   const told = (error) => times(error, floor) || percent(error, 2);
-  const preview = hovered !== "by hand" && answer.previews[hovered];
+  const preview = hovered !== BY_HAND && answer.previews[hovered];
   const next = preview || edited;
   return [h("span", { class: "big" }, next ? told(now).replace(" floor", "") : told(now)),
     next ? h("span", { class: `big ${preview ? "preview" : "edited"}` }, ` → ${told(next.error)}`) : null,
-    next ? ` ${preview ? `with ${hovered}` : "by hand"}` : null];
+    next ? ` ${preview ? `with ${hovered}` : BY_HAND}` : null];
 }
 
 export class Hero {

@@ -3,6 +3,7 @@
 
 import { FINGER, changed, enable, h, put, usable } from "./dom.js";
 import { number, percent, pretty, probability, times, withInterval } from "./numbers.js";
+import { BY_HAND } from "./hero.js";
 import { sparkline } from "./spark.js";
 
 const SHELVES = [
@@ -202,7 +203,6 @@ export class Missing {
 const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 
 const ON_DATA = "With the data themselves";
-export const BY_HAND = "by hand";
 const MOVED = "Moved by hand";
 const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
 
