@@ -45,7 +45,7 @@ def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, m
 
 def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     """Where it begins it is the fit before, where it ends the fit itself."""
-    stage = replay.OfSweeps(ladder)
+    stage = replay.ReplayOfSweeps(ladder)
     before, after = stage.fits
     points = stage.data.points
     for share, expected in ((0.0, before), (1.0, after)):
@@ -65,7 +65,7 @@ def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     test = TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name="relaxation")
     found = springpot.discover(test, "maxwell", accept=["parallel-spring"])
     assert images.open(found.plot(tmp_path / "replay.gif")).n_frames == replay.FRAMES + 1
-    stage = replay.InTime(found)
+    stage = replay.ReplayInTime(found)
     with blank() as figure:
         curve, left = figure.subplots(1, 2)
         stage.curve(curve, 1, 0.5)
@@ -96,5 +96,5 @@ def test_what_is_nothing_has_no_place_among_decades():
     with blank() as figure:
         axes = figure.subplots()
         stage = SimpleNamespace(data=data, _scene=lambda step, share: Scene(data, []))
-        replay.OfSweeps.curve(stage, axes, 0, 1.0)
+        replay.ReplayOfSweeps.curve(stage, axes, 0, 1.0)
     assert axes.get_ylim() == pytest.approx((0.5 / replay.ROOM, 9.0 * replay.ROOM))

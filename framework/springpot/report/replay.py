@@ -94,7 +94,7 @@ def write_replay(ladder: Ladder, path: str | Path) -> Path:
 def frames_of(ladder: Ladder) -> list[tuple[Image, int]]:
     """Frames of a ladder, each with the milliseconds that it stands."""
     of_sweeps = isinstance(ladder.steps[0].examined, Case)
-    played = (OfSweeps if of_sweeps else InTime)(ladder)
+    played = (ReplayOfSweeps if of_sweeps else ReplayInTime)(ladder)
     moments = _moments(len(ladder.steps))
     return [(played.at(step, share), lasting) for step, share, lasting in moments]
 
@@ -170,7 +170,7 @@ class Replay(ABC):
         axes.set(xlim=self.ends[0], ylim=self.ends[1])
 
 
-class OfSweeps(Replay):
+class ReplayOfSweeps(Replay):
     """Storage and loss, and the error at each point."""
 
     def __init__(self, ladder: Ladder) -> None:
@@ -204,7 +204,7 @@ class OfSweeps(Replay):
         axes.set_ylim(-100.0 * ROOM * self.largest, 100.0 * ROOM * self.largest)
 
 
-class InTime(Replay):
+class ReplayInTime(Replay):
     """Of tests in time the one that the first model misses most, as the page draws it."""
 
     def __init__(self, ladder: Ladder) -> None:
