@@ -162,13 +162,16 @@ def test_a_hand_moves_the_parameters_of_a_test_in_time(
     assert found["error"] > told
 
 
-@pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan"])
+@pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan", "replay"])
 def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str, Any], kind: str):
     state = {"data": relaxed["digest"], "model": "maxwell", "excluded": [0]}
     asked = {"kind": kind, "state": state, "text": relaxed["text"], "source": "", "joined": False}
     told = perform("leave", asked, silent)
     if kind in ("data", "plan"):
         assert not told["fault"]
+    elif kind == "replay":
+        assert told["result"]["name"] == "relax-replay.gif"
+        assert base64.b64decode(told["result"]["base64"]).startswith(b"GIF89a")
     elif kind == "curves":
         assert len(told["result"]["text"].splitlines()) == len(TIME)
     else:
