@@ -48,6 +48,7 @@ from .sieve import (
     from_the_best,
     leading_of_scan,
     nearly_fitted,
+    passed_over,
     noise_of_both,
     of_material,
     plain_bic,
@@ -201,6 +202,8 @@ def _judged(
         tried = of_material(given, parts, base, leading, known, left_out)
     else:
         nearly = nearly_fitted(base, parts, quick, leading, before, left_out)
+        others = passed_over(promises, nearly, before)
+        nearly += nearly_fitted(base, parts, quick, others, before, left_out)
         nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
         tried = exactly_fitted(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that
