@@ -26,6 +26,7 @@ from .bordered import (
     Bordered,
     Covariance,
     Eliminated,
+    among,
     lost_and_known,
     matrix_of,
 )
@@ -615,17 +616,17 @@ def tied_values(
     units : Units
         Those of the data.
     """
-    found, whole = {}, matrix_of(covariance) if model.ties else np.zeros((0, 0))
-    # Where each parameter alone goes to the ends of its own interval.
-    moved = [list(_moved(model, theta, interval, i)) for i in range(len(theta) * bool(model.ties))]
-    for number, each in enumerate(model.followers(theta)):
-        low, high = _by_covariance(each, whole, quantile)
-        parents = np.flatnonzero(each.slopes)
-        resting = [i for i in parents if theta[i] in (interval[0][i], interval[1][i])]
+    found = {}
+    for each in model.followers(theta) if model.ties else ():
+        mine, ends_of = theta[each.at], np.array([end[each.at] for end in interval])
+        low, high = _by_covariance(each, among(covariance, each.at), quantile)
+        parents = np.flatnonzero(each.slopes).tolist()
+        moved = [i for i in parents if mine[i] in ends_of[:, i]]
         if len(parents) == 1:
-            low, high = np.inf, -np.inf
-        for i in parents if len(parents) == 1 else resting:
-            values = [rows[number].value for rows in moved[i]]
+            low, high, moved = np.inf, -np.inf, parents
+        # Where each of them alone goes to the ends of its own interval.
+        for i in moved:
+            values = list(_moved(each, mine, ends_of[:, i], i))
             low, high = min(low, *values), max(high, *values)
         low, high = max(low, each.parameter.lower), min(high, each.parameter.upper)
         factor, label = units.of(each.parameter.unit)
@@ -636,15 +637,13 @@ def tied_values(
     return found
 
 
-def _moved(
-    model: Model, theta: Real, interval: tuple[Real, Real], i: int
-) -> Iterator[list[Follower]]:
-    """What follows where one parameter stands at either end of its interval."""
-    for end in interval:
-        place = theta.copy()
-        place[i] = end[i]
+def _moved(each: Follower, theta: Real, places: Real, i: int) -> Iterator[float]:
+    """What follows where parameter i alone goes to some places."""
+    for place in places.tolist():
+        moved = theta.copy()
+        moved[i] = place
         with np.errstate(all="ignore"):
-            yield model.followers(place)
+            yield each.follow(moved)
 
 
 def _by_covariance(each: Follower, covariance: Real, quantile: float) -> tuple[float, float]:
