@@ -22,6 +22,7 @@ from springpot.report.text import to_json
 from springpot.web import leaving
 from springpot.web.sessions import State, digest_of, measured_in, text_of
 from springpot.web.tasks import _ladder, again, answered, ladder_of, trial
+from springpot.web.trying import ranked
 
 MODEL = "fractional-maxwell"
 LAW = "my-mass = parallel: -m*omega^2"
@@ -152,6 +153,19 @@ def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
     assert (action["label"], action["exclude"]) == ("leave out row 8", [7])
     whole = springpot.identify(data, f"{MODEL} + inertia").relative_rms
     assert told["previews"][action["name"]]["error"] < 0.3 * whole
+
+
+def test_another_model_is_accepted_with_the_error_that_its_rung_has(damper_data: Measurement):
+    state = State(digest_of(text_of(damper_data)), MODEL)
+    models = [f"{MODEL} + inertia", "kelvin"]
+    told = ranked(state, damper_data, springpot.compare(damper_data, models))
+    first, second = told["actions"]
+    assert (first["model"], first["accept"]) == (MODEL, ["inertia"])
+    assert (first["shown"], second["shown"]) == ("4 parameters, holds", "2 parameters, fails")
+    taken = State(state.data, first["model"], tuple(first["accept"]))
+    step = _ladder(taken, text_of(damper_data), silent).steps[-1]
+    preview = told["previews"][first["name"]]
+    assert preview["error"] == pytest.approx(step.relative_rms, rel=1e-3)
 
 
 @IN_A_BROWSER

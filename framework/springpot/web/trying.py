@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 
 from springpot.comparison.comparing import compare
+from springpot.comparison.result import Comparison
 from springpot.constraints import constrained
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
+from springpot.misfit.refit import Refit
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import drawn_at_once, preview
 from springpot.report.interactive.hypotheses import Preview
@@ -34,6 +36,8 @@ from springpot.rheology.typed import law
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
 
+MOST_RANKED = 8
+"""Models that are proposed in the place of the present one."""
 FEW = 100
 """Rows that are looked at, evenly many of all: more would take longer than a first look may."""
 SAYS = "what may be missing is being sought"
@@ -121,12 +125,43 @@ def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -
     }
 
 
-def _drawn(state: State, data: Opened, fit: Identification) -> dict[str, Any]:
+def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str, Any]:
     if isinstance(data, Specimen):
+        assert isinstance(fit, Identification)
         told = {"model": fit.model.name, "error": fit.relative_rms, "refitted": True}
         return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
     used = kept(data, state.excluded)
     return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
+
+
+def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:
+    """A ranking, each of its models as something that can be done.
+
+    Returns
+    -------
+    dict
+        Schema ``springpot.comparison/2``; ``actions`` as in an answer, with the ``model`` that
+        takes the place of the present one, what is ``shown`` of it, and ``previews`` by their
+        names.
+    """
+    handy = [found.handy] if found.handy else []
+    actions, previews = [], {}
+    for one in list(dict.fromkeys([*found.shown[: MOST_RANKED - len(handy)], *handy])):
+        assert isinstance(one.fitted, Identification | Refit)
+        name, count = f"{one.model.name} instead", one.free_parameters
+        previews[name] = _drawn(state, data, one.fitted)
+        actions.append(
+            {
+                "name": name,
+                "label": one.model.name,
+                "says": one.says,
+                "shown": f"{count} parameters, {'fails' if one.fails else 'holds'}",
+                "model": one.model.base,
+                "accept": [effect.name for effect in one.model.effects],
+                "exclude": [],
+            }
+        )
+    return {**found.to_dict(), "actions": actions, "previews": previews}
 
 
 def invented(state: State, measurement: Measurement, found: Invention) -> dict[str, Any]:

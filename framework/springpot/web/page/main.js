@@ -142,6 +142,7 @@ class App {
     if (!answer) why = "there is nothing to leave with yet";
     else if (this.waiting) why = WAIT;
     enable(byId("leave"), why);
+    if (answer && this.others) Object.assign(answer.previews, this.others.previews);
     // Panels make their elements anew: what had the focus has it still.
     const focused = document.activeElement?.id;
     for (const panel of this.panels) panel.render();
@@ -279,7 +280,12 @@ class App {
       this.hold(this.model.moved());
       return;
     }
-    const { accept, exclude } = this.answer.actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    const actions = [...this.answer.actions, ...(this.others?.actions || [])];
+    const { accept, exclude, model } = actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    if (model !== undefined) {
+      this.step({ ...ofModel(this.standing, model), accepted: accept });
+      return;
+    }
     const { accepted, excluded } = this.standing;
     const out = new Set(excluded);
     // Rows of an action count among those that are used.
@@ -287,6 +293,9 @@ class App {
     const rows = [...excluded, ...exclude.map((i) => used[i])].sort((a, b) => a - b);
     this.step({ ...this.standing, accepted: [...accepted, ...accept], excluded: rows });
   }
+
+  // Other models, where they were ranked for the rows that are used; they are hypotheses like the causes.
+  get others() { return this.ranking && this.ranking.of === rowsOf(this.standing) ? this.ranking : null; }
 
   // What another state would be, as soon as a fit has told it; nothing where the pointer has gone on meanwhile.
   async attempt(name, state) {

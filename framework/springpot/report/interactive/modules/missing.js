@@ -35,8 +35,8 @@ export class Missing {
   }
 
   render() {
-    const { answer, laws } = this.app;
-    if (!changed(this, answer, laws)) {
+    const { answer, laws, others } = this.app;
+    if (!changed(this, answer, laws, others)) {
       this.show(this.app.hovered);
       return;
     }
@@ -57,7 +57,7 @@ export class Missing {
     const shelf = (title) => h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title },
       this.others.filter((one) => one.shelf === title).map((one) => this.card([one], diagnosis)));
     if (laws) this.list.prepend(shelf(titleOf(laws)));
-    if (this.others.some((one) => one.shelf === ON_DATA)) this.list.append(shelf(ON_DATA));
+    for (const title of [ON_DATA, INSTEAD]) if (this.others.some((one) => one.shelf === title)) this.list.append(shelf(title));
     const ruledOut = this.list.querySelector(`[data-shelf="${FOLDED}"]`);
     if (ruledOut) this.list.append(ruledOut);
     const none = this.candidates.length + this.others.length === 0;
@@ -203,11 +203,13 @@ export class Missing {
 const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 
 const ON_DATA = "With the data themselves";
+const INSTEAD = "Another model";
 const MOVED = "Moved by hand";
 const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
 
-// What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data.
-function othersOf({ answer, laws }) {
+// What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data,
+// other models.
+function othersOf({ answer, laws, others }) {
   if (!answer) return [];
   const known = new Set(answer.discovery.diagnosis.candidates.map((candidate) => candidate.effect));
   const acts = answer.actions.filter((action) => !known.has(action.name)).map((action) => ({
@@ -220,7 +222,9 @@ function othersOf({ answer, laws }) {
     });
     return { effect: text, label: pretty(text.replace(/^.*?= */, "")), says: `${sizes.join("; ")}; ${says}`, shown: sizes[0], probability, shelf: titleOf(laws) };
   });
-  return [...found, ...acts].map((one) => ({ ...one, class: [], error_after: answer.previews[one.effect].error }));
+  const instead = (others?.actions || []).filter(({ label }) => label !== answer.discovery.diagnosis.model)
+    .map(({ name, label, says, shown }) => ({ effect: name, label, says, shown, shelf: INSTEAD }));
+  return [...found, ...acts, ...instead].map((one) => ({ ...one, class: [], error_after: answer.previews[one.effect].error }));
 }
 
 const MEANS = {
