@@ -135,7 +135,7 @@ def populations(
     return found
 
 
-class Kind(NamedTuple):
+class OwnValues(NamedTuple):
     """A parameter that levels have for themselves, by the name that they share.
 
     Attributes
@@ -159,7 +159,7 @@ class Kind(NamedTuple):
     levels: list[str]
 
 
-def _of_levels(model: Model, values: Real, covariance: Covariance) -> Iterator[Kind]:
+def _of_levels(model: Model, values: Real, covariance: Covariance) -> Iterator[OwnValues]:
     """The free parameters."""
     released = {each.name: each for each in model.released().parameters}
     names, rows_of = model.names, dict[str, list[int]]()
@@ -170,10 +170,10 @@ def _of_levels(model: Model, values: Real, covariance: Covariance) -> Iterator[K
         # The share of an order is none of the released model's.
         parameter = released.get(shared, model.parameters[rows[0]])
         levels = [names[i][len(shared) + 1 :] for i in rows]
-        yield Kind(shared, parameter, values[rows], _errors(covariance, rows), levels)
+        yield OwnValues(shared, parameter, values[rows], _errors(covariance, rows), levels)
 
 
-def _tied(model: Model, values: Real, covariance: Covariance, units: Units) -> Iterator[Kind]:
+def _tied(model: Model, values: Real, covariance: Covariance, units: Units) -> Iterator[OwnValues]:
     """What follows from these by ties, and so is each level's own too."""
     factors = np.array([units.of(each.unit)[0] for each in model.parameters])
     told = dict[str, list[Follower]]()
@@ -186,7 +186,7 @@ def _tied(model: Model, values: Real, covariance: Covariance, units: Units) -> I
         errors = _carried(covariance, [each.at for each in rows], slopes)
         levels = [each.parameter.name[len(shared) + 1 :] for each in rows]
         own = factor * np.array([each.value for each in rows])
-        yield Kind(shared, rows[0].parameter, own, errors, levels)
+        yield OwnValues(shared, rows[0].parameter, own, errors, levels)
 
 
 def _carried(covariance: Covariance, at: list[NDArray[np.intp]], slopes: list[Real]) -> Errors:
