@@ -7,7 +7,7 @@ model, points left out, parameters set, fixed or bounded by hand; and laws that 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +16,8 @@ import numpy as np
 from springpot.comparison.comparing import compare
 from springpot.comparison.result import Comparison
 from springpot.constraints import constrained
+from springpot.diagnosis.grown import size_of
+from springpot.diagnosis.result import FittedStage, Progress
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
@@ -40,6 +42,8 @@ MOST_RANKED = 8
 """Models that are proposed in the place of the present one."""
 FEW = 100
 """Rows that are looked at, evenly many of all: more would take longer than a first look may."""
+Told = Callable[[Any], None]
+"""Called with a stage in words, or with a line that holds one."""
 SAYS = "what may be missing is being sought"
 
 
@@ -132,6 +136,31 @@ def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str,
         return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
     used = kept(data, state.excluded)
     return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
+
+
+def telling(told: Told, state: State, data: Opened) -> Progress:
+    """What tells stages, and of each effect that was tried by itself an ``action`` as in an answer.
+
+    With its ``preview``; only beside new sweeps: beside a further rung the answer before is there.
+    """
+    if state.accepted or isinstance(data, Specimen):
+        return told
+    scene, used = PageScene(data), kept(data, state.excluded)
+
+    def tell(stage: str) -> None:
+        if not isinstance(stage, FittedStage) or len(stage.grown.effects) > 1:
+            told(stage)
+            return
+        [effect], fit = stage.grown.effects, stage.grown.refit
+        size = effect.element.parameters[0]
+        factor, unit = used.units.of(size.unit)
+        value = f"{size.name} = {factor * size_of(fit, effect):.3g} {unit.strip('-')}".strip()
+        action: dict[str, Any] = {"name": effect.name, "label": effect.name, "says": effect.summary}
+        action |= {"shown": value, "accept": [effect.name], "exclude": []}
+        drawn = preview(scene, used, Preview(effect.name, fit.model, fit.theta, True))
+        told({"stage": stage, "action": action, "preview": drawn})
+
+    return tell
 
 
 def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:

@@ -82,12 +82,31 @@ class App {
   // How far the model lies from new data, while what it may lack is sought.
   async glance() {
     const { state } = this;
-    if (this.glanced === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
-    this.glanced = state;
+    if (this.early?.of === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
+    const early = { of: state, found: null, tried: new Map() };
+    this.early = early;
     try {
-      this.early = { of: state, found: await api.ask("first", { state }) };
+      early.look = await api.ask("first", { state });
     } catch { return; } // the whole answer tells why
-    if (this.state === state && this.waiting) this.render();
+    this.soon(early);
+  }
+
+  // Causes as they are tried, before all of them are weighed; once more where the noise has become smaller.
+  tried(state, action, preview) {
+    if (this.early?.of !== state) return;
+    this.early.tried.set(action.name, { action, preview });
+    this.soon(this.early);
+  }
+
+  // Many may come at once: they are drawn together.
+  soon(early) {
+    if (!early.look || early.drawing) return;
+    early.drawing = requestAnimationFrame(() => {
+      early.drawing = 0;
+      const tried = [...early.tried.values()];
+      early.found = { ...early.look, actions: tried.map(({ action }) => action), previews: Object.fromEntries(tried.map(({ action, preview }) => [action.name, preview])) };
+      if (this.early === early && this.state === early.of && this.waiting) this.render();
+    });
   }
 
   // Whether what is drawn is of another state than the one a person asked for.

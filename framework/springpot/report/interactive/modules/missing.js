@@ -57,7 +57,7 @@ export class Missing {
     const shelf = (title) => h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title },
       this.others.filter((one) => one.shelf === title).map((one) => this.card([one], diagnosis)));
     if (laws) this.list.prepend(shelf(titleOf(laws)));
-    for (const title of [ON_DATA, INSTEAD]) if (this.others.some((one) => one.shelf === title)) this.list.append(shelf(title));
+    for (const title of [SO_FAR, ON_DATA, INSTEAD]) if (this.others.some((one) => one.shelf === title)) this.list.append(shelf(title));
     const ruledOut = this.list.querySelector(`[data-shelf="${FOLDED}"]`);
     if (ruledOut) this.list.append(ruledOut);
     const none = this.candidates.length + this.others.length === 0;
@@ -202,6 +202,7 @@ export class Missing {
 
 const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 
+const SO_FAR = "Tried so far";
 const ON_DATA = "With the data themselves";
 const INSTEAD = "Another model";
 const MOVED = "Moved by hand";
@@ -213,7 +214,8 @@ function othersOf({ answer, laws, others }) {
   if (!answer) return [];
   const known = new Set(answer.discovery.diagnosis.candidates.map((candidate) => candidate.effect));
   const acts = answer.actions.filter((action) => !known.has(action.name)).map((action) => ({
-    effect: action.name, label: action.label, says: action.says, shown: action.accept[0] || "the error of the others", shelf: ON_DATA }));
+    effect: action.name, label: action.label, says: action.says, shown: action.shown || action.accept[0] || "the error of the others",
+    shelf: answer.discovery.verdict === "sought" ? SO_FAR : ON_DATA }));
   const found = (laws?.texts || []).map((text, i) => {
     const { says, parameters, probability } = laws.invention.laws[i];
     const sizes = Object.entries(parameters).map(([name, value]) => {
