@@ -289,7 +289,8 @@ class Identification(Known):
 
     def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
-        pairs = zip(self.model.names, self.model.origins, strict=True)
+        pairs = list(zip(self.model.names, self.model.origins, strict=True))
+        pairs += [(each.parameter.name, each.origin) for each in self.model.followers(self.theta)]
         return [self.parameters[each] for each, origin in pairs if origin == name]
 
     @property
