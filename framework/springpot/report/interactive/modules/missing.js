@@ -24,7 +24,7 @@ export class Missing {
       onpointerleave: () => this.app.hover(this.active),
       onblur: () => this.choose(null),
     });
-    this.details = h("div", { id: "effect-details", class: "details", "aria-live": "polite" });
+    this.details = h("div", { id: "effect-details", class: "details", tabindex: "0", role: "region", "aria-label": "What is pointed at", "aria-live": "polite" });
     this.accept = h("button", { type: "button", id: "accept", class: "primary", onclick: () => this.take(this.active) }, "Accept effect");
     this.fold = h("button", { type: "button", id: "fold", class: "small", onclick: () => this.unfold(!this.folded) });
     this.says = h("p", { class: "quiet" });
