@@ -127,6 +127,8 @@ class Identification(Known):
         Finds the noise floor and the material floor when they are first asked for.
     calibration : Calibration, optional
         What the instrument promises, where the intervals hold it.
+    verdicts : tuple of str
+        Of intervals by profile, whether the data tell each parameter (p,); see `identifiable`.
 
     Examples
     --------
@@ -154,6 +156,7 @@ class Identification(Known):
     uncertainty: Uncertainty | None = None
     judge: Callable[[Identification], Standing | None] | None = None
     calibration: Calibration | None = None
+    verdicts: tuple[str, ...] = ()
 
     @classmethod
     def of_sweep(
@@ -269,6 +272,14 @@ class Identification(Known):
             return {}
         budget = self.calibration.budget(self.model.names, self._factors)
         return {name: budget[name] for name in self.parameters if name in budget}
+
+    @property
+    def identifiable(self) -> dict[str, str]:
+        """By parameter ``identifiable``, ``practically not`` or ``not at all``, by its profile.
+
+        Of other intervals nothing is told; see `springpot.identification.profiles.Path.profile`.
+        """
+        return dict(zip(self.model.names, self.verdicts, strict=False))
 
     @cached_property
     def populations(self) -> dict[str, Population]:
@@ -431,6 +442,8 @@ class Identification(Known):
             answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
         if self.spectrum is not None:
             answer["spectrum"] = self._spectrum(self.spectrum)
+        if self.verdicts:
+            answer["identifiable"] = self.identifiable
         if self.calibration is not None:
             answer["budget"] = self.budget
         if self.populations:
@@ -487,6 +500,7 @@ class Identification(Known):
         told: dict[str, Any] = {name: answer[name] for name in ("optimiser", "status")}
         told |= {"seconds": float(answer["seconds"]), "notes": tuple(answer["notes"])}
         told |= {"seed": int(kept["seed"]), "judge": Standing.judge_of(answer)}
+        told["verdicts"] = tuple(map(str, answer.get("identifiable", {}).values()))
         told["evaluations"], cost = int(answer["evaluations"]), float(answer["objective"]["value"])
         if told["seed"] < 0 or not cost >= 0.0:
             raise ValueError("the seed or the objective has no value that it can have")
