@@ -54,7 +54,7 @@ export class Compare {
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
       onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.second.svg, this.residual.svg);
-    this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
+    this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, h("span", { class: "group" }, this.sigmas, this.scales), h("span", { class: "group" }, this.closer, this.whole), this.exclude);
     // Beside pictures that stay in sight where the page is scrolled; what the strip above them says too.
     this.now = h("p", { id: "now", "aria-hidden": "true" });
     this.spots = [];
