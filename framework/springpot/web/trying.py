@@ -71,6 +71,7 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
     return {
         "state": state.to_dict(),
         "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
+        "spots": [place.spot for place in judged.where],
         **drawn_at_once(judged.refit, measurement),
     }
 

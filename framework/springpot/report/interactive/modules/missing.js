@@ -24,7 +24,7 @@ export class Missing {
       onpointerleave: () => this.app.hover(this.active),
       onblur: () => this.choose(null),
     });
-    this.details = h("div", { id: "effect-details", class: "details", "aria-live": "polite" });
+    this.details = h("div", { id: "effect-details", class: "details", tabindex: "0", role: "region", "aria-label": "What is pointed at", "aria-live": "polite" });
     this.accept = h("button", { type: "button", id: "accept", class: "primary", onclick: () => this.take(this.active) }, "Accept effect");
     this.fold = h("button", { type: "button", id: "fold", class: "small", onclick: () => this.unfold(!this.folded) });
     this.says = h("p", { class: "quiet" });
@@ -195,7 +195,7 @@ export class Missing {
         }).join("; ") || "not fitted: it stands too far behind"),
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
-        ...(others.length ? row("cannot be told from", others.join(", ")) : []),
+        ...(others.length ? row("rivals", others.join(", ")) : []),
         ...(candidate.shelf !== FOLDED || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`))));
   }
 }
@@ -233,7 +233,7 @@ const MEANS = {
   size: "its parameters with their 95 % intervals",
   error: "root mean square of |K − K_model| / |K| before and after it joins, K being what was measured; the noise floor is what noise alone leaves",
   evidence: "probability that it is among what is missing; drop of the Bayesian information criterion when it joins, above 6 clear, above 10 decisive",
-  "cannot be told from": "effects that change these data alike",
+  rivals: "effects that change these data alike: nothing here tells them apart",
   "would have been seen": "relative change of K above which the effect would have been seen",
 };
 const row = (term, text) => [h("dt", { title: MEANS[term] }, term), h("dd", { title: MEANS[term] }, text)];
