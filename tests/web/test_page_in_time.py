@@ -191,6 +191,23 @@ def words_stand_apart(here: Page) -> None:
     assert not any(name["top"] < line["top"] < name["bottom"] - 3 for name in names)
 
 
+def another_model(here: Page) -> None:
+    """A card like that of a cause: pointed at, accepted on the ladder, undone."""
+    here.page.click("#rank")
+    card = here.page.locator("[data-title='Another model'] [data-effect='springpot instead']")
+    card.hover()
+    assert here.page.locator("#plot-view .line.preview").count() == 1
+    ghost = here.page.text_content("#plot-ladder .ghost")
+    assert "2 parameters" in card.inner_text()
+    card.click()
+    here.shows("springpot")
+    assert "springpot" in here.reads("#rung-0")
+    assert f"{float(ghost.split()[0]):.2g}" == f"{100 * here.error():.2g}"
+    here.page.click("#undo")
+    here.shows("maxwell")
+    assert card.count() == 1
+
+
 @IN_A_BROWSER
 def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     here = page()
@@ -209,6 +226,7 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     assert "adequate" in here.reads("#verdict")
     here.page.click("#undo")
     here.shows("maxwell")
+    another_model(here)
     here.page.reload()
     here.shows("maxwell")
     here.page.mouse.move(600, 450)

@@ -71,6 +71,15 @@ def test_a_model_that_is_named_during_the_first_answer_takes_its_place(page: Ope
     assert here.page.locator("#redo").get_attribute("title") == "there is nothing to redo"
 
 
+CAUSES = """() => {
+    window.soFar = [];
+    new MutationObserver(() => {
+        const tried = document.querySelectorAll("[data-title='Tried so far'] [role=option]");
+        if (tried.length) window.soFar.push([...tried].map((option) => option.textContent));
+    }).observe(document.getElementById("effects"), { childList: true });
+}"""
+
+
 def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes):
     here = page()
     here.name("fractional-maxwell")
@@ -81,8 +90,13 @@ def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes
         assert "too high above" in here.reads("#fails")
         assert here.page.locator("#plot-view .line.model").count() == 2
         assert here.page.locator("#effects [role=option]").count() == 0
-    here.page.locator("#effects [role=option]").first.wait_for()
+        here.page.evaluate(CAUSES)
+    here.page.locator("#effects [data-title='Explains it']").wait_for()
     assert "effect-missing" in here.reads("#verdict")
+    assert here.page.locator("[data-title='Tried so far']").count() == 0
+    so_far = here.page.evaluate("() => window.soFar")
+    assert len(so_far[-1]) > 3
+    assert "m = 0.59" in " ".join(so_far[-1])
 
 
 def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
