@@ -48,9 +48,9 @@ from .sieve import (
     from_the_best,
     leading_of_scan,
     nearly_fitted,
-    passed_over,
     noise_of_both,
     of_material,
+    passed_over,
     plain_bic,
     power_of,
 )
