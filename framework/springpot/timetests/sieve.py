@@ -185,6 +185,21 @@ def nearly_fitted(
     return tried
 
 
+def nearly_all(
+    base: Identification,
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    promises: dict[str, list[Promise]],
+    before: Left,
+    left_out: dict[str, str],
+) -> list[Tried]:
+    """The leading effects nearly fitted, and the others where those miss the tests by far."""
+    leading = leading_of_scan(promises, before)
+    nearly = nearly_fitted(base, parts, quick, leading, before, left_out)
+    others = passed_over(promises, nearly, before)
+    return nearly + nearly_fitted(base, parts, quick, others, before, left_out)
+
+
 def from_the_best(
     base: Identification,
     parts: Sequence[TestPart],
