@@ -47,6 +47,7 @@ from .sieve import (
     exactly_fitted,
     from_the_best,
     leading_of_scan,
+    nearly_all,
     noise_of_both,
     of_material,
     plain_bic,
