@@ -130,6 +130,9 @@ def test_what_is_tied_is_each_level_s_own_with_what_it_follows_from(own):
     first, second = fit.populations["k1"], fit.populations["k2"]
     assert second.mean.value == pytest.approx(2.0 * first.mean.value)
     assert second.between.value == first.between.value
+    assert [each.value for each in fit.values_by_level("k2")] == [
+        fit[f"k2_{i}"].value for i in range(1, 5)
+    ]
     assert second.specimens["3"] == pytest.approx(2.0 * first.specimens["3"])
 
 

@@ -95,6 +95,12 @@ OPTIMISER = (
     "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."
 )
 @click.option(
+    "--view",
+    metavar="NAME",
+    help="Draw this alone, 84 mm wide: storage-loss, loss-factor, cole-cole, black,"
+    " van-gurp-palmen, residual.",
+)
+@click.option(
     "--table",
     type=FILE,
     metavar="FILE",
@@ -109,6 +115,7 @@ def command(
     joint: bool,
     as_csv: bool,
     figure: Path | None,
+    view: str | None,
     table: Path | None,
     verbose: bool,
     times: str | None,
@@ -148,7 +155,7 @@ def command(
     together = opened_together(data, geometry)
     fit = _fitted(together, expression, arguments)
     if figure is not None:
-        fit.plot(figure)
+        fit.plot(figure, view=view)
     if table is not None:
         write_parameters(table, [fit])
     if as_csv:

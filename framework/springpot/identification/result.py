@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from springpot.distributions import student
-from springpot.drawing import draw, html_of, text_of
+from springpot.drawing import draw, draw_view, html_of, text_of
 from springpot.errors import ModelError
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
@@ -289,7 +289,8 @@ class Identification(Known):
 
     def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
-        pairs = zip(self.model.names, self.model.origins, strict=True)
+        pairs = list(zip(self.model.names, self.model.origins, strict=True))
+        pairs += [(each.parameter.name, each.origin) for each in self.model.followers(self.theta)]
         return [self.parameters[each] for each, origin in pairs if origin == name]
 
     @property
@@ -387,12 +388,16 @@ class Identification(Known):
         return tuple(effect.name for effect in self.model.effects if not effect.in_time)
 
     def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
+        self, path: str | Path | None = None, *, ax: Axes | None = None, view: str | None = None
     ) -> Figure | Axes | Path:
         """Data and fit, and what is left of each test.
 
-        See `Measurement.plot` for the arguments and what is returned.
+        See `Measurement.plot` for the arguments and what is returned. A `view` of a sweep alone,
+        84 mm wide as a journal's column is: ``storage-loss``, ``loss-factor``, ``cole-cole``,
+        ``black``, ``van-gurp-palmen``, ``residual``.
         """
+        if view is not None:
+            return draw_view(self, view, path, ax)
         return draw(self, path, ax)
 
     def __str__(self) -> str:
