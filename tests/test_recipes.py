@@ -20,9 +20,11 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-PAGES = [DOCS / "recipes.md", *sorted((DOCS / "tutorials").glob("*.md"))]
+WISHES = DOCS / "wishes.md"
+PAGES = [DOCS / "recipes.md", WISHES, *sorted((DOCS / "tutorials").glob("*.md"))]
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.M | re.S)
 GAP = "..."
+RUNS = r"^```(?:console|python)"
 
 
 def commanded(line: str) -> list[str]:
@@ -84,6 +86,25 @@ def test_pages_print_what_they_show(page: Path, tmp_path: Path, monkeypatch: pyt
     assert found
     for title, shown, real in found:
         assert alike(shown, real), f"{title}\n" + "\n".join(real)
+
+
+def run_in(page: Path) -> set[str]:
+    """Anchors of the sections of a page in which something runs."""
+    sections = re.split(r"^## ", page.read_text(encoding="utf-8"), flags=re.M)[1:]
+    titles = [part.splitlines()[0].lower() for part in sections if re.search(RUNS, part, re.M)]
+    return {re.sub(r"[^\w -]", "", title).replace(" ", "-") for title in titles}
+
+
+def test_fifty_of_54_wishes_are_one_command_or_three_lines_that_run():
+    rows = re.findall(r"^\| (\d+) \| .+? \| (.+) \|$", WISHES.read_text(encoding="utf-8"), re.M)
+    assert [int(number) for number, _ in rows] == list(range(1, 55))
+    refused = [how for _, how in rows if how.startswith("not: ")]
+    assert len(refused) <= 4
+    sections = {"recipes.md": run_in(DOCS / "recipes.md"), "": run_in(WISHES)}
+    for number, how in rows:
+        if how not in refused:
+            [(page, anchor)] = re.findall(r"\]\(([\w.]*)#([\w-]+)\)", how)
+            assert anchor in sections[page], number
 
 
 def test_a_wrong_number_is_noticed():

@@ -421,6 +421,7 @@ def test_factors_of_levels_are_no_level_s_once_more(share, own):
         name="made",
         material=None,
         names=["k", "c", "free-shift.a_1", "inertia.m"],
+        bases={},
         named_effects=lambda: [
             (SimpleNamespace(by_levels=by), name) for name, by in effects.items()
         ],

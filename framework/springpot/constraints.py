@@ -188,7 +188,7 @@ def owning(
     OptionError
         If it is no mapping.
     """
-    wanted = dict(by_name(own, "own", '{"k": "batch"}'))
+    wanted = _of_ties(model, by_name(own, "own", '{"k": "batch"}'))
     shared = [share] if isinstance(share, str) else list(share)
     for name in shared:
         if name not in model.names:
@@ -222,6 +222,23 @@ def owning(
             ]
         model = model.owning(names, column)
     return model, [sweep]
+
+
+def asks_for_all(own: Mapping[str, str], share: Sequence[str]) -> bool:
+    """Whether files are levels of one fit: parameters are those of each, or shared by all."""
+    return FILE in own.values() or bool(share and not own)
+
+
+def _of_ties(model: Model, wanted: Mapping[str, str]) -> dict[str, str]:
+    """The columns by what is free: a tied parameter is a level's own with what it hangs on."""
+    bases, found = model.bases, {name: wanted[name] for name in wanted if name not in model.bases}
+    for name in set(wanted) & set(bases):
+        on = bases[name]
+        while any(each in bases for each in on):
+            on = [base for each in on for base in bases.get(each, [each])]
+        if EVERY not in wanted and not set(on) & set(found):
+            found |= dict.fromkeys(on, wanted[name])
+    return found
 
 
 def _of_specimens(tests: Sequence[Test], columns: str) -> Measurement:

@@ -49,6 +49,14 @@ def draw(
     return drawn
 
 
+def draw_view(
+    result: object, view: str, path: str | Path | None = None, axes: Axes | None = None
+) -> Figure | Axes | Path:
+    """One view of a fit, as wide as a journal's column where no axes are given; see `draw`."""
+    drawn: Figure | Axes | Path = import_module(DRAWS).one_view(result, view, path, axes)
+    return drawn
+
+
 def text_of(result: object) -> str:
     """What the command line prints of a result."""
     text: str = import_module(TELLS).told(result)

@@ -28,21 +28,25 @@ def batch(count: int) -> springpot.Measurement:
     return springpot.Measurement(omega, exact, conditions={"specimen": specimen})
 
 
-def seconds(count: int, own: str) -> float:
+def seconds(count: int, own: str, tie: tuple[str, ...] = ()) -> float:
     """Processor time of a fit with its intervals and population, of a specimen."""
     data = batch(count)
     began = process_time()
-    springpot.identify(data, "kelvin", own={own: "specimen"}).populations  # noqa: B018
+    fit = springpot.identify(data, "kelvin", own={own: "specimen"}, tie=tie)
+    assert fit.parameters
+    assert fit.populations
     return (process_time() - began) / count
 
 
-@pytest.mark.parametrize("own", ["k", "*"])
+@pytest.mark.parametrize(("own", "tie"), [("k", ()), ("*", ()), ("k", ("c = 0.02*k",))])
 @patient
-def test_a_specimen_costs_the_same_among_many(own, capsys):
-    seconds(10, own)
-    few, many = seconds(100, own), seconds(1600, own)
+def test_a_specimen_costs_the_same_among_many(own, tie, capsys):
+    seconds(10, own, tie)
+    few, many = seconds(100, own, tie), seconds(1600, own, tie)
     with capsys.disabled():
-        print(f"\n{own}: {1e3 * few:.2f} ms a specimen among 100, {1e3 * many:.2f} among 1600")
+        print(
+            f"\n{own} {tie}: {1e3 * few:.2f} ms a specimen among 100, {1e3 * many:.2f} among 1600"
+        )
     assert many < SLACK * few
 
 

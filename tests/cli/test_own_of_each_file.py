@@ -52,3 +52,34 @@ def test_a_population_has_every_parameter_for_itself(springpot, specimens, write
     assert set(found.json["population"]) == {"k", "c"}
     assert list(found.json["specimens"])[2] == "third"
     assert found.json["specimens"][specimens[1].stem]["k"] == pytest.approx(110.0, rel=1e-5)
+
+
+def test_files_that_are_specimens_need_no_further_word(springpot, specimens):
+    one = springpot("identify", *specimens, "--joint", "-m", "kelvin", "--own", "k", "--json").json
+    for words in (("--own", "k"), ("--population", "file", "--share", "c"), ("--share", "c")):
+        found = springpot("identify", *specimens, "-m", "kelvin", *words, "--json").json
+        assert found["parameters"] == one["parameters"]
+    # A column of each file is its own matter.
+    apart = springpot("identify", *specimens, "-m", "kelvin", "--own", "k:day")
+    assert apart.err.count("no column 'day'") == 2
+
+
+def test_specimens_are_judged_and_discovered_together(springpot, write):
+    files, rng = [], np.random.default_rng(1)
+    for i, k in enumerate((90.0, 100.0, 110.0)):
+        omega = 2.0 * np.pi * FREQUENCY
+        parts = k - 2e-3 * omega**2, 0.4 * omega
+        parts = [each + 0.3 * rng.standard_normal(10) for each in parts]
+        rows = [
+            ",".join(f"{value:.8g}" for value in row) for row in zip(FREQUENCY, *parts, strict=True)
+        ]
+        table = "\n".join(["frequency [Hz],storage [N/mm],loss [N/mm]", *rows])
+        files.append(write(table, f"s{i}.csv"))
+    words = ["-m", "kelvin", "--own", "k", "--effects", "inertia,hysteretic-loss"]
+    text = springpot("diagnose", *files, *words).out
+    assert "of s0 + s1 + s2: effect-missing" in text
+    named = " ".join(map(str, files))
+    assert f"springpot discover {named} --model kelvin --accept inertia --own k" in text
+    ladder = springpot("discover", *files, *words, "inertia", "--json").json
+    assert ladder["steps"][-1]["accepted"] == "inertia"
+    assert ladder["verdict"] == "adequate"

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.constraints import owning
+from springpot.distributions import student
 from springpot.errors import ModelError
 from springpot.measurement import TimeTest
 from springpot.rheology.points import Points
@@ -101,6 +103,54 @@ def test_each_level_has_its_own_tied_parameter():
     data = springpot.Measurement(np.tile(OMEGA, 3), np.concatenate(sweeps), conditions=batch)
     fit = springpot.identify(data, model, tie="k2 = 2*k1", own={"k1": "batch"})
     assert [fit[f"k2_{i}"].value for i in (1, 2, 3)] == pytest.approx([2.0, 2.2, 2.4], rel=1e-5)
+
+
+def specimens(count):
+    """Zener specimens of which the second spring is twice the first."""
+    rng, omega = np.random.default_rng(2), np.tile(np.geomspace(1.0, 300.0, 12), count)
+    k, c = (size * np.exp(0.1 * rng.standard_normal(count)).repeat(12) for size in (100.0, 1.0))
+    exact = k + 2 * k * 1j * omega * c / (2 * k + 1j * omega * c)
+    exact *= 1.0 + 0.003 * rng.standard_normal((2, len(omega))).T @ [1.0, 1j]
+    return springpot.Measurement(
+        omega, exact, conditions={"specimen": np.arange(1.0, count + 1).repeat(12)}
+    )
+
+
+@pytest.mark.parametrize("own", [("k1", "c"), ("k1", "k2", "c"), ("k2", "c"), "*"])
+def test_what_is_tied_is_each_level_s_own_with_what_it_follows_from(own):
+    data = specimens(4)
+    fit = springpot.identify(data, "zener", tie="k2 = 2*k1", own=dict.fromkeys(own, "specimen"))
+    names = [f"{name}_{i}" for name in ("k1", "c") for i in range(1, 5)]
+    assert sorted(fit.model.names) == sorted(names)
+    for i in range(1, 5):
+        one, two = fit[f"k1_{i}"], fit[f"k2_{i}"]
+        assert (two.value, two.low, two.high) == pytest.approx(
+            (2 * one.value, 2 * one.low, 2 * one.high)
+        )
+    first, second = fit.populations["k1"], fit.populations["k2"]
+    assert second.mean.value == pytest.approx(2.0 * first.mean.value)
+    assert second.between.value == first.between.value
+    assert [each.value for each in fit.values_by_level("k2")] == [
+        fit[f"k2_{i}"].value for i in range(1, 5)
+    ]
+    assert second.specimens["3"] == pytest.approx(2.0 * first.specimens["3"])
+
+
+def test_a_tie_of_what_is_own_and_what_is_shared_has_the_interval_of_both():
+    fit = springpot.identify(specimens(4), "zener", tie="k2 = k1 + 40*c", own={"k1": "specimen"})
+    names = fit.model.names
+    i, j = names.index("k1_2"), names.index("c")
+    spread = fit.covariance[i, i] + 80.0 * fit.covariance[i, j] + 1600.0 * fit.covariance[j, j]
+    reach = student(0.95, fit.dof) * np.sqrt(spread) / fit["k2_2"].value
+    assert np.log(fit["k2_2"].high / fit["k2_2"].value) == pytest.approx(reach, rel=1e-6)
+    # Its errors are part of the population's: what all share is no scatter.
+    assert fit.populations["k2"].mean.value > fit.populations["k1"].mean.value
+
+
+def test_an_order_is_each_level_s_own_by_its_share():
+    model = springpot.parse_model("prony-2").tying(["tau1 < tau2"])
+    own, _ = owning(model, [specimens(3)], {"tau1": "specimen"})
+    assert own.own == {"tau1/tau2": "specimen"}
 
 
 def test_tests_in_time_know_ties_too():

@@ -18,6 +18,7 @@ from springpot.identification import (
     known_factors,
     levels_alone,
     notes,
+    profiles,
     regularisation,
     runs,
     space,
@@ -159,9 +160,9 @@ def test_uncertainty_of_a_fit(name, stays):
     }
     if name != "exact":
         found["profile"] = [
-            uncertainty.profile(fitted, "alpha"),
-            uncertainty.allowed_cost(known),
-            uncertainty.held_costs(fitted, "k2", around),
+            profiles.profile(fitted, "alpha"),
+            profiles.allowed_cost(known),
+            profiles.held_costs(fitted, "k2", around),
         ]
     stays(found, within=1e-3)
 

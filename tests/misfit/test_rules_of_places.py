@@ -116,7 +116,9 @@ def test_a_region_is_as_long_as_its_frequencies_hold_points():
 @pytest.mark.parametrize(("size", "side"), [(0.021, "low"), (-0.021, "high")])
 def test_a_curve_that_lies_below_its_points_is_too_low(size, side):
     data = Measurement(np.geomspace(1.0, 10.0, 5), np.full(5, 3.0 + 1.0j), name="made")
-    part = SimpleNamespace(word="storage", relative=np.full(5, size), residual=np.full(5, size))
+    part = SimpleNamespace(
+        word="storage", name="storage", relative=np.full(5, size), residual=np.full(5, size)
+    )
     found = where._place(data, [None], part, np.arange(3), "storage")
     assert found.says.startswith(f"storage 2.1 % of |G*| too {side} ")
     assert found.size == pytest.approx(size)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.errors import OutputError
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model
 from springpot.report import replay
@@ -46,7 +45,7 @@ def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, m
 
 def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     """Where it begins it is the fit before, where it ends the fit itself."""
-    stage = replay.Replay(ladder)
+    stage = replay.ReplayOfSweeps(ladder)
     before, after = stage.fits
     points = stage.data.points
     for share, expected in ((0.0, before), (1.0, after)):
@@ -57,13 +56,26 @@ def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     np.testing.assert_allclose(half.at(points), middle, rtol=1e-12)
 
 
-def test_tests_in_time_are_refused_in_one_line(tmp_path):
-    """What a still picture can be named instead."""
-    time = np.geomspace(0.05, 5.0, 8)
-    test = TimeTest.of_relaxation(time, 2.0 * np.exp(-time) + 1.0, name="relaxation")
-    found = springpot.discover(test, "maxwell", accept=[])
-    with pytest.raises(OutputError, match="of sweeps"):
-        found.plot(tmp_path / "replay.gif")
+def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
+    """Over its own axes; half way the curve lies between both fits, and so does what is left."""
+    monkeypatch.setattr(replay, "FRAMES", 2)
+    monkeypatch.setattr(replay, "DOTS", 30)
+    time = np.geomspace(0.05, 5.0, 16)
+    noise = 1.0 + 0.01 * np.random.default_rng(5).normal(size=16)
+    test = TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name="relaxation")
+    found = springpot.discover(test, "maxwell", accept=["parallel-spring"])
+    assert images.open(found.plot(tmp_path / "replay.gif")).n_frames == replay.FRAMES + 1
+    stage = replay.ReplayInTime(found)
+    with blank() as figure:
+        curve, left = figure.subplots(1, 2)
+        stage.curve(curve, 1, 0.5)
+        stage.residual(left, 1, 0.5)
+    assert curve.get_xlabel() == "t [s]"
+    _, drawn = curve.get_lines()
+    np.testing.assert_allclose(drawn.get_ydata(), np.mean(stage.curves, axis=0)[0])
+    [points] = left.get_lines()
+    np.testing.assert_allclose(points.get_ydata(), np.mean(stage.left, axis=0)[0])
+    assert np.max(np.abs(stage.left[0])) > 10.0 > np.max(np.abs(stage.left[1]))
 
 
 def test_each_way_begins_after_one_fit_and_ends_on_the_next():
@@ -83,5 +95,6 @@ def test_what_is_nothing_has_no_place_among_decades():
     data = springpot.Measurement(omega, np.array([3.0, 2.0 + 0.5j, 9.0 + 1.0j]))
     with blank() as figure:
         axes = figure.subplots()
-        replay.Replay._curve(SimpleNamespace(data=data), axes, Scene(data, []))
+        stage = SimpleNamespace(data=data, _scene=lambda step, share: Scene(data, []))
+        replay.ReplayOfSweeps.curve(stage, axes, 0, 1.0)
     assert axes.get_ylim() == pytest.approx((0.5 / replay.ROOM, 9.0 * replay.ROOM))

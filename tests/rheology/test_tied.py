@@ -170,7 +170,11 @@ def test_each_level_follows_its_own():
     told = followers(node, theta)
     assert [(each.parameter.name, each.value) for each in told] == [("k2_10", 6.0), ("k2_30", 8.0)]
     for each, name in zip(told, ("k1_10", "k1_30"), strict=True):
-        assert each.slopes.tolist() == [2.0 * (other == name) for other in names]
+        # By the parameters of its own level, and by no other one's.
+        mine = [names[i] for i in each.at.tolist()]
+        assert len(mine) == len(names) - 1
+        assert each.slopes.tolist() == [2.0 * (other == name) for other in mine]
+        assert each.follow(5.0 * theta[each.at]) == 5.0 * each.value
     assert ties_in(node) == ("k2 = 2*k1",)
     assert ties_in(untied(node)) == ()
 

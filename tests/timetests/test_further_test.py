@@ -85,6 +85,17 @@ def test_what_an_explanation_cannot_say_is_no_promise(fits) -> None:
         assert contest.linear == contest.fitted() == 0.0
 
 
+def test_a_clock_without_a_time_to_begin_from_is_no_promise(fits) -> None:
+    test, heated, _ = fits
+    aged = springpot.parse_model("fractional-zener + ageing")
+    names = [parameter.name for parameter in aged.parameters]
+    theta = np.append(
+        heated.theta[:4], np.where(["waited" in name for name in names[4:]], 0.0, 1.0)
+    )
+    contest = AfterTest(heated, replace(heated, model=aged, theta=theta), parts_of_specimen([test]))
+    assert contest.linear == contest.fitted() == 0.0
+
+
 def test_slopes_are_those_of_the_differences(fits) -> None:
     test, heated, clock = fits
     parts = parts_of_specimen([test])

@@ -14,7 +14,9 @@ import springpot
 from springpot import Measurement, TimeTest, parse_model
 from springpot.timetests import identify
 from springpot.timetests.convex import relaxation_of
-from springpot.timetests.floor import material_floor
+from springpot.timetests.floor import coordinates_around, material_floor
+from springpot.timetests.material import MaterialPoint, _Search
+from springpot.timetests.native import TimeSearch
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (
@@ -197,6 +199,19 @@ def test_the_floor_stands_beside_the_same_effects():
     # Any model with the effect is a bound of it.
     whole = identify(test, parse_model("zener + force-drift"))
     assert beside <= 1.01 * whole.relative_rms
+
+
+def test_an_effect_may_leave_nothing_to_any_line_of_the_material():
+    model, free = parse_model("springpot"), parse_model("material + parallel-springpot")
+    exact = model.relaxation(model.theta(c=300.0, alpha=0.2), T)
+    parts = parts_of_specimen([TimeTest.of_relaxation(T, exact, "Pa")])
+    around = coordinates_around(free, TimeSearch(free, parts, 293.15))
+    search = _Search(free, parts, 293.15, around)
+    none = np.zeros_like(search.weights)
+    u = around.u(np.array([300.0, 0.2]), search.size)
+    closer, there = search.closer(MaterialPoint(none, u, search.cost(none, u)), 0.5, spared=False)
+    assert len(closer.rates) == 0
+    assert there.cost < 1e-6 * float(parts[0].signal @ parts[0].signal)
 
 
 @pytest.fixture(scope="module")

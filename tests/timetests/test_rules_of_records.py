@@ -31,7 +31,7 @@ BY_TURNS = np.repeat(np.tile([1.0, -1.0], 20), 5)
 def record(value=RUN, kind="history"):
     """A record of so much imposed, as the searched rules see it."""
     return SimpleNamespace(
-        kind=kind, time=TIME, loading=SimpleNamespace(time=TIME, value=value), control="x"
+        kind=kind, time=TIME, loading=SimpleNamespace(time=TIME, value=value), words=("x", "y")
     )
 
 
@@ -288,7 +288,7 @@ def test_a_loop_fails_where_its_part_is_missed_most(monkeypatch, missed, mirror,
     assert found.size == pytest.approx(4.0)
     # Two samples in all are too few for any part.
     short = SimpleNamespace(
-        name="s", control="x", time=TIME[:2], loading=SimpleNamespace(time=TIME, value=RUN)
+        name="s", words=("x", "y"), time=TIME[:2], loading=SimpleNamespace(time=TIME, value=RUN)
     )
     assert where._in_loop(short, np.ones(2)) is None
 

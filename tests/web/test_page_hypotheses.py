@@ -22,6 +22,7 @@ from springpot.report.text import to_json
 from springpot.web import leaving
 from springpot.web.sessions import State, digest_of, measured_in, text_of
 from springpot.web.tasks import _ladder, again, answered, ladder_of, trial
+from springpot.web.trying import ranked, telling
 
 MODEL = "fractional-maxwell"
 LAW = "my-mass = parallel: -m*omega^2"
@@ -152,6 +153,36 @@ def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
     assert (action["label"], action["exclude"]) == ("leave out row 8", [7])
     whole = springpot.identify(data, f"{MODEL} + inertia").relative_rms
     assert told["previews"][action["name"]]["error"] < 0.3 * whole
+
+
+def test_causes_are_told_as_they_are_tried(damper_data: Measurement):
+    lines: list[Any] = []
+    text = text_of(damper_data)
+    state = State(digest_of(text), MODEL, seed=7)  # one that no ladder is remembered of
+    told = answered(lines.append, state.to_dict(), text)
+    early = {line["action"]["name"]: line for line in lines if isinstance(line, dict)}
+    assert lines[-1] == "drawing what each effect would change"
+    after = {
+        one["effect"]: one["error_after"] for one in told["discovery"]["diagnosis"]["candidates"]
+    }
+    assert early["inertia"]["action"]["shown"].startswith("m = 0.59")
+    assert {"inertia", "specimen-inertia"} <= set(early) <= set(after)
+    for name in early:
+        assert early[name]["preview"]["error"] == pytest.approx(after[name], rel=0.02)
+    assert telling(print, state.accepting("inertia"), damper_data) is print
+
+
+def test_another_model_is_accepted_with_the_error_that_its_rung_has(damper_data: Measurement):
+    state = State(digest_of(text_of(damper_data)), MODEL)
+    models = [f"{MODEL} + inertia", "kelvin"]
+    told = ranked(state, damper_data, springpot.compare(damper_data, models))
+    first, second = told["actions"]
+    assert (first["model"], first["accept"]) == (MODEL, ["inertia"])
+    assert (first["shown"], second["shown"]) == ("4 parameters, holds", "2 parameters, fails")
+    taken = State(state.data, first["model"], tuple(first["accept"]))
+    step = _ladder(taken, text_of(damper_data), silent).steps[-1]
+    preview = told["previews"][first["name"]]
+    assert preview["error"] == pytest.approx(step.relative_rms, rel=1e-3)
 
 
 @IN_A_BROWSER

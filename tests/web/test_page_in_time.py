@@ -162,13 +162,16 @@ def test_a_hand_moves_the_parameters_of_a_test_in_time(
     assert found["error"] > told
 
 
-@pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan"])
+@pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan", "replay"])
 def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str, Any], kind: str):
     state = {"data": relaxed["digest"], "model": "maxwell", "excluded": [0]}
     asked = {"kind": kind, "state": state, "text": relaxed["text"], "source": "", "joined": False}
     told = perform("leave", asked, silent)
     if kind in ("data", "plan"):
         assert not told["fault"]
+    elif kind == "replay":
+        assert told["result"]["name"] == "relax-replay.gif"
+        assert base64.b64decode(told["result"]["base64"]).startswith(b"GIF89a")
     elif kind == "curves":
         assert len(told["result"]["text"].splitlines()) == len(TIME)
     else:
@@ -186,6 +189,23 @@ def words_stand_apart(here: Page) -> None:
     names = here.page.locator("#plot-ladder .tick:has-text('floor')").evaluate_all(boxes)
     assert len(names) == 2
     assert not any(name["top"] < line["top"] < name["bottom"] - 3 for name in names)
+
+
+def another_model(here: Page) -> None:
+    """A card like that of a cause: pointed at, accepted on the ladder, undone."""
+    here.page.click("#rank")
+    card = here.page.locator("[data-title='Another model'] [data-effect='springpot instead']")
+    card.hover()
+    assert here.page.locator("#plot-view .line.preview").count() == 1
+    ghost = here.page.text_content("#plot-ladder .ghost")
+    assert "2 parameters" in card.inner_text()
+    card.click()
+    here.shows("springpot")
+    assert "springpot" in here.reads("#rung-0")
+    assert f"{float(ghost.split()[0]):.2g}" == f"{100 * here.error():.2g}"
+    here.page.click("#undo")
+    here.shows("maxwell")
+    assert card.count() == 1
 
 
 @IN_A_BROWSER
@@ -206,6 +226,7 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     assert "adequate" in here.reads("#verdict")
     here.page.click("#undo")
     here.shows("maxwell")
+    another_model(here)
     here.page.reload()
     here.shows("maxwell")
     here.page.mouse.move(600, 450)

@@ -191,6 +191,14 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
     return seen_through(measured, geometry)
 
 
+def opened_together(data: Sequence[str], geometry: str | None = None) -> Measurement:
+    """All DATA as one measurement, a file each."""
+    from springpot.measurement.joining import joined
+
+    measured = [opened(name, geometry) for name in data]
+    return joined(measured) if len(measured) > 1 else measured[0]
+
+
 def seen_through(test: T, geometry: str | None) -> T:
     """A test seen through a geometry, if one is given."""
     if geometry is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ from .common import (
     library_options,
     of_each,
     opened,
+    opened_together,
     print_json,
     seed_option,
     verbose_option,
@@ -69,29 +70,37 @@ def command(
 
     Each DATA is a file or a registered data set and gets its own answer; with several, --json
     prints one line of JSON for each. One that cannot be used is named on stderr, and the others are
-    still answered. Tests in time are judged together, on their raw signals.
+    still answered. Tests in time are judged together, on their raw signals, and so are specimens:
+    sweeps of which each has parameters of its own (--own, --population file).
     """
+    from springpot.constraints import asks_for_all
     from springpot.registry import parse_model
 
     expression = None
     if model is not None:
         expression = parse_model(model)
-    arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
+    known = known_from(options)
+    arguments = {"model": expression, "seed": seed or 0, **known}
     arguments |= {"accuracy": accuracy, **library_from(options)}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, data, model, as_json, verbose, arguments)
         return 0
 
+    def shown(*named: str) -> Shown:
+        if as_json:
+            return partial(_json, line=len(named) < len(data))
+        return partial(_text, verbose=verbose, named=named, model=model)
+
     def answer(name: str) -> None:
         if name != data[0] and not as_json:
             print()
-        shown: Shown = partial(_text, verbose=verbose, named=name, model=model)
-        if as_json:
-            shown = partial(_json, line=len(data) > 1)
         # Opened here: data that cannot be used end their own answer, not the others'.
-        _answer(opened(name, geometry), arguments, shown)
+        _answer(opened(name, geometry), arguments, shown(name))
 
+    if asks_for_all(known["own"], known["share"]):
+        _answer(opened_together(data, geometry), arguments, shown(*data))
+        return 0
     return of_each(data, answer)
 
 
@@ -118,14 +127,18 @@ def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:
 
 
 def _text(
-    diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
+    diagnosis: Diagnosis,
+    measurement: Measurement,
+    verbose: bool,
+    named: Sequence[str],
+    model: str | None,
 ) -> None:
     """The answer, and the command that goes on from it."""
     from springpot.diagnosis.actions import of_data
     from springpot.measurement.sign import turned
     from springpot.report.told import told
 
-    diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, named, *with_model(model)))
+    diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, *named, *with_model(model)))
     # At once: what is there stays, even where the rest is interrupted.
     print(told(diagnosis, window(), data=measurement, verbose=verbose), flush=True)
     if following := _next_command(diagnosis, named, model, turned(measurement.provenance)):
@@ -135,18 +148,21 @@ def _text(
         print(f"\n{word}: {following}", flush=True)
 
 
-def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way: str = "") -> str:
+def _next_command(
+    diagnosis: Diagnosis, named: Sequence[str], model: str | None, other_way: str = ""
+) -> str:
     """The command that goes on from an answer; empty where only a measurement does."""
     judged = with_model(model)
     # Before all else: of a force that counts the other way every other answer is wrong.
     if other_way:
         return suggested("diagnose", other_way, *judged)
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
-    if diagnosis.one_test:
-        return suggested("diagnose", with_rows(named, diagnosis.one_test), *judged)
+    # One of several specimens has no level of its own.
+    if diagnosis.one_test and len(named) == 1:
+        return suggested("diagnose", with_rows(named[0], diagnosis.one_test), *judged)
     if diagnosis.offered:
-        return suggested("discover", named, *judged, *accepting([diagnosis.offered]))
+        return suggested("discover", *named, *judged, *accepting([diagnosis.offered]))
     # Of any material that is adequate the question is left which model has the fewest parameters.
     if diagnosis.verdict == "adequate" and model is None:
-        return suggested("compare", named)
+        return suggested("compare", *named)
     return ""

@@ -26,6 +26,7 @@ from .common import (
     library_from,
     library_options,
     opened,
+    opened_together,
     seed_option,
     verbose_option,
     window,
@@ -120,6 +121,7 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
+    from springpot.constraints import asks_for_all
     from springpot.registry import of_each, parse_model
     from springpot.report.told import told
 
@@ -140,8 +142,9 @@ def command(
         mine = {effect.name: effect for effect in chosen["effects"]}
         effects = [mine.get(name) or accepted(name, i) for i, name in enumerate(accept, 1)]
     arguments = {"accept": effects, "seed": seed or 0, "accuracy": options.pop("accuracy")}
-    arguments |= {**chosen, **known_from(options)}
-    tests = _tests(data, geometry)
+    known = known_from(options)
+    arguments |= {**chosen, **known}
+    tests = _tests(data, geometry, specimens=asks_for_all(known["own"], known["share"]))
     ladder, code = _climbed(tests, expression, **arguments)
     _write(ladder, tests, figure, report, again)
     emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
@@ -164,14 +167,17 @@ def _parted(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return data, effects
 
 
-def _tests(data: Sequence[str], geometry: str | None) -> Sequence[Test]:
-    """One sweep, or tests of one specimen, a test in time among them."""
+def _tests(data: Sequence[str], geometry: str | None, specimens: bool) -> Sequence[Test]:
+    """One sweep, tests of one specimen, a test in time among them, or a sweep of each specimen."""
     in_time = timetests.named_tests(data, geometry)
     if in_time is not None:
         return in_time
+    if specimens:
+        return [opened_together(data, geometry)]
     if len(data) > 1:
         raise click.UsageError(
-            "several sweeps are judged one by one; together where a test in time is among them",
+            "several sweeps are judged one by one; together where a test in time is among them, or"
+            " as specimens (--own, --population file)",
             click.get_current_context(),
         )
     return [opened(data[0], geometry)]

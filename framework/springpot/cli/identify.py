@@ -24,6 +24,7 @@ from .common import (
     model_option,
     of_each,
     opened,
+    opened_together,
     print_json,
     seed_option,
     verbose_option,
@@ -62,7 +63,7 @@ OPTIMISER = (
 @click.option(
     "--per-decade", type=POSITIVE, default=1, show_default=True, metavar="N", help="Of such times."
 )
-@click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
+@click.option("--joint", is_flag=True, help="One fit of all DATA together.")
 @click.option(
     "--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV."
 )
@@ -94,6 +95,12 @@ OPTIMISER = (
     "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."
 )
 @click.option(
+    "--view",
+    metavar="NAME",
+    help="Draw this alone, 84 mm wide: storage-loss, loss-factor, cole-cole, black,"
+    " van-gurp-palmen, residual.",
+)
+@click.option(
     "--table",
     type=FILE,
     metavar="FILE",
@@ -108,6 +115,7 @@ def command(
     joint: bool,
     as_csv: bool,
     figure: Path | None,
+    view: str | None,
     table: Path | None,
     verbose: bool,
     times: str | None,
@@ -124,8 +132,7 @@ def command(
     specimen, each weighed by its own noise: springpot identify sweep.csv relaxation.csv --model
     fractional-zener
     """
-    from springpot.constraints import values_of
-    from springpot.measurement.joining import joined
+    from springpot.constraints import asks_for_all, values_of
     from springpot.report.tables import write_parameters
 
     _check_paths(figure, table)
@@ -140,16 +147,15 @@ def command(
         arguments["table"] = table
         timetests.identify(tests, data, expression, figure, as_csv, as_json, arguments)
         return 0
-    if len(data) > 1 and not joint:
+    if len(data) > 1 and not (joint or asks_for_all(known["own"], known["share"])):
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
             raise click.UsageError(advice, click.get_current_context())
         return _each(data, expression, geometry, arguments, table, as_csv, as_json)
-    measured = [opened(name, geometry) for name in data]
-    together = joined(measured) if len(measured) > 1 else measured[0]
+    together = opened_together(data, geometry)
     fit = _fitted(together, expression, arguments)
     if figure is not None:
-        fit.plot(figure)
+        fit.plot(figure, view=view)
     if table is not None:
         write_parameters(table, [fit])
     if as_csv:

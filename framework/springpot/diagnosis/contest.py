@@ -119,7 +119,7 @@ class Contest(ABC):
         inside = np.clip(start, limits[:, 0] + ALIKE, limits[:, 1] - ALIKE)
 
         def theta(x: Real) -> Real:
-            return np.where(logs, np.exp(np.minimum(x, 700.0)), x)
+            return np.where(logs, np.exp(np.clip(x, -700.0, 700.0)), x)
 
         def residual(x: Real) -> Real:
             return np.clip(np.nan_to_num(self.seen(theta(x))[0], nan=FAR), -FAR, FAR)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -307,7 +308,8 @@ def examine(
     require_conditions(model, measurement)
     data = prepared(measurement, model)
     progress(f"fitting {model.name} and trying what may be missing from it")
-    search, set_aside = search_data(data, model, library, rng, seeds)
+    seek = partial(search_from, progress=progress)
+    search, set_aside = search_data(data, model, library, rng, seeds, seek)
     # Users count rows in their own file, not in what thinning left of it.
     outliers = [outlier.counted_in(measurement) for outlier in set_aside]
     progress("looking how near any material comes")

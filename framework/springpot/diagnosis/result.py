@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.identification.value import PartResult, Value, parts_of, values_of
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .grown import Grown
+
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
@@ -37,6 +39,26 @@ RENAMED = frozenset({"physics", "alike"})
 
 Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
+
+
+class FittedStage(str):
+    """A stage that ends with a fit, for those who draw it before the answer is there.
+
+    Parameters
+    ----------
+    says : str
+        The stage.
+    grown : Grown
+        The fitted model with effects added.
+    """
+
+    grown: Grown
+
+    def __new__(cls, says: str, grown: Grown) -> Self:
+        """The words with the fit."""
+        stage = super().__new__(cls, says)
+        stage.grown = grown
+        return stage
 
 
 @dataclass(frozen=True)
@@ -415,6 +437,9 @@ def within(whole: str, progress: Progress) -> Progress:
     """Stages of a part, told as such: ``step 1: fitting fractional-maxwell``."""
 
     def part(stage: str) -> None:
-        progress(f"{whole}: {stage}")
+        told = f"{whole}: {stage}"
+        if isinstance(stage, FittedStage):
+            told = FittedStage(told, stage.grown)
+        progress(told)
 
     return part

@@ -52,6 +52,8 @@ if TYPE_CHECKING:
     from .problem import (
         weighted as weighted,
     )
+    from .profiles import held_costs as held_costs
+    from .profiles import profile as profile
     from .recorder import (
         BudgetSpent as BudgetSpent,
     )
@@ -93,12 +95,6 @@ if TYPE_CHECKING:
     from .uncertainty import (
         Uncertainty as Uncertainty,
     )
-    from .uncertainty import (
-        held_costs as held_costs,
-    )
-    from .uncertainty import (
-        profile as profile,
-    )
     from .value import Value as Value
 
 __getattr__, __dir__ = offered(
@@ -111,6 +107,7 @@ __getattr__, __dir__ = offered(
         "material_fit": "least_error",
         "native": "BoundedDescent Effort Fit fit minima_in_box scanned_starts",
         "prediction": "Prediction",
+        "profiles": "held_costs profile",
         "problem": "default_objective Objective Problem Searched SpecimenProblem weighted",
         "recorder": "all_points BudgetSpent Recorder RecorderGroup",
         "regularisation": "regularised",
@@ -119,7 +116,7 @@ __getattr__, __dir__ = offered(
         "simulated": "bootstrap fit_batch",
         "space": "SearchSpace",
         "starts": "settings shown Window",
-        "uncertainty": "held_costs profile Uncertainty",
+        "uncertainty": "Uncertainty",
         "value": "Value",
     },
 )

@@ -67,6 +67,39 @@ class Bordered:
         np.einsum("gii->gi", parts)[self.lost[self.layout.places]] = np.inf
         return parts
 
+    @cached_property
+    def _level(self) -> NDArray[np.intp]:
+        """The level (p,) of each own parameter, -1 of a shared one."""
+        level = np.full(self.layout.count, -1)
+        level[self.layout.own] = np.arange(len(self.layout.own))[:, None]
+        return level
+
+    def part(self, at: NDArray[np.intp]) -> Real:
+        """That of some parameters (k,), the own ones of which are of one level."""
+        level = int(self._level[at].max(initial=-1))
+        if level < 0:
+            part: Real = self.columns[at] @ self.columns[at].T
+            part[np.diag_indices(len(at))] += np.where(self.lost[at], np.inf, 0.0)
+            return part
+        places = self.layout.places[level].tolist()
+        rows = [places.index(i) for i in at.tolist()]
+        return np.asarray(self.of_levels[level][np.ix_(rows, rows)])
+
+    def errors(self, at: NDArray[np.intp], slopes: Real) -> tuple[float, Real]:
+        """Of what follows from parameters (k,) by slopes (k,): its own variance, the common part.
+
+        The common part (c,) is by the columns that all levels have.
+        """
+        level = int(self._level[at].max(initial=-1))
+        common: Real = slopes @ self.columns[at]
+        if np.any(self.lost[at] & (slopes != 0.0)):
+            return np.inf, common
+        if level < 0:
+            return 0.0, common
+        by_place = dict(zip(at.tolist(), slopes.tolist(), strict=True))
+        own = np.array([by_place[i] for i in self.layout.own[level].tolist()])
+        return float(own @ self.blocks[level] @ own), common
+
     def dense(self) -> Real:
         """All of it, (p, p)."""
         whole: Real = self.columns @ self.columns.T
@@ -126,6 +159,13 @@ def matrix_of(covariance: Covariance) -> Real:
     if isinstance(covariance, Bordered):
         return covariance.dense()
     return covariance
+
+
+def among(covariance: Covariance, at: NDArray[np.intp]) -> Real:
+    """A covariance of some parameters (k,), of levels those of one."""
+    if isinstance(covariance, Bordered):
+        return covariance.part(at)
+    return covariance[np.ix_(at, at)]
 
 
 def lost_and_known(covariance: Real) -> tuple[Mask, Real]:

@@ -29,12 +29,13 @@ from .material import is_material
 from .native import Fit, fit, require_enough
 from .notes import notes_on
 from .problem import Objective, Problem, Searched
+from .profiles import profiled
 from .result import Identification
 from .robust import TUNED, robust_fit
 from .runs import Optimiser, Run, contradiction, run
 from .simulated import bootstrap, over_specimens
 from .space import require_conditions, require_size
-from .uncertainty import Uncertainty, profile
+from .uncertainty import Uncertainty
 
 DEADLINE = 300.0
 """Seconds of a run, as in a study."""
@@ -237,11 +238,12 @@ def identify(
     if robust is not None:
         known, told_of_it = _robust(best, robust, name, intervals)
         notes = [*notes, told_of_it]
-    low, high = _interval(known, intervals, seed or 0)
+    told: dict[str, Any] = {"evaluations": best.evaluations}
+    low, high, told["verdicts"] = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
-    told = {"evaluations": best.evaluations, "seconds": spent, "notes": tuple(notes)}
-    return Identification.of_sweep(known, low, high, name, status, **told, seed=seed or 0)
+    told |= {"seconds": spent, "notes": tuple(notes), "seed": seed or 0}
+    return Identification.of_sweep(known, low, high, name, status, **told)
 
 
 def _robust(best: Fit, loss: str, optimiser: str, intervals: str) -> tuple[Uncertainty, str]:
@@ -509,10 +511,16 @@ def best_run(
     return replace(best, evaluations=evaluations, seconds=seconds), notes
 
 
-def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
+def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real, tuple[str, ...]]:
+    """Ends of the intervals (p,), and of profiles what they tell of each parameter."""
     if kind == "profile":
-        pairs = [profile(known.fit, name, known.level) for name in known.fit.model.names]
-        return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
+        found = [profiled(known, i) for i in range(len(known.fit.theta))]
+        low, high = np.array([(each.low, each.high) for each in found]).T
+        return low, high, tuple(each.verdict for each in found)
+    return *_ends(known, kind, seed), ()
+
+
+def _ends(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
     if kind == "bootstrap":
         # A stream apart from the restarts, which draw from the seed alone.
         rng = np.random.default_rng([seed, 1])

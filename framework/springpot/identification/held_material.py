@@ -31,7 +31,8 @@ from .levels_alone import alike
 from .material import SpectrumSearch, is_material, own_parameters
 from .native import Fit
 from .problem import weighted
-from .uncertainty import Uncertainty, allowed_cost
+from .profiles import allowed_cost
+from .uncertainty import Uncertainty
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:

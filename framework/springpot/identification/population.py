@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile, normal_quantile, student
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
+from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
 from ..numerics import SMALLEST
@@ -109,17 +112,13 @@ def populations(
         The data, which tell what the specimens are called and, of ``batch/specimen``, the batch of
         each.
     """
-    found, released = {}, {each.name: each for each in model.released().parameters}
-    names, origins = model.names, model.origins
-    for shared in model.own:
-        rows = [i for i, origin in enumerate(origins) if origin == shared]
-        # The share of an order is none of the released model's.
-        parameter = released.get(shared, model.parameters[rows[0]])
-        own, error = values[rows], _errors(covariance, rows)
+    found = {}
+    for kind in (*_of_levels(model, values, covariance), *_tied(model, values, covariance, units)):
+        own, error = kind.values, kind.error
         # Sizes scatter by a share of themselves; an order, which may be zero, by itself.
-        log = parameter.scale == "log"
+        log = kind.parameter.scale == "log"
         if (
-            len(rows) < FEWEST
+            len(own) < FEWEST
             or not np.all(np.isfinite(error.variance))
             or (log and np.any(own <= 0.0))
         ):
@@ -127,14 +126,80 @@ def populations(
         if log:
             error = Errors(error.own / own**2, error.common / own[:, None])
             own = np.log(own)
-        start = len(shared) + 1
-        levels, batches = [names[i][start:] for i in rows], None
+        levels, batches, column = kind.levels, None, next(iter(model.own.values()))
         if sweep is not None:
-            levels = levels_in_words(sweep, model.own[shared]) or levels
-            batches = _batches(sweep, model.own[shared])
-        unit = units.of(parameter.unit)[1]
-        found[shared] = of_one(own, error, log, levels, unit, batches)
+            levels = levels_in_words(sweep, column) or levels
+            batches = _batches(sweep, column)
+        unit = units.of(kind.parameter.unit)[1]
+        found[kind.name] = of_one(own, error, log, levels, unit, batches)
     return found
+
+
+class OwnValues(NamedTuple):
+    """A parameter that levels have for themselves, by the name that they share.
+
+    Attributes
+    ----------
+    name : str
+        That name.
+    parameter : Parameter
+        Of one level.
+    values : ndarray, shape (n,)
+        Of all of them, in printed units.
+    error : Errors
+        Of these.
+    levels : list of str
+        What the levels are called.
+    """
+
+    name: str
+    parameter: Parameter
+    values: Real
+    error: Errors
+    levels: list[str]
+
+
+def _of_levels(model: Model, values: Real, covariance: Covariance) -> Iterator[OwnValues]:
+    """The free parameters."""
+    released = {each.name: each for each in model.released().parameters}
+    names, rows_of = model.names, dict[str, list[int]]()
+    for i, origin in enumerate(model.origins):
+        rows_of.setdefault(origin, []).append(i)
+    for shared in model.own:
+        rows = rows_of[shared]
+        # The share of an order is none of the released model's.
+        parameter = released.get(shared, model.parameters[rows[0]])
+        levels = [names[i][len(shared) + 1 :] for i in rows]
+        yield OwnValues(shared, parameter, values[rows], _errors(covariance, rows), levels)
+
+
+def _tied(model: Model, values: Real, covariance: Covariance, units: Units) -> Iterator[OwnValues]:
+    """What follows from these by ties, and so is each level's own too."""
+    factors = np.array([units.of(each.unit)[0] for each in model.parameters])
+    told = dict[str, list[Follower]]()
+    for each in model.followers(values / factors) if model.own and model.ties else ():
+        if each.parameter.name != each.origin:
+            told.setdefault(each.origin, []).append(each)
+    for shared, rows in told.items():
+        factor = units.of(rows[0].parameter.unit)[0]
+        slopes = [factor * each.slopes / factors[each.at] for each in rows]
+        errors = _carried(covariance, [each.at for each in rows], slopes)
+        levels = [each.parameter.name[len(shared) + 1 :] for each in rows]
+        own = factor * np.array([each.value for each in rows])
+        yield OwnValues(shared, rows[0].parameter, own, errors, levels)
+
+
+def _carried(covariance: Covariance, at: list[NDArray[np.intp]], slopes: list[Real]) -> Errors:
+    """Those of what follows from parameters (k,) of each level by slopes (k,)."""
+    if isinstance(covariance, Bordered):
+        parts = [covariance.errors(*each) for each in zip(at, slopes, strict=True)]
+        return Errors(np.array([own for own, _ in parts]), np.array([each for _, each in parts]))
+    turn = np.zeros((len(at), len(covariance)))
+    for row, places, slope in zip(turn, at, slopes, strict=True):
+        row[places] = slope
+    with np.errstate(invalid="ignore"):
+        whole = np.nan_to_num(turn @ covariance @ turn.T, nan=np.inf)
+    return Errors.of(whole) if np.all(np.isfinite(whole)) else Errors(np.diag(whole), turn[:, :0])
 
 
 def _errors(covariance: Covariance, rows: list[int]) -> Errors:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from springpot.distributions import student
-from springpot.drawing import draw, html_of, text_of
+from springpot.drawing import draw, draw_view, html_of, text_of
 from springpot.errors import ModelError
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
@@ -127,6 +127,8 @@ class Identification(Known):
         Finds the noise floor and the material floor when they are first asked for.
     calibration : Calibration, optional
         What the instrument promises, where the intervals hold it.
+    verdicts : tuple of str
+        Of intervals by profile, whether the data tell each parameter (p,); see `identifiable`.
 
     Examples
     --------
@@ -154,6 +156,7 @@ class Identification(Known):
     uncertainty: Uncertainty | None = None
     judge: Callable[[Identification], Standing | None] | None = None
     calibration: Calibration | None = None
+    verdicts: tuple[str, ...] = ()
 
     @classmethod
     def of_sweep(
@@ -270,6 +273,14 @@ class Identification(Known):
         budget = self.calibration.budget(self.model.names, self._factors)
         return {name: budget[name] for name in self.parameters if name in budget}
 
+    @property
+    def identifiable(self) -> dict[str, str]:
+        """By parameter ``identifiable``, ``practically not`` or ``not at all``, by its profile.
+
+        Of other intervals nothing is told; see `springpot.identification.profiles.Path.profile`.
+        """
+        return dict(zip(self.model.names, self.verdicts, strict=False))
+
     @cached_property
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
@@ -278,7 +289,8 @@ class Identification(Known):
 
     def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
-        pairs = zip(self.model.names, self.model.origins, strict=True)
+        pairs = list(zip(self.model.names, self.model.origins, strict=True))
+        pairs += [(each.parameter.name, each.origin) for each in self.model.followers(self.theta)]
         return [self.parameters[each] for each, origin in pairs if origin == name]
 
     @property
@@ -376,12 +388,16 @@ class Identification(Known):
         return tuple(effect.name for effect in self.model.effects if not effect.in_time)
 
     def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
+        self, path: str | Path | None = None, *, ax: Axes | None = None, view: str | None = None
     ) -> Figure | Axes | Path:
         """Data and fit, and what is left of each test.
 
-        See `Measurement.plot` for the arguments and what is returned.
+        See `Measurement.plot` for the arguments and what is returned. A `view` of a sweep alone,
+        84 mm wide as a journal's column is: ``storage-loss``, ``loss-factor``, ``cole-cole``,
+        ``black``, ``van-gurp-palmen``, ``residual``.
         """
+        if view is not None:
+            return draw_view(self, view, path, ax)
         return draw(self, path, ax)
 
     def __str__(self) -> str:
@@ -431,6 +447,8 @@ class Identification(Known):
             answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
         if self.spectrum is not None:
             answer["spectrum"] = self._spectrum(self.spectrum)
+        if self.verdicts:
+            answer["identifiable"] = self.identifiable
         if self.calibration is not None:
             answer["budget"] = self.budget
         if self.populations:
@@ -487,6 +505,7 @@ class Identification(Known):
         told: dict[str, Any] = {name: answer[name] for name in ("optimiser", "status")}
         told |= {"seconds": float(answer["seconds"]), "notes": tuple(answer["notes"])}
         told |= {"seed": int(kept["seed"]), "judge": Standing.judge_of(answer)}
+        told["verdicts"] = tuple(map(str, answer.get("identifiable", {}).values()))
         told["evaluations"], cost = int(answer["evaluations"]), float(answer["objective"]["value"])
         if told["seed"] < 0 or not cost >= 0.0:
             raise ValueError("the seed or the objective has no value that it can have")

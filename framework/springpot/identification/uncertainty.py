@@ -1,12 +1,12 @@
 """How well the parameters are known.
 
-Intervals from the Jacobian, and from profiles of the objective.
+Intervals from the Jacobian.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,21 +19,20 @@ from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ALIKE, NEGLIGIBLE, PRINTED
+from ..numerics import ALIKE, NEGLIGIBLE
 from .bordered import (
     PART,
     RANK,
     Bordered,
     Covariance,
     Eliminated,
+    among,
     lost_and_known,
     matrix_of,
 )
-from .coordinates import WIDEST, Coordinates
-from .leastsquares import WHOLE, Rows, levenberg_marquardt
+from .coordinates import WIDEST
 from .material import surprise_at, surprise_slopes
 from .native import Fit
-from .normal import Equations
 from .problem import weighted
 from .specimens import Specimens, follows_specimens
 from .value import Value
@@ -157,7 +156,7 @@ class Uncertainty:
         if self.specimens is None:
             return 1.0
         points, specimens = (
-            float(_printed_spread(self.fit, covariance)[i])
+            float(printed_spread(self.fit, covariance)[i])
             for covariance in (self._covariance(None), self._covariance(self.specimens))
         )
         if not (np.isfinite(specimens) and np.isfinite(points) and points > 0.0):
@@ -242,7 +241,7 @@ class Uncertainty:
         with np.errstate(
             invalid="ignore"
         ):  # of a parameter on its bound nothing is known from here
-            reach = self.quantile * _printed_spread(fit, self.covariance)
+            reach = self.quantile * printed_spread(fit, self.covariance)
         low, high = ends(fit.theta, reach, coordinates.log, _bounds(fit))
         rest = np.flatnonzero(self.at_bound)
         for i in rest.tolist():
@@ -364,7 +363,7 @@ def printed_covariance(fit: Fit, covariance: Bordered) -> Bordered:
     return covariance.carried(slopes_of(fit))
 
 
-def _printed_spread(fit: Fit, covariance: Covariance) -> Real:
+def printed_spread(fit: Fit, covariance: Covariance) -> Real:
     """Standard deviations (p,) of ln theta (logarithmic parameters) or theta."""
     if isinstance(covariance, Bordered):
         scale = _printed_scale(fit)
@@ -384,207 +383,6 @@ def _linear_slope(fit: Fit, i: int) -> Real:
         jacobian = jacobian / fit.model.stiffness(fit.theta, points)
     slope: Real = np.nan_to_num(weighted(jacobian, weights, fit.objective.turn))
     return slope
-
-
-def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, float]:
-    """Profile-likelihood interval of one parameter: all others are refitted while it is held.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    parameter : str
-        Name of the parameter.
-    level : float
-        Probability.
-
-    Returns
-    -------
-    low, high : float
-        Where the best objective has risen by the quantile's square; a bound or infinity where it
-        never does.
-
-    Notes
-    -----
-    D. J. Venzon and S. H. Moolgavkar, 1988, doi:10.2307/2347496. Of specimens that were fitted
-    together the rise is that of a parameter that scatters as they do (A. Rotnitzky and N. P.
-    Jewell, 1990, doi:10.1093/biomet/77.3.485).
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.identification import fit, profile
-    >>> data = springpot.read("artificial-hidden@frequency=..1")
-    >>> best = fit(springpot.parse_model("fractional-maxwell"), data)
-    >>> low, high = profile(best, "alpha")
-    >>> bool(low < best.theta[best.model.names.index("alpha")] < high)
-    True
-    """
-    known = Uncertainty.of(fit, level)
-    i = fit.model.names.index(parameter)
-    allowed = fit.cost + known.widening(i) * (allowed_cost(known) - fit.cost)
-    path = Path.of(fit, i)
-    return path.interval(_first_step(known, i, path.coordinates), allowed)
-
-
-def allowed_cost(known: Uncertainty) -> float:
-    """The objective at the ends of a profile's interval."""
-    fit = known.fit
-    # Nothing is left over from which the scatter could be known: no rise is too much for it.
-    if not np.isfinite(known.scale):
-        return float("inf")
-    # t^2 is F with one degree of freedom: the rise that a single parameter is allowed.
-    return fit.cost + (known.quantile * known.scale) ** 2
-
-
-def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
-    """Best objectives with one parameter held at each of some values and all others refitted.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    parameter : str
-        Name of the parameter.
-    values : ndarray, shape (m,)
-        Where it is held, in SI.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        The objectives.
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.identification import fit, held_costs
-    >>> data = springpot.read("artificial-hidden@frequency=..1")
-    >>> best = fit(springpot.parse_model("fractional-maxwell"), data)
-    >>> bool((held_costs(best, "alpha", [0.4, 0.6]) > best.cost).all())
-    True
-    """
-    i = fit.model.names.index(parameter)
-    path = Path.of(fit, i)
-    places = np.asarray(values, dtype=float) / float(path.coordinates.size[0, i])
-    if path.coordinates.log[i]:
-        places = np.log(places)
-    return path.costs(places)
-
-
-def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
-    """Standard deviation of parameter i in plain coordinates, or a small step if there is none."""
-    sd = float(_printed_spread(known.fit, known.covariance)[i])
-    if not plain.log[i]:
-        sd /= float(plain.size[0, i])
-    # Any step will do where the Jacobian knows none: the search along the profile doubles it.
-    if not np.isfinite(sd) or sd <= 0:
-        return 1e-3
-    return sd
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """The best fits along one parameter.
-
-    The coordinate of the solver for a constant of a springpot mixes it with the order: held there,
-    it would move. So the coordinates here are plain: each parameter or its logarithm.
-
-    Parameters
-    ----------
-    coordinates : Coordinates
-        Without pairs.
-    u : ndarray, shape (p,)
-        The best fit in these.
-    i : int
-        Number of the parameter.
-    evaluate : callable
-        Residuals and their slopes by the coordinates, as `levenberg_marquardt` asks for them.
-    equations : Equations
-        How these are squared.
-    """
-
-    coordinates: Coordinates
-    u: Real
-    i: int
-    evaluate: Callable[[Real, Rows], tuple[Real, Real]]
-    equations: Equations = WHOLE
-
-    @classmethod
-    def of(cls, fit: Fit, i: int) -> Path:
-        """That of a parameter of a fit."""
-        plain = replace(fit.task.coordinates, pairs=())
-        task = replace(fit.task, given=plain)
-
-        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
-            # All places are of the one data set.
-            return task.evaluator(np.zeros(len(u), dtype=np.intp))(u, np.arange(len(u)))
-
-        return cls(plain, plain.u(fit.theta, plain.size[0]), i, evaluate, task.equations)
-
-    def interval(self, step: float, allowed: float) -> tuple[float, float]:
-        """Where the best objective has risen to `allowed` on either side, else the bounds."""
-        parameter = self.coordinates.parameters[self.i]
-        low, high = (self.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
-        lower, upper = parameter.lower, parameter.upper
-        # Where the objective never rises that far, the interval ends at the bound of the parameter.
-        if low is not None:
-            lower = max(low, lower)
-        if high is not None:
-            upper = min(high, upper)
-        return lower, upper
-
-    def crossing(self, sign: float, sd: float, allowed: float) -> float | None:
-        """Value of the parameter where its profile reaches `allowed` on one side.
-
-        None if it never does.
-        """
-        limit, upper = self.coordinates.bounds()
-        if sign > 0:
-            limit = upper
-        start = float(self.u[self.i])
-        room = abs(float(limit[0, self.i]) - start)
-        # Doubled from half a deviation on: an interval may be far longer than the Jacobian says.
-        inner, steps = 0.0, sd * 2.0 ** np.arange(-1.0, 12.0)
-        if np.isfinite(room):
-            steps = np.zeros(1)
-            if room > 0.0:
-                steps = np.geomspace(min(0.5 * sd, room), room, 16)
-        # The coarse way first, then in nine pieces a round.
-        for _ in range(4):
-            over = np.flatnonzero(self.costs(start + sign * steps) > allowed)
-            if not len(over):
-                return None
-            first = int(over[0])
-            outer = float(steps[first])
-            if first:
-                inner = float(steps[first - 1])
-            if outer - inner <= PRINTED * outer:
-                break
-            steps = np.linspace(inner, outer, 10)[1:]
-        end, size = start + sign * outer, float(self.coordinates.size[0, self.i])
-        if self.coordinates.log[self.i]:
-            end = float(np.exp(end))
-        return size * end
-
-    def costs(self, places: Real) -> Real:
-        """Best objective with the parameter held at each of `places`."""
-        lower, upper = (
-            np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds()
-        )
-        # Bounds that meet hold a parameter in place without a solver of its own.
-        lower[:, self.i] = upper[:, self.i] = places
-        # All places begin at the best fit, and are solved side by side.
-        u = np.tile(self.u, (len(places), 1))
-        u[:, self.i] = places
-        return levenberg_marquardt(
-            self.evaluate,
-            u,
-            lower,
-            upper,
-            flat=ALIKE,
-            iterations=60,
-            equations=self.equations,
-        ).cost
 
 
 def tied_values(
@@ -615,17 +413,17 @@ def tied_values(
     units : Units
         Those of the data.
     """
-    found, whole = {}, matrix_of(covariance) if model.ties else np.zeros((0, 0))
-    # Where each parameter alone goes to the ends of its own interval.
-    moved = [list(_moved(model, theta, interval, i)) for i in range(len(theta) * bool(model.ties))]
-    for number, each in enumerate(model.followers(theta)):
-        low, high = _by_covariance(each, whole, quantile)
-        parents = np.flatnonzero(each.slopes)
-        resting = [i for i in parents if theta[i] in (interval[0][i], interval[1][i])]
+    found = {}
+    for each in model.followers(theta) if model.ties else ():
+        mine, ends_of = theta[each.at], np.array([end[each.at] for end in interval])
+        low, high = _by_covariance(each, among(covariance, each.at), quantile)
+        parents = np.flatnonzero(each.slopes).tolist()
+        moved = [i for i in parents if mine[i] in ends_of[:, i]]
         if len(parents) == 1:
-            low, high = np.inf, -np.inf
-        for i in parents if len(parents) == 1 else resting:
-            values = [rows[number].value for rows in moved[i]]
+            low, high, moved = np.inf, -np.inf, parents
+        # Where each of them alone goes to the ends of its own interval.
+        for i in moved:
+            values = list(_moved(each, mine, ends_of[:, i], i))
             low, high = min(low, *values), max(high, *values)
         low, high = max(low, each.parameter.lower), min(high, each.parameter.upper)
         factor, label = units.of(each.parameter.unit)
@@ -636,15 +434,13 @@ def tied_values(
     return found
 
 
-def _moved(
-    model: Model, theta: Real, interval: tuple[Real, Real], i: int
-) -> Iterator[list[Follower]]:
-    """What follows where one parameter stands at either end of its interval."""
-    for end in interval:
-        place = theta.copy()
-        place[i] = end[i]
+def _moved(each: Follower, theta: Real, places: Real, i: int) -> Iterator[float]:
+    """What follows where parameter i alone goes to some places."""
+    for place in places.tolist():
+        moved = theta.copy()
+        moved[i] = place
         with np.errstate(all="ignore"):
-            yield model.followers(place)
+            yield each.follow(moved)
 
 
 def _by_covariance(each: Follower, covariance: Real, quantile: float) -> tuple[float, float]:

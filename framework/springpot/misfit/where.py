@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -61,7 +61,23 @@ PLANES = {kind.plane: kind for kind in (Parallel, Series, Chain)}
 
 @dataclass(frozen=True)
 class Where:
-    """One place or direction in which the model fails."""
+    """One place or direction in which the model fails.
+
+    Attributes
+    ----------
+    plane, condition : str
+        In which plane it is simplest, and of which sweeps or test it is.
+    low, high : float
+        The frequencies in Hz between which it lies, of a record times in s.
+    size : float
+        Of the misfit: of one side measured less modelled, as a share.
+    says : str
+        It in a sentence.
+    part : str
+        ``storage`` or ``loss``, where it is of one of them; a file does not hold it.
+    levels : mapping of str to (float, float)
+        Ends of each condition that sets it apart, in the unit of its column; nor this.
+    """
 
     plane: str
     condition: str
@@ -69,11 +85,19 @@ class Where:
     high: float
     size: float
     says: str
+    part: str = field(default="", compare=False)
+    levels: Mapping[str, tuple[float, float]] = field(default_factory=dict, compare=False)
+
+    @property
+    def spot(self) -> dict[str, Any]:
+        """Which points it is of, beside its range: for those who show them."""
+        return {"part": self.part, "levels": dict(self.levels)}
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where the ends of the range are called from and to."""
         names = {"low": "from", "high": "to"}
-        return {names.get(key, key): value for key, value in jsonable(vars(self)).items()}
+        told = ("plane", "condition", "low", "high", "size", "says")
+        return {names.get(key, key): jsonable(getattr(self, key)) for key in told}
 
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Where:
@@ -88,8 +112,8 @@ class PlaneOfFit:
 
     Attributes
     ----------
-    word : str
-        What to call it.
+    word, name : str
+        What to call it, and ``storage`` or ``loss``.
     residual, relative, whitened : ndarray, shape (n,)
         Measured minus modelled: in the unit of K, as a share of |K|, in units of the noise.
     """
@@ -98,6 +122,7 @@ class PlaneOfFit:
     residual: Real
     relative: Real
     whitened: Real
+    name: str = ""
 
 
 def condition_axes(measurement: Measurement, most: int) -> list[MeasuredAxis]:
@@ -141,10 +166,10 @@ def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
 
 def level_words(measurement: Measurement, axis: MeasuredAxis, rows: Rows) -> str:
     """Which levels some points hold: ``at 40 degC and above``; nothing where they hold all."""
-    column, level = measurement.conditions[axis.name], axis.level[rows]
+    level = axis.level[rows]
     if level.min() == 0 and level.max() == axis.count - 1:
         return ""
-    low, high = float(column[rows].min()), float(column[rows].max())
+    low, high = _ends(measurement, axis, rows)
     start = "at amplitudes of "
     if axis.name == "temperature":
         start = "at "
@@ -157,6 +182,11 @@ def level_words(measurement: Measurement, axis: MeasuredAxis, rows: Rows) -> str
     if level.max() == axis.count - 1:
         return f"{start}{with_unit(measurement, axis.name, low)} and above"
     return f"{start}{_number(low)} to {with_unit(measurement, axis.name, high)}"
+
+
+def _ends(measurement: Measurement, axis: MeasuredAxis, rows: Rows) -> tuple[float, float]:
+    column = measurement.conditions[axis.name][rows]
+    return float(column.min()), float(column.max())
 
 
 def _number(value: float) -> str:
@@ -354,8 +384,9 @@ def _parts(frame: NoiseFrame) -> Iterator[PlaneOfFit]:
     residual = frame.measurement.stiffness - frame.model_stiffness
     size = frame.measurement.magnitude
     units = frame.measurement.units
-    yield PlaneOfFit(units.storage, residual.real, residual.real / size, frame.residual[:n])
-    yield PlaneOfFit(units.loss, residual.imag, residual.imag / size, frame.residual[n:])
+    rows = frame.residual[:n], frame.residual[n:]
+    yield PlaneOfFit(units.storage, residual.real, residual.real / size, rows[0], "storage")
+    yield PlaneOfFit(units.loss, residual.imag, residual.imag / size, rows[1], "loss")
 
 
 def _frequencies(measurement: Measurement, most: int) -> MeasuredAxis:
@@ -378,7 +409,8 @@ def _place(
         side = "low"
     # Levels are told only where they set the place apart: "at all temperatures" would be a word for
     # nothing.
-    levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
+    apart = {axis: level_words(measurement, axis, rows) for axis in conditions}
+    levels = list(filter(None, apart.values()))
     units = measurement.units
     share = f"{plain(100 * abs(size), 2)} % of {units.magnitude}"
     place = f"{part.word} {share} too {side} {_range(low, high, frequency, units)}"
@@ -387,7 +419,9 @@ def _place(
         growth = ""  # "at all frequencies" says so already
     told = [" ".join([place, *levels]), growth, *dependences(measurement, conditions, part, rows)]
     condition = ", ".join(levels) or _conditions(measurement)
-    return Where(plane, condition, low, high, size, ", ".join(word for word in told if word))
+    says = ", ".join(word for word in told if word)
+    ends = {axis.name: _ends(measurement, axis, rows) for axis, words in apart.items() if words}
+    return Where(plane, condition, low, high, size, says, part.name, ends)
 
 
 def _range(low: float, high: float, frequency: Real, units: Units) -> str:

@@ -9,7 +9,7 @@ What noise leaves, and what any material leaves.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,6 +119,49 @@ def figure_identification(
         views.residual(below, scene)
         above.set_xlabel("")
         headed(figure, scene, beside=beside)
+        return finished(figure, path)
+
+
+COLUMN = 84.0
+"""Width in mm of a column of a journal."""
+INCH = 25.4
+VIEWS: dict[str, Callable[[Axes, Scene], None]] = {
+    "storage-loss": views.storage_and_loss,
+    "loss-factor": views.loss_factor,
+    "cole-cole": views.cole_cole,
+    "black": views.black,
+    "van-gurp-palmen": views.van_gurp_palmen,
+    "residual": views.residual,
+}
+
+
+def draw_one_view(axes: Axes, identified: Identification, view: str) -> None:
+    """One of `VIEWS` of the fit of a sweep, with what the marks mean."""
+    scene = Scene(identified.measurement, [DrawnFit(identified.model, identified.theta)])
+    VIEWS[view](axes, scene)
+    # Where one is drawn over the other there is but one kind of mark.
+    marks = marks_of(scene) if VIEWS[view] in (views.storage_and_loss, views.residual) else []
+    if handles := [*marks, *(sweep_marks(scene) if scene.by_sweep else [])]:
+        axes.legend(handles=handles, fontsize="x-small")
+
+
+def figure_view(
+    identified: Identification, view: str, path: str | Path | None = None
+) -> Figure | Path:
+    """One view of a fit as wide as a journal's column, without a headline, which a caption has.
+
+    Parameters
+    ----------
+    identified : Identification
+        The fit of a sweep.
+    view : str
+        One of `VIEWS`.
+    path : str or Path, optional
+        Where to write; see `springpot.report.canvas.finished`.
+    """
+    width = COLUMN / INCH
+    with blank(width, 0.78 * width) as figure:
+        draw_one_view(figure.subplots(), identified, view)
         return finished(figure, path)
 
 

@@ -11,6 +11,7 @@ from math import hypot, isfinite, log, nan
 from springpot.format_numbers import counted, number
 from springpot.identification.kept import note_on_levels
 from springpot.identification.population import specimens_of
+from springpot.identification.profiles import IDENTIFIABLE
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
@@ -66,6 +67,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         Preformatted(drawing_of(identified.model)),
         parameters_table("parameter", _listed(identified, verbose), gone(identified)),
         Prose(f"tied        {'; '.join(ties)}" if (ties := identified.model.ties) else ""),
+        Prose(_identifiable(identified)),
         _budget(identified) if verbose else Prose(),
         *population_passages(identified),
         search,
@@ -74,6 +76,17 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         tests,
         Listing(_lines(identified, verbose), hang=HANG),
     ]
+
+
+def _identifiable(identified: Identification) -> str:
+    """What profiles tell of the parameters, each verdict with those that have it."""
+    told = identified.identifiable
+    parts = (
+        (verdict, [name for name, found in told.items() if found == verdict])
+        for verdict in IDENTIFIABLE
+    )
+    words = "; ".join(f"{verdict}: {', '.join(names)}" for verdict, names in parts if names)
+    return f"profile     {words}" if words else ""
 
 
 def _size(identified: Identification) -> str:

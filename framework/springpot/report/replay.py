@@ -5,22 +5,26 @@ Step by step the curve meets the data, the residual falls into the noise, the er
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.diagnosis.case import Case
 from springpot.diagnosis.ladder import Ladder
-from springpot.errors import OutputError
 from springpot.files import write_with
-from springpot.rheology.points import Complex, Points
+from springpot.rheology.points import Complex, Points, Real
+from springpot.timetests.verdict import worst_of
 
 from . import views
-from .canvas import blank, check_figure_path
+from .canvas import COLOURS as LINES
+from .canvas import QUIET, blank, check_figure_path, logarithmic
+from .interactive.in_time import PLANE, TimeScene, case_of
 from .ladder_text import ROOM, draw_ladder, entitled
 from .residuals import symmetric, with_noise_of
 from .views import DrawnFit, Scene
@@ -40,6 +44,8 @@ COLOURS = 64
 """Of a frame, which has few."""
 DOTS = 100
 """Per inch."""
+NOISE = 2.0
+"""Standard deviations within which a residual may be noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +72,7 @@ class OnTheWay(DrawnFit):
 
 
 def write_replay(ladder: Ladder, path: str | Path) -> Path:
-    """Write a ladder of a sweep as an animated GIF.
+    """Write a ladder as an animated GIF.
 
     Parameters
     ----------
@@ -78,18 +84,17 @@ def write_replay(ladder: Ladder, path: str | Path) -> Path:
     Raises
     ------
     OutputError
-        If it cannot be written, or the ladder is of tests in time.
+        If it cannot be written.
     """
-    if not isinstance(ladder.steps[0].examined, Case):
-        raise OutputError(f"{path}: a moving picture is drawn of sweeps; name a .png, .svg or .pdf")
     frames = frames_of(ladder)
     place = check_figure_path(path, (SUFFIX,))
     return write_with(place, lambda file: written_as_gif(frames, file))
 
 
 def frames_of(ladder: Ladder) -> list[tuple[Image, int]]:
-    """Frames of a ladder of a sweep, each with the milliseconds that it stands."""
-    played = Replay(ladder)
+    """Frames of a ladder, each with the milliseconds that it stands."""
+    of_sweeps = isinstance(ladder.steps[0].examined, Case)
+    played = (ReplayOfSweeps if of_sweeps else ReplayInTime)(ladder)
     moments = _moments(len(ladder.steps))
     return [(played.at(step, share), lasting) for step, share, lasting in moments]
 
@@ -112,39 +117,34 @@ def _moments(steps: int) -> Iterator[tuple[int, float, int]]:
         yield step, 1.0, HOLD
 
 
-class Replay:
-    """What all frames share: the data with their noise, the fits, the ends of the axes.
+class Replay(ABC):
+    """What all frames share: the steps, and the ends of the axes.
 
     Parameters
     ----------
     ladder : Ladder
-        Of a sweep.
+        What is played.
     """
 
     def __init__(self, ladder: Ladder) -> None:
         self.ladder = ladder
-        bases = [step.case.search.base for step in ladder.steps]
-        # The noise as the last model tells it: what falls is seen to fall against one band.
-        self.data = with_noise_of(bases[-1].data.mean, bases[-1].noise.sd)
-        self.fits = [DrawnFit(base.model, base.theta) for base in bases]
-        size = self.data.magnitude
-        self.largest = max(
-            float(np.max(np.abs(self.data.stiffness - fit.at(self.data.points)) / size))
-            for fit in self.fits
-        )
         with blank() as figure:
             whole = figure.subplots()
             draw_ladder(whole, ladder)
             self.ends = whole.get_xlim(), whole.get_ylim()
-        self.noise = 2.0 * float(np.median(np.abs(bases[-1].noise.sd) / size))
+
+    @abstractmethod
+    def curve(self, axes: Axes, step: int, share: float) -> None:
+        """Draw the data, and the curve on its way to a step."""
+
+    @abstractmethod
+    def residual(self, axes: Axes, step: int, share: float) -> None:
+        """Draw what is left there."""
 
     def at(self, step: int, share: float) -> Image:
         """The frame on the way to a step."""
         from PIL import Image as images
 
-        there = self.fits[step]
-        before = self.fits[max(step - 1, 0)]
-        passing = OnTheWay(there.model, there.theta, there.label, before, share)
         # The step's own mark only appears where its curve has arrived.
         reached = step + 1
         if share < 1.0:
@@ -155,27 +155,113 @@ class Replay:
                 width_ratios=(1.25, 1.0),
                 height_ratios=(1.5, 1.0),
             )
-            scene = Scene(self.data, [passing])
-            self._curve(panels["curve"], scene)
-            self._residual(panels["residual"], scene)
+            self.curve(panels["curve"], step, share)
+            panels["curve"].set_xlabel("")
+            self.residual(panels["residual"], step, share)
             self._ladder(panels["ladder"], reached)
-            entitled(panels["curve"], f"{self.fits[reached - 1].name} of {self.ladder.data}")
+            model = self.ladder.steps[reached - 1].model
+            entitled(panels["curve"], f"{model.name} of {self.ladder.data}")
             stream = BytesIO()
             figure.savefig(stream, format="png", dpi=DOTS)
         return images.open(stream).convert("RGB").quantize(COLOURS)
 
-    def _curve(self, axes: Axes, scene: Scene) -> None:
-        views.storage_and_loss(axes, scene)
+    def _ladder(self, axes: Axes, reached: int) -> None:
+        draw_ladder(axes, replace(self.ladder, steps=self.ladder.steps[:reached]))
+        axes.set(xlim=self.ends[0], ylim=self.ends[1])
+
+
+class ReplayOfSweeps(Replay):
+    """Storage and loss, and the error at each point."""
+
+    def __init__(self, ladder: Ladder) -> None:
+        super().__init__(ladder)
+        bases = [step.case.search.base for step in ladder.steps]
+        # The noise as the last model tells it: what falls is seen to fall against one band.
+        self.data = with_noise_of(bases[-1].data.mean, bases[-1].noise.sd)
+        self.fits = [DrawnFit(base.model, base.theta) for base in bases]
+        size = self.data.magnitude
+        self.largest = max(
+            float(np.max(np.abs(self.data.stiffness - fit.at(self.data.points)) / size))
+            for fit in self.fits
+        )
+        self.noise = 2.0 * float(np.median(np.abs(bases[-1].noise.sd) / size))
+
+    def _scene(self, step: int, share: float) -> Scene:
+        there, before = self.fits[step], self.fits[max(step - 1, 0)]
+        return Scene(self.data, [OnTheWay(there.model, there.theta, there.label, before, share)])
+
+    def curve(self, axes: Axes, step: int, share: float) -> None:
+        """Draw storage and loss."""
+        views.storage_and_loss(axes, self._scene(step, share))
         parts = np.abs([self.data.storage, self.data.loss])
         axes.set_ylim(parts[parts > 0.0].min() / ROOM, parts.max() * ROOM)
-        axes.set_xlabel("")
 
-    def _residual(self, axes: Axes, scene: Scene) -> None:
-        views.residual(axes, scene)
+    def residual(self, axes: Axes, step: int, share: float) -> None:
+        """Draw the error at each point."""
+        views.residual(axes, self._scene(step, share))
         if self.noise > 0.0 and self.largest > self.noise:
             symmetric(axes, 100.0 * self.noise, 100.0 * self.largest)
         axes.set_ylim(-100.0 * ROOM * self.largest, 100.0 * ROOM * self.largest)
 
-    def _ladder(self, axes: Axes, reached: int) -> None:
-        draw_ladder(axes, replace(self.ladder, steps=self.ladder.steps[:reached]))
-        axes.set(xlim=self.ends[0], ylim=self.ends[1])
+
+class ReplayInTime(Replay):
+    """Of tests in time the one that the first model misses most, as the page draws it."""
+
+    def __init__(self, ladder: Ladder) -> None:
+        super().__init__(ladder)
+        bases = [case_of(step).base for step in ladder.steps]
+        scene, at = TimeScene(bases[0].data), worst_of(ladder.steps[0].tests)
+        told = scene.to_dict()
+        self.view, self.grid = told["views"][f"test-{at}"], told["grids"][at]["x"]
+        rows = np.equal(told["sweep"], at)
+        self.x = np.array(told["x"])[rows]
+        self.measured = _parts(told, self.view, rows)
+        whole = [scene.curve(base.model, base.theta, base.reference, whole=True) for base in bases]
+        self.curves = [_parts(drawn["curves"][at], self.view) for drawn in whole]
+        self.left = [
+            _parts(drawn["planes"][PLANE], self.view, rows)
+            / np.array(drawn["planes"][PLANE]["width"], dtype=float)[rows]
+            for drawn in whole
+        ]
+        self.largest = max(NOISE, *(float(np.nanmax(np.abs(left))) for left in self.left))
+
+    def curve(self, axes: Axes, step: int, share: float) -> None:
+        """Draw what was measured and what is computed."""
+        drawn = _between(self.curves, step, share)
+        for measured, computed, colour in zip(self.measured, drawn, LINES, strict=False):
+            axes.plot(self.x, measured, ".", color=QUIET)
+            axes.plot(self.grid, computed, color=colour)
+        axes.set_ylabel(self.view["y"]["label"])
+        if self.view["y"]["log"]:
+            logarithmic(axes, "y")
+            parts = np.abs(self.measured)
+            axes.set_ylim(parts[parts > 0.0].min() / ROOM, parts.max() * ROOM)
+        self._along(axes)
+
+    def residual(self, axes: Axes, step: int, share: float) -> None:
+        """Draw what was measured less what is computed, over the noise."""
+        axes.axhspan(-NOISE, NOISE, color="#EEEEEE")
+        for left, colour in zip(_between(self.left, step, share), LINES, strict=False):
+            axes.plot(self.x, left, ".", color=colour)
+        if self.largest > 2.0 * NOISE:
+            symmetric(axes, NOISE, self.largest)
+        axes.set_ylim(-ROOM * self.largest, ROOM * self.largest)
+        axes.set_ylabel("residual / noise")
+        self._along(axes)
+
+    def _along(self, axes: Axes) -> None:
+        axes.set_xlabel(self.view["x"]["label"])
+        if self.view["x"]["log"]:
+            logarithmic(axes, "x")
+
+
+def _parts(
+    told: dict[str, Any], view: dict[str, Any], rows: NDArray[np.bool_] | slice = slice(None)
+) -> Real:
+    """The numbers of each part of a view, (parts, n); what is not known is nan."""
+    return np.array([told[name] for name in view["parts"]], dtype=float)[:, rows]
+
+
+def _between(drawn: Sequence[Real], step: int, share: float) -> Real:
+    there, before = drawn[step], drawn[max(step - 1, 0)]
+    return np.asarray(there + (1.0 - share) * (before - there))

@@ -22,8 +22,9 @@ from springpot.comparison.result import Comparison
 from springpot.markup import Html, joined, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
+from springpot.measurement.units import Units
 from springpot.misfit.error import Error
-from springpot.rheology.nodes import FULL, PLANES, Composition, Response
+from springpot.rheology.nodes import FULL, PLANES, Composition, Parallel, Response
 from springpot.rheology.points import Complex, Real
 
 from . import views
@@ -163,7 +164,7 @@ def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bo
     row[0].set_title(title)
     for axes, plane in zip(row[1:], PLANES, strict=True):
         draw_plane(axes, scene, plane)
-        axes.set_title(f"{plane.plane} plane")
+        axes.set_title(plane_name(plane, scene.measurement.units))
 
 
 def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:
@@ -253,10 +254,19 @@ def other_views(scenes: dict[str, Scene]) -> Html:
     return joined(pairs(scenes, draw, caption) for caption, draw in VIEWS)
 
 
+def plane_name(plane: type[Composition], units: Units) -> str:
+    """What a plane is called: ``modulus plane`` where K is a modulus."""
+    word = plane.plane
+    if plane is Parallel and units.is_modulus:
+        word = "modulus"
+    return f"{word} plane"
+
+
 def residual_planes(scenes: dict[str, Scene]) -> Iterator[Html]:
     """The four planes, each with what it shows."""
+    units = next(iter(scenes.values())).measurement.units
     for plane in PLANES:
-        yield tag("h3", f"{plane.plane.capitalize()} plane: {plane.shows}")
+        yield tag("h3", f"{plane_name(plane, units).capitalize()}: {plane.shows}")
         yield pairs(
             scenes,
             lambda axes, scene, p=plane: draw_plane(axes, scene, p),  # type: ignore[misc]

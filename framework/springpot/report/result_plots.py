@@ -29,11 +29,14 @@ from . import views
 from .answers import worth_showing
 from .canvas import COLOURS, blank, finished, logarithmic
 from .figures import (
+    VIEWS,
     beside_floors,
     draw_floors,
+    draw_one_view,
     figure_identification,
     figure_material,
     figure_population,
+    figure_view,
     marks_of,
     sweep_marks,
 )
@@ -107,6 +110,9 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.legend(loc="upper right")
 
 
+PLACES = "give ax= or a file to plot into, not both: save the figure of the axes"
+
+
 def drawn(
     result: object, path: str | Path | None = None, axes: Axes | None = None
 ) -> Axes | Figure | Path:
@@ -121,8 +127,31 @@ def drawn(
     if axes is None:
         return whole(result, path)
     if path is not None:
-        raise OutputError("give ax= or a file to plot into, not both: save the figure of the axes")
+        raise OutputError(PLACES)
     onto(result, axes)
+    return axes
+
+
+def one_view(
+    result: Identification,
+    view: str,
+    path: str | Path | None = None,
+    axes: Axes | None = None,
+) -> Axes | Figure | Path:
+    """One view of a fit; see `springpot.drawing.draw_view`.
+
+    Raises
+    ------
+    OutputError
+        If there is no such view, or a path and axes are given.
+    """
+    if view not in VIEWS:
+        raise OutputError(f"no view is called '{view:.40}': {', '.join(VIEWS)}")
+    if axes is None:
+        return figure_view(result, view, path)
+    if path is not None:
+        raise OutputError(PLACES)
+    draw_one_view(axes, result, view)
     return axes
 
 

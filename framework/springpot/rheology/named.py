@@ -31,6 +31,7 @@ from .tied import (
     Follower,
     Held,
     Tied,
+    bases_in,
     followers,
     hold,
     part_of,
@@ -348,6 +349,15 @@ class NamedNetwork(HasParameters):
             ties += ties_in(effect.element)
         return tuple(ties)
 
+    @property
+    def bases(self) -> dict[str, list[str]]:
+        """What each tied parameter hangs on: those it follows from, or its share of an order."""
+        found = bases_in(self.material)
+        for effect, prefix in self.named_effects():
+            for name, on in bases_in(effect.element).items():
+                found[f"{prefix}.{name}"] = [f"{prefix}.{each}" for each in on]
+        return found
+
     def untied(self) -> Self:
         """The model whose parameters are not tied; held and each level's own they stay."""
         effects = tuple(replace(each, element=untied(each.element)) for each in self.effects)
@@ -355,19 +365,17 @@ class NamedNetwork(HasParameters):
 
     def followers(self, theta: Real) -> list[Follower]:
         """The tied parameters at `theta` (p,)."""
-        first, found = len(self.material.parameters), []
-        rows = list(range(first))
+        found = []
+        rows = list(range(len(self.material.parameters)))
         parts: list[tuple[Node, str, list[int]]] = [(self.material, "", rows)]
         parts += [(each.effect.element, f"{each.prefix}.", each.own) for each in self.placed()]
         for node, prefix, rows in parts:
             for each in followers(node, theta[rows]):
-                slopes = np.zeros(len(theta))
-                slopes[rows] = each.slopes
                 parameter = each.parameter
                 if prefix:
                     parameter = parameter.renamed(f"{prefix}{parameter.name}")
-                origin = f"{prefix}{each.origin}"
-                found.append(each._replace(origin=origin, parameter=parameter, slopes=slopes))
+                at, origin = np.array(rows)[each.at], f"{prefix}{each.origin}"
+                found.append(each._replace(origin=origin, parameter=parameter, at=at))
         return found
 
     def started(self, full: Real) -> Real:

@@ -7,7 +7,7 @@ larger one takes its place: no search can leave it, and no two modes can change 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from graphlib import CycleError, TopologicalSorter
 from math import isfinite
@@ -275,17 +275,23 @@ class Follower(NamedTuple):
         Itself.
     value : float
         In the unit of theta.
-    slopes : ndarray, shape (p,)
-        Derivative by theta.
+    at : ndarray of int, shape (q,)
+        Where in theta the parameters stand among which it follows: of levels those of one.
+    slopes : ndarray, shape (q,)
+        Derivative by these.
     text : str
         How it is tied.
+    follow : callable
+        Its value at other values (q,) of these.
     """
 
     origin: str
     parameter: Parameter
     value: float
+    at: NDArray[np.intp]
     slopes: Real
     text: str
+    follow: Callable[[Real], float]
 
 
 def ties_of(
@@ -575,6 +581,23 @@ def ties_in(node: Node) -> tuple[str, ...]:
     return ()
 
 
+def bases_in(node: Node) -> dict[str, list[str]]:
+    """What each tied parameter hangs on: the parameters it follows from, or its share of an order.
+
+    Examples
+    --------
+    >>> from springpot.rheology import dashpot, parallel, spring
+    >>> from springpot.rheology.tied import bases_in, tied
+    >>> bases_in(tied(parallel(spring(), dashpot()), ["c = 2*k"], {}))
+    {'c': ['k']}
+    """
+    if isinstance(node, Own | Held):
+        return bases_in(node.node)
+    if isinstance(node, Tied):
+        return {each.name: [each.share] if each.share else each.names for each in node.forward.ties}
+    return {}
+
+
 def untied(node: Node) -> Node:
     """The node without ties, its levels and held parameters as before."""
     if isinstance(node, Own):
@@ -603,27 +626,39 @@ def followers(node: Node, theta: Real) -> list[Follower]:
     if not isinstance(node, Own | Held):
         return []
     if isinstance(node, Held):
-        slopes = node.jacobian(theta)
-        inner = followers(node.node, node.forward(theta))
-        return [each._replace(slopes=each.slopes @ slopes) for each in inner]
+        return [_outside(node, each, theta) for each in followers(node.node, node.forward(theta))]
     found: dict[str, Follower] = {}
     for number, places in enumerate(node.places):
         for each in followers(node.node, theta[places]):
-            own = [node.node.parameters[i].name in node.own for i in np.flatnonzero(each.slopes)]
-            slopes = np.zeros(len(theta))
-            slopes[places] = each.slopes
+            on = each.at[np.flatnonzero(each.slopes)]
             parameter = each.parameter
-            if any(own):
+            if any(node.node.parameters[i].name in node.own for i in on):
                 parameter = node.copied(parameter, number)
-            found.setdefault(parameter.name, each._replace(parameter=parameter, slopes=slopes))
+            moved = each._replace(parameter=parameter, at=places[each.at])
+            found.setdefault(parameter.name, moved)
     return list(found.values())
+
+
+def _outside(node: Held, inner: Follower, theta: Real) -> Follower:
+    """A tied parameter by the parameters (q,) that a node leaves free."""
+    slopes = inner.slopes @ node.jacobian(theta)[inner.at]
+
+    def follow(values: Real) -> float:
+        return inner.follow(node.forward(values)[inner.at])
+
+    return inner._replace(at=np.arange(len(theta)), slopes=slopes, follow=follow)
 
 
 def _followers(node: Tied, theta: Real) -> list[Follower]:
     values, slopes = node.forward(theta), node.forward.jacobian(theta)
     text = {tie.name: tie.text for tie in node.forward.ties}
+    at = np.arange(len(theta))
+
+    def followed(i: int) -> Callable[[Real], float]:
+        return lambda values: float(node.forward(values)[i])
+
     return [
-        Follower(each.name, each, float(values[i]), slopes[i], text[each.name])
+        Follower(each.name, each, float(values[i]), at, slopes[i], text[each.name], followed(i))
         for i, each in enumerate(node.forward.inner)
         if each.name in text
     ]

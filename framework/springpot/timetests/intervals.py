@@ -11,8 +11,8 @@ import numpy as np
 from springpot.distributions import student
 from springpot.identification.fitting import RESAMPLES
 from springpot.identification.leastsquares import Rows, levenberg_marquardt
+from springpot.identification.profiles import Path, Profile
 from springpot.identification.result import Identification
-from springpot.identification.uncertainty import Path
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -44,10 +44,10 @@ def with_intervals(
         return result
     valley = _Valley.of(search, found)
     if kind == "profile":
-        low, high = valley.profiled(result)
-    else:
-        low, high = valley.simulated(np.random.default_rng([seed, 1]))
-    return replace(result, low=low, high=high)
+        low, high, verdicts = zip(*valley.profiled(result), strict=True)
+        return replace(result, low=np.array(low), high=np.array(high), verdicts=verdicts)
+    below, above = valley.simulated(np.random.default_rng([seed, 1]))
+    return replace(result, low=below, high=above)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,20 +92,19 @@ class _Valley:
         pairs = [self.at(one) for one in u]
         return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
-    def profiled(self, result: Identification) -> tuple[Real, Real]:
-        """Ends (p,) where the objective has risen by the quantile's square, others refitted."""
+    def profiled(self, result: Identification) -> list[Profile]:
+        """Of each parameter: ends where the objective has risen by the quantile's square."""
         quantile = student(INTERVAL, max(len(self.weight) - len(self.u), 1))
         low, high = self.search.coordinates.bounds()
         # By fixed exponentials the bottom lies a little aside.
         best = levenberg_marquardt(self.evaluate, self.u[None], low, high)
-        u, allowed = best.u[0], float(best.cost[0]) + quantile**2
-        ends = [
-            Path(self.search.coordinates, u, i, self.evaluate).interval(
-                self._step(result, i, quantile), allowed
+        u, cost = best.u[0], float(best.cost[0])
+        return [
+            Path(self.search.coordinates, u, i, self.evaluate).profile(
+                self._step(result, i, quantile), cost, quantile**2
             )
             for i in range(len(u))
         ]
-        return np.array([end[0] for end in ends]), np.array([end[1] for end in ends])
 
     def _step(self, result: Identification, i: int, quantile: float) -> float:
         """A standard deviation of coordinate i by the slopes."""

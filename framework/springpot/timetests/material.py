@@ -423,8 +423,9 @@ class _Search:
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
         # A line of no weight at all has no place among the times of the creep, and so no slope
         # there. What is nothing beside K at each rate: one far beyond them may weigh a million
-        # times what the tests show of it.
-        least = ALIKE * np.min(np.abs(weights @ self.shown) / np.abs(self.shown[2:]), axis=1)
+        # times what the tests show of it. Effects may leave nothing to any line.
+        beside = np.abs(weights @ self.shown) / np.abs(self.shown[2:])
+        least = ALIKE * np.min(beside, axis=1, initial=np.inf)
         theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
         # A step that is taken asks for the slopes of where its cost was asked for.
         if self.last is not None and np.array_equal(self.last[0], theta):

@@ -479,6 +479,8 @@ class Clock:
                 slopes = slopes * _pace(effect.element, values, here)[:, None]
             slopes = np.column_stack([slopes, *columns])
             here = turned
+        if not np.all(np.isfinite(here)):
+            raise ModelError(f"{self.effects[-1].effect.name}: a clock that stands still or leaps")
         return self.start + np.where(after, here, since), np.where(after[:, None], slopes, 0.0)
 
     def turned(self, loading: Loading, t: Real) -> Loading:

@@ -107,7 +107,7 @@ def _in_time(test: TimeTest, residual: Real) -> Where | None:
         side = "larger"
     says = (
         f"{test.name} is missed most from {first:.3g} to {last:.3g} s, by {size:.2g} x the noise: "
-        f"the model's {test.answered} is {side} there{_manner(test, residual)}"
+        f"the model's {test.words[1]} is {side} there{_manner(test, residual)}"
     )
     return Where("signal", test.name, first, last, size, says)
 
@@ -190,7 +190,7 @@ def _in_loop(test: TimeTest, residual: Real) -> Where | None:
     mirror = sizes[4 - i, 1 - j]
     alone = counts[4 - i, 1 - j] >= FEWEST and sizes[i, j] > ONE_SIDED * max(mirror, 1.0)
     ways = ("falling", "rising")
-    says = f"in the loop of {test.name} the model fails most {ENDS[i]}, {test.control} {ways[j]}"
+    says = f"in the loop of {test.name} the model fails most {ENDS[i]}, {test.words[0]} {ways[j]}"
     says += f", by {sizes[i, j]:.2g} x the noise"
     if alone:
         says += f"; on that side alone, {mirror:.2g} x on the other"

@@ -62,11 +62,10 @@ from .sessions import (
 from .specimen import Opened, Specimen, given, safe_name
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
-from .trying import first_look, hand_of, invented, theta_of, tried, with_law
+from .trying import Told, first_look, hand_of, invented, ranked, telling, theta_of, tried, with_law
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
-Told = Callable[[str], None]
 
 
 def ladder_of(
@@ -381,7 +380,7 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.tasks.answer`; its ladder is kept for what one leaves with."""
     asked = State.of(state)
-    ladder = _ladder(asked, text, told)
+    ladder = _ladder(asked, text, telling(told, asked, _opened(text)))
     # Told, as the previews of a large library take a while themselves.
     told("drawing what each effect would change")
     return answer(asked, ladder, _opened(text))
@@ -460,10 +459,10 @@ def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """All installed models against what any material reaches; schema ``springpot.comparison/2``."""
-    asked = State.of(state)
-    used = given(kept(_opened(text), asked.excluded))
-    return compare(used, seed=asked.seed, progress=told).to_dict()
+    """All installed models against what any material reaches, see `ranked`."""
+    asked, data = State.of(state), _opened(text)
+    found = compare(given(kept(data, asked.excluded)), seed=asked.seed, progress=told)
+    return ranked(asked, data, found)
 
 
 def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:

@@ -24,7 +24,6 @@ from .specimen import Specimen
 
 LACKS = {
     "data": "tests in time leave as the files that were opened, which the session holds too",
-    "replay": "a moving picture is drawn of sweeps; plots of tests in time leave one by one",
     "plan": "a further test in time is told in words; a table is made of frequencies",
 }
 """Why something that leaves with sweeps does not leave with tests in time."""
@@ -95,6 +94,8 @@ def leave_in_time(
         return {"name": f"{stem}.txt", "text": command + "\n"}
     if kind == "curves":
         return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), kept(data, state.excluded))}
+    if kind == "replay":
+        return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder())}
     if kind == "report":
         tests = kept(data, state.excluded).tests
         text = leaving.report(ladder(), tests, shlex.split(command))

@@ -7,19 +7,23 @@ model, points left out, parameters set, fixed or bounded by hand; and laws that 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from springpot.comparison.comparing import compare
+from springpot.comparison.result import Comparison
 from springpot.constraints import constrained
+from springpot.diagnosis.grown import size_of
+from springpot.diagnosis.result import FittedStage, Progress
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
+from springpot.misfit.refit import Refit
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import drawn_at_once, preview
 from springpot.report.interactive.hypotheses import Preview
@@ -34,8 +38,12 @@ from springpot.rheology.typed import law
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
 
+MOST_RANKED = 8
+"""Models that are proposed in the place of the present one."""
 FEW = 100
 """Rows that are looked at, evenly many of all: more would take longer than a first look may."""
+Told = Callable[[Any], None]
+"""Called with a stage in words, or with a line that holds one."""
 SAYS = "what may be missing is being sought"
 
 
@@ -63,6 +71,7 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
     return {
         "state": state.to_dict(),
         "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
+        "spots": [place.spot for place in judged.where],
         **drawn_at_once(judged.refit, measurement),
     }
 
@@ -121,12 +130,68 @@ def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -
     }
 
 
-def _drawn(state: State, data: Opened, fit: Identification) -> dict[str, Any]:
+def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str, Any]:
     if isinstance(data, Specimen):
+        assert isinstance(fit, Identification)
         told = {"model": fit.model.name, "error": fit.relative_rms, "refitted": True}
         return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
     used = kept(data, state.excluded)
     return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
+
+
+def telling(told: Told, state: State, data: Opened) -> Progress:
+    """What tells stages, and of each effect that was tried by itself an ``action`` as in an answer.
+
+    With its ``preview``; only beside new sweeps: beside a further rung the answer before is there.
+    """
+    if state.accepted or isinstance(data, Specimen):
+        return told
+    scene, used = PageScene(data), kept(data, state.excluded)
+
+    def tell(stage: str) -> None:
+        if not isinstance(stage, FittedStage) or len(stage.grown.effects) > 1:
+            told(stage)
+            return
+        [effect], fit = stage.grown.effects, stage.grown.refit
+        size = effect.element.parameters[0]
+        factor, unit = used.units.of(size.unit)
+        value = f"{size.name} = {factor * size_of(fit, effect):.3g} {unit.strip('-')}".strip()
+        action: dict[str, Any] = {"name": effect.name, "label": effect.name, "says": effect.summary}
+        action |= {"shown": value, "accept": [effect.name], "exclude": []}
+        drawn = preview(scene, used, Preview(effect.name, fit.model, fit.theta, True))
+        told({"stage": stage, "action": action, "preview": drawn})
+
+    return tell
+
+
+def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:
+    """A ranking, each of its models as something that can be done.
+
+    Returns
+    -------
+    dict
+        Schema ``springpot.comparison/2``; ``actions`` as in an answer, with the ``model`` that
+        takes the place of the present one, what is ``shown`` of it, and ``previews`` by their
+        names.
+    """
+    handy = [found.handy] if found.handy else []
+    actions, previews = [], {}
+    for one in list(dict.fromkeys([*found.shown[: MOST_RANKED - len(handy)], *handy])):
+        assert isinstance(one.fitted, Identification | Refit)
+        name, count = f"{one.model.name} instead", one.free_parameters
+        previews[name] = _drawn(state, data, one.fitted)
+        actions.append(
+            {
+                "name": name,
+                "label": one.model.name,
+                "says": one.says,
+                "shown": f"{count} parameters, {'fails' if one.fails else 'holds'}",
+                "model": one.model.base,
+                "accept": [effect.name for effect in one.model.effects],
+                "exclude": [],
+            }
+        )
+    return {**found.to_dict(), "actions": actions, "previews": previews}
 
 
 def invented(state: State, measurement: Measurement, found: Invention) -> dict[str, Any]:

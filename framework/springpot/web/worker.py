@@ -35,10 +35,14 @@ def main() -> None:
     # Before the first task comes: what it needs is imported while nobody waits.
     plugins()
     say({"ready": True})
+
+    def told(stage: str | dict[str, Any]) -> None:
+        say({"stage": stage} if isinstance(stage, str) else stage)
+
     with own_process():
         for line in sys.stdin:
             asked = json.loads(line)
-            say(perform(asked["task"], asked["arguments"], lambda stage: say({"stage": stage})))
+            say(perform(asked["task"], asked["arguments"], told))
 
 
 if __name__ == "__main__":

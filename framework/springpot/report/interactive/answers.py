@@ -43,6 +43,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     dict
         ``discovery`` (schema ``springpot.discovery/2``); ``of``: what errors are shares of;
         ``parameters`` of the last rung, each with its correlations to the others;
+        ``spots``: which points each place is of;
         ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to
         which temperature or amplitude the parameters belong; ``model``: K of the last rung,
         ``{"points", "curves", "planes"}``, each with ``storage`` and ``loss``, at the drawn points,
@@ -66,6 +67,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         "parameters": parameters_of(
             fit.model, ladder.steps[-1].parameters, used.units, Uncertainty.of(fit).correlation
         ),
+        "spots": [place.spot for place in case.diagnosis.where],
         "noise": in_parts(noise),
         "reference": reference_note(used, [base.model.network]),
         "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),

@@ -78,7 +78,13 @@ class TimeScene:
         return {
             "name": ", ".join(test.name for test in tests),
             "count": int(starts[-1]),
-            "planes": {PLANE: {"shows": "what was measured less what was computed", "label": ""}},
+            "planes": {
+                PLANE: {
+                    "name": PLANE,
+                    "shows": "what was measured less what was computed",
+                    "label": "",
+                }
+            },
             "thin": self.thin.tolist(),
             "units": {"stiffness": first.test.units.stiffness, "amplitude": ""},
             "axis": {"column": "time", "label": "t [s]", "logarithmic": True, "per_hertz": 1.0},
@@ -262,6 +268,7 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
         "parameters": parameters_of(
             base.model, base.parameters, units_of(tests), correlation_of(base.covariance)
         ),
+        "spots": [place.spot for place in diagnosis.where],
         "noise": {"storage": width, "loss": width},
         "reference": "",
         "model": whole,

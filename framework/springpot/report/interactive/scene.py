@@ -20,7 +20,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 
-from ..residuals import plane_of
+from ..residuals import plane_name, plane_of
 from ..sweeps import DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
@@ -127,6 +127,7 @@ class PageScene:
         words = _words(measurement.units)
         planes = {
             plane.plane: {
+                "name": plane_name(plane, measurement.units),
                 "shows": plane.shows,
                 "label": plane.label(measurement.units.stiffness).replace("K", words["symbol"]),
             }

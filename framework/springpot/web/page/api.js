@@ -62,7 +62,7 @@ async function lines(response, told) {
     rest = whole.pop();
     for (const line of whole) {
       const said = JSON.parse(line);
-      if (said.stage) told?.(said.stage);
+      if (said.stage) told?.(said.stage, said);
       else if (!said.beat) last = said;
     }
   }

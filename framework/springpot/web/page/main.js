@@ -82,12 +82,31 @@ class App {
   // How far the model lies from new data, while what it may lack is sought.
   async glance() {
     const { state } = this;
-    if (this.glanced === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
-    this.glanced = state;
+    if (this.early?.of === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
+    const early = { of: state, found: null, tried: new Map() };
+    this.early = early;
     try {
-      this.early = { of: state, found: await api.ask("first", { state }) };
+      early.look = await api.ask("first", { state });
     } catch { return; } // the whole answer tells why
-    if (this.state === state && this.waiting) this.render();
+    this.soon(early);
+  }
+
+  // Causes as they are tried, before all of them are weighed; once more where the noise has become smaller.
+  tried(state, action, preview) {
+    if (this.early?.of !== state) return;
+    this.early.tried.set(action.name, { action, preview });
+    this.soon(this.early);
+  }
+
+  // Many may come at once: they are drawn together.
+  soon(early) {
+    if (!early.look || early.drawing) return;
+    early.drawing = requestAnimationFrame(() => {
+      early.drawing = 0;
+      const tried = [...early.tried.values()];
+      early.found = { ...early.look, actions: tried.map(({ action }) => action), previews: Object.fromEntries(tried.map(({ action, preview }) => [action.name, preview])) };
+      if (this.early === early && this.state === early.of && this.waiting) this.render();
+    });
   }
 
   // Whether what is drawn is of another state than the one a person asked for.
@@ -142,6 +161,7 @@ class App {
     if (!answer) why = "there is nothing to leave with yet";
     else if (this.waiting) why = WAIT;
     enable(byId("leave"), why);
+    if (answer && this.others) Object.assign(answer.previews, this.others.previews);
     // Panels make their elements anew: what had the focus has it still.
     const focused = document.activeElement?.id;
     for (const panel of this.panels) panel.render();
@@ -279,7 +299,12 @@ class App {
       this.hold(this.model.moved());
       return;
     }
-    const { accept, exclude } = this.answer.actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    const actions = [...this.answer.actions, ...(this.others?.actions || [])];
+    const { accept, exclude, model } = actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    if (model !== undefined) {
+      this.step({ ...ofModel(this.standing, model), accepted: accept });
+      return;
+    }
     const { accepted, excluded } = this.standing;
     const out = new Set(excluded);
     // Rows of an action count among those that are used.
@@ -287,6 +312,9 @@ class App {
     const rows = [...excluded, ...exclude.map((i) => used[i])].sort((a, b) => a - b);
     this.step({ ...this.standing, accepted: [...accepted, ...accept], excluded: rows });
   }
+
+  // Other models, where they were ranked for the rows that are used; they are hypotheses like the causes.
+  get others() { return this.ranking && this.ranking.of === rowsOf(this.standing) ? this.ranking : null; }
 
   // What another state would be, as soon as a fit has told it; nothing where the pointer has gone on meanwhile.
   async attempt(name, state) {

@@ -1,8 +1,7 @@
 // The model: typed, searched or ranked; its parameters, which can be moved, fixed and bounded by hand.
 
 import { byId, enable, h, put, usable } from "./dom.js";
-import { number, percent, pretty, withInterval } from "./numbers.js";
-import { rowsOf } from "./wants.js";
+import { number, pretty, withInterval } from "./numbers.js";
 
 const REACH = 1; // decades on each side of the fitted value that a slider covers
 const STEPS = 200;
@@ -92,16 +91,8 @@ export class ModelPanel {
   }
 
   renderRanked() {
-    const { ranking, state } = this.app;
-    if (!ranking || ranking.of !== rowsOf(state)) {
-      put(this.ranked);
-      return;
-    }
-    const rows = ranking.models.slice(0, 8).map((model) => h("li", {},
-      h("button", { type: "button", title: model.says, onclick: () => this.app.judge(model.model),
-        onpointerenter: () => this.app.attempt(model.model, this.app.judging(model.model)), onpointerleave: () => this.app.leaveAttempt() },
-        h("span", { class: "name" }, model.model), ` ${percent(model.error.relative_rms)}${model.fails ? "" : ", holds"}`)));
-    put(this.ranked, h("p", {}, ranking.ranking?.says || `best: ${ranking.best}`), h("ol", {}, ...rows));
+    const { others, state } = this.app;
+    put(this.ranked, state && others ? h("p", {}, `${others.ranking?.says || `best: ${others.best}`}. They stand among the causes.`) : null);
   }
 
   renderParameters() {

@@ -46,7 +46,7 @@ export class Next {
     put(this.parent, open,
       h("p", { title: `${proposed.separates.join(" and ")} part by ${number(proposed.expected_separation_sigma, 2)} standard deviations of the noise` }, pretty(proposed.says)),
       h("p", { class: "bar" },
-        h("label", { class: "check" }, box, drawable ? " draw both rivals there" : " rivals cannot be drawn for another specimen"),
+        h("label", { class: "check" }, box, drawable ? " draw both rivals" : " rivals cannot be drawn for another specimen"),
         h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV"),
         again));
   }

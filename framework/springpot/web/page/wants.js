@@ -48,7 +48,10 @@ function theAnswer(app, state) {
   if (app.answers.has(key)) return null;
   return {
     name: answerTo(state),
-    ask: (how) => api.ask("answer", { state }, how),
+    ask: ({ signal, told }) => api.ask("answer", { state }, { signal, told: (stage, { action, preview }) => {
+      told(stage);
+      if (action) app.tried(state, action, preview);
+    } }),
     take: (found) => app.answers.set(key, found),
     leave: () => app.retreat(state),
   };

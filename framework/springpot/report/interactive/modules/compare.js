@@ -1,8 +1,8 @@
 // Data and model side by side: a view, a residual plane below it on the same axis, one cursor and one brush for all.
 
 import { FINGER, h, put } from "./dom.js";
-import { percent, pretty } from "./numbers.js";
-import { lights, spotOf } from "./spots.js";
+import { capital, percent, pretty } from "./numbers.js";
+import { lights, modelled, signOf, spotOf } from "./spots.js";
 import { claimed } from "./hero.js";
 import { Plot, range } from "./plot.js";
 import { hint, listen, said } from "./pointing.js";
@@ -25,8 +25,6 @@ const BETWEEN = 8; // px between the two
 const SHORT = 220; // px of the picture below which each sentence under it is one line
 const LEAST = 140; // px between which the picture grows and shrinks with the window
 const MOST = 480;
-
-const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
 
 export class Compare {
   // `failing`: where the sentences stand that say where the model fails.
@@ -56,7 +54,7 @@ export class Compare {
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
       onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.second.svg, this.residual.svg);
-    this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
+    this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, h("span", { class: "group" }, this.sigmas, this.scales), h("span", { class: "group" }, this.closer, this.whole), this.exclude);
     // Beside pictures that stay in sight where the page is scrolled; what the strip above them says too.
     this.now = h("p", { id: "now", "aria-hidden": "true" });
     this.spots = [];
@@ -97,7 +95,7 @@ export class Compare {
         this.app.fixed || scene.views ? null : Object.entries(this.app.asked.views).map(([name, view]) => h("option", { value: name }, view.name)));
       put(this.other, h("option", { value: "" }, "One view"), Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, `and ${view.name}`)));
       put(this.plane,
-        Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
+        Object.keys(scene.planes).map((name) => h("option", { value: name }, capital(scene.planes[name].name))),
         h("option", { value: "none" }, "No residuals"));
       put(this.column, [["", scene.axis.column], ...othersOf(scene)].map(([name, text]) => h("option", { value: name }, text)));
       this.column.hidden = Boolean(scene.views);
@@ -128,7 +126,7 @@ export class Compare {
     const residual = Boolean(shown) && plane !== "none" && !asked;
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
-      this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
+      this.residual.title = `${capital(scene.planes[plane].name)}, residual of ${shown.discovery.diagnosis.model}`;
       const { first, before } = this.app;
       const below = planeSpec(plane, scene, excluded, shown, viewsOf(scene)[view], { sigmas: Boolean(looks.sigmas), first: first || shown, before, column: this.column.value });
       this.without(below);
@@ -139,11 +137,12 @@ export class Compare {
       this.residual.fall();
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
+    const spots = where.map((place, i) => spotOf(place, shown.spots[i], scene));
     this.spots = [];
     this.meant = null;
     if (spec.told) put(this.places, spec.told.map((text) => this.sentence(text)));
     else put(this.places,
-      where.slice(0, MOST_PLACES).map((place) => this.sentence(pretty(place.plane === plane || scene.views ? place.says : `${place.says} (${place.plane} plane)`), place)),
+      spots.slice(0, MOST_PLACES).map((spot) => this.sentence(`${signOf(spot)}${modelled(spot)}${spot.place.plane === plane || scene.views ? "" : ` (${scene.planes[spot.place.plane].name})`}`, spot)),
       notes.slice(0, MOST_NOTES).map((note) => this.sentence(pretty(`note: ${note}`))));
     this.places.closest("section").hidden = !this.places.childElementCount;
     this.drawBeside();
@@ -174,10 +173,10 @@ export class Compare {
     return width;
   }
 
-  sentence(text, place = null) {
-    const item = h("li", { title: text, class: place ? "" : "note",
-      onpointerenter: () => this.mean(place), onpointerleave: () => this.mean(null) }, text);
-    if (place) this.spots.push({ ...spotOf(place, this.app.scene), item });
+  sentence(text, spot = null) {
+    const item = h("li", { title: text, class: spot ? "" : "note",
+      onpointerenter: () => this.mean(spot?.place), onpointerleave: () => this.mean(null) }, text);
+    if (spot) this.spots.push({ ...spot, item });
     return item;
   }
 
@@ -320,7 +319,6 @@ export class Compare {
     const { below } = this.main.spec.y;
     if (below) entries.push(h("span", { class: "quiet" }, `${below} not above zero`));
     if (answer && !this.asked) entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
-    if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
     if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));
     if (looks.plan) {
@@ -328,6 +326,10 @@ export class Compare {
         entries.push(h("span", { class: `swatch rival-${i}` }, `${i ? "▒" : "░"} ${rival.effect}, as it would be measured`));
       }
     }
+    const longest = Object.keys(answer?.previews || {}).reduce((one, other) => (other.length > one.length ? other : one), "");
+    const previewed = (name, className) => h("span", { class: className }, `╌ with ${name} (preview)`);
+    const { hovered } = this.app;
+    if (longest || hovered) entries.push(h("span", { class: "swatch preview" }, previewed(longest, "room"), hovered ? previewed(hovered) : null));
     put(this.key, entries);
   }
 

@@ -1,7 +1,8 @@
 // The claim at a glance: the number that falls, where the model fails, what would explain it, and one button.
 
 import { changed, enable, h, put } from "./dom.js";
-import { number, percent, pretty, times } from "./numbers.js";
+import { capital, number, percent, pretty, times } from "./numbers.js";
+import { inBrief, spotOf } from "./spots.js";
 
 // The name under which parameters that were moved are a cause like others.
 export const BY_HAND = "by hand";
@@ -19,7 +20,8 @@ export function proposed(diagnosis) {
 export function verdict({ discovery }) {
   const { diagnosis } = discovery;
   const word = discovery.verdict === "sought" ? "" : `${discovery.verdict}; `;
-  return `${diagnosis.model}: ${word}${pretty(diagnosis.says)}.`;
+  // Where it fails is said beside it.
+  return `${diagnosis.model}: ${word}${pretty(diagnosis.says.replace(`; ${diagnosis.where[0]?.says}`, ""))}.`;
 }
 
 // The error in brief, and what is pointed at or moved by hand would make of it.
@@ -65,7 +67,7 @@ export class Hero {
     // What is moved by hand is told while it moves.
     this.count({ ...diagnosis.error, relative_rms: edited?.error ?? diagnosis.error.relative_rms }, answer.of);
     this.big.className = edited ? "edited" : answer.discovery.verdict;
-    if (diagnosis.where.length) this.place.textContent = placeOf(diagnosis.where[0], scene);
+    if (diagnosis.where.length) this.place.textContent = `${capital(inBrief(spotOf(diagnosis.where[0], answer.spots[0], scene)))}.`;
     if (diagnosis.verdict === "effect-missing" && found?.parameters) this.place.textContent += ` ${explained(found)}`;
     this.place.title = this.place.textContent;
     if (found) this.add.textContent = `Add ${found.effect.split(" =")[0]} → ${fallTo(found, diagnosis.error)}`;
@@ -90,9 +92,6 @@ function withoutAnswer(scene, refused) {
   if (!scene) return EMPTY;
   return refused ? UNANSWERED : "";
 }
-
-// What lies too high or too low is the model's; of tests in time and of single points whole sentences are said.
-const placeOf = ({ says }, { views }) => pretty(!views && /^(storage|loss)/.test(says) ? `The model's ${says.replace(" of |K|", "")}.` : `${says[0].toUpperCase()}${says.slice(1)}.`);
 
 // Its first parameter is its size: "inertia (m = 0.60 kg) would explain it."
 function explained({ effect, parameters }) {

@@ -24,7 +24,7 @@ export class Missing {
       onpointerleave: () => this.app.hover(this.active),
       onblur: () => this.choose(null),
     });
-    this.details = h("div", { id: "effect-details", class: "details", "aria-live": "polite" });
+    this.details = h("div", { id: "effect-details", class: "details", tabindex: "0", role: "region", "aria-label": "What is pointed at", "aria-live": "polite" });
     this.accept = h("button", { type: "button", id: "accept", class: "primary", onclick: () => this.take(this.active) }, "Accept effect");
     this.fold = h("button", { type: "button", id: "fold", class: "small", onclick: () => this.unfold(!this.folded) });
     this.says = h("p", { class: "quiet" });
@@ -35,8 +35,8 @@ export class Missing {
   }
 
   render() {
-    const { answer, laws } = this.app;
-    if (!changed(this, answer, laws)) {
+    const { answer, laws, others } = this.app;
+    if (!changed(this, answer, laws, others)) {
       this.show(this.app.hovered);
       return;
     }
@@ -57,7 +57,7 @@ export class Missing {
     const shelf = (title) => h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title },
       this.others.filter((one) => one.shelf === title).map((one) => this.card([one], diagnosis)));
     if (laws) this.list.prepend(shelf(titleOf(laws)));
-    if (this.others.some((one) => one.shelf === ON_DATA)) this.list.append(shelf(ON_DATA));
+    for (const title of [SO_FAR, ON_DATA, INSTEAD]) if (this.others.some((one) => one.shelf === title)) this.list.append(shelf(title));
     const ruledOut = this.list.querySelector(`[data-shelf="${FOLDED}"]`);
     if (ruledOut) this.list.append(ruledOut);
     const none = this.candidates.length + this.others.length === 0;
@@ -195,23 +195,27 @@ export class Missing {
         }).join("; ") || "not fitted: it stands too far behind"),
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
-        ...(others.length ? row("cannot be told from", others.join(", ")) : []),
+        ...(others.length ? row("rivals", others.join(", ")) : []),
         ...(candidate.shelf !== FOLDED || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`))));
   }
 }
 
 const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 
+const SO_FAR = "Tried so far";
 const ON_DATA = "With the data themselves";
+const INSTEAD = "Another model";
 const MOVED = "Moved by hand";
 const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
 
-// What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data.
-function othersOf({ answer, laws }) {
+// What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data,
+// other models.
+function othersOf({ answer, laws, others }) {
   if (!answer) return [];
   const known = new Set(answer.discovery.diagnosis.candidates.map((candidate) => candidate.effect));
   const acts = answer.actions.filter((action) => !known.has(action.name)).map((action) => ({
-    effect: action.name, label: action.label, says: action.says, shown: action.accept[0] || "the error of the others", shelf: ON_DATA }));
+    effect: action.name, label: action.label, says: action.says, shown: action.shown || action.accept[0] || "the error of the others",
+    shelf: answer.discovery.verdict === "sought" ? SO_FAR : ON_DATA }));
   const found = (laws?.texts || []).map((text, i) => {
     const { says, parameters, probability } = laws.invention.laws[i];
     const sizes = Object.entries(parameters).map(([name, value]) => {
@@ -220,14 +224,16 @@ function othersOf({ answer, laws }) {
     });
     return { effect: text, label: pretty(text.replace(/^.*?= */, "")), says: `${sizes.join("; ")}; ${says}`, shown: sizes[0], probability, shelf: titleOf(laws) };
   });
-  return [...found, ...acts].map((one) => ({ ...one, class: [], error_after: answer.previews[one.effect].error }));
+  const instead = (others?.actions || []).filter(({ label }) => label !== answer.discovery.diagnosis.model)
+    .map(({ name, label, says, shown }) => ({ effect: name, label, says, shown, shelf: INSTEAD }));
+  return [...found, ...acts, ...instead].map((one) => ({ ...one, class: [], error_after: answer.previews[one.effect].error }));
 }
 
 const MEANS = {
   size: "its parameters with their 95 % intervals",
   error: "root mean square of |K − K_model| / |K| before and after it joins, K being what was measured; the noise floor is what noise alone leaves",
   evidence: "probability that it is among what is missing; drop of the Bayesian information criterion when it joins, above 6 clear, above 10 decisive",
-  "cannot be told from": "effects that change these data alike",
+  rivals: "effects that change these data alike: nothing here tells them apart",
   "would have been seen": "relative change of K above which the effect would have been seen",
 };
 const row = (term, text) => [h("dt", { title: MEANS[term] }, term), h("dd", { title: MEANS[term] }, text)];

@@ -14,6 +14,8 @@ export const pretty = (text) => String(text).replace(/\bdegC\b/g, "°C").replace
   .replace(/\^alpha\b/g, "^α").replace(/\bomega\b/g, "ω").replace(/\bsigma\b/g, "σ")
   .replace(/\b\d(\.\d+)?e\+0[1-5]\b/g, (told) => String(Number(told)));
 
+export const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
+
 export const percent = (fraction, digits = 3) =>
   fraction === null || fraction === undefined ? "-" : `${number(100 * fraction, digits)} %`;
 
