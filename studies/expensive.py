@@ -20,7 +20,7 @@ from pathlib import Path
 from springpot import plugins
 from springpot.benchmark import Study, save_table
 from springpot.benchmark.cases import problem_of
-from springpot.benchmark.expensive import MARKS, Course, Site, course_of, expensive_table
+from springpot.benchmark.expensive import MARKS, PacedRun, Site, expensive_table, paced_run
 from springpot.errors import ModelError
 
 SUITE = "springpot-60"
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         problem_of(case.source, case.source.model_of(case.model), case.objective)
         for case in plan.cases[:: given.every]
     ]
-    site, courses = Site(), dict[str, list[list[Course]]]()
+    site, courses = Site(), dict[str, list[list[PacedRun]]]()
     for name in given.names:
         try:
             optimiser = plugins().find("optimiser", name)()
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             continue
         budget = LIMITS.get(name, MARKS[-1])
         courses[name] = [
-            [course_of(optimiser, problem, budget, site, 1, i, r) for r in range(given.repeats)]
+            [paced_run(optimiser, problem, budget, site, 1, i, r) for r in range(given.repeats)]
             for i, problem in enumerate(problems)
         ]
         print(name, flush=True)

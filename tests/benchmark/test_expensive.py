@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from springpot.benchmark.bias import Formless, Ripples
-from springpot.benchmark.expensive import OnThreads, Site, asked, course_of, expensive_table
+from springpot.benchmark.expensive import OnThreads, Site, asked, expensive_table, paced_run
 from springpot.errors import StudyError
 from springpot.identification import AskingOptimiser, Card, Enquiry, Optimiser, run
 from springpot_plugins.optimisers import surrogate
@@ -81,7 +81,7 @@ def problem():
 
 @pytest.mark.parametrize(("size", "seconds"), [(1, 1.0), (2, 0.5), (4, 0.25), (20, 0.25)])
 def test_points_given_together_take_the_time_of_one_round_of_the_workers(size, seconds):
-    course = course_of(Blocks(size), problem(), 20, ALIKE, 1)
+    course = paced_run(Blocks(size), problem(), 20, ALIKE, 1)
     assert len(course.values) == 20
     assert course.ended[-1] == pytest.approx(seconds)
 
@@ -89,7 +89,7 @@ def test_points_given_together_take_the_time_of_one_round_of_the_workers(size, s
 def test_who_can_be_asked_keeps_all_workers_busy_whatever_a_point_takes():
     uneven = Site(workers=4, seconds=0.05, spread=0.8)
     asked_for, batch = (
-        course_of(optimiser, problem(), 40, uneven, 1) for optimiser in (Asked(), Blocks(4))
+        paced_run(optimiser, problem(), 40, uneven, 1) for optimiser in (Asked(), Blocks(4))
     )
     # A batch waits for its slowest; who is asked does not wait: all but the last round are full.
     assert asked_for.ended[-1] < 0.8 * batch.ended[-1]
@@ -105,7 +105,7 @@ def test_one_worker_searches_as_a_study_does():
         def enquiry(self, dimension, budget, rng):
             return enquiry
 
-    course = course_of(Same(), problem(), 30, alone, 1)
+    course = paced_run(Same(), problem(), 30, alone, 1)
     assert course.after(30) == run(Asked(), problem(), 30, rng).best
     assert enquiry.most == 1
 
@@ -126,7 +126,7 @@ def test_threads_evaluate_at_the_same_time_and_all_is_told():
 
 def test_the_table_ranks_by_evaluations_and_by_time():
     courses = {
-        name: [[course_of(optimiser, problem(), 20, ALIKE, 1, i)] for i in range(2)]
+        name: [[paced_run(optimiser, problem(), 20, ALIKE, 1, i)] for i in range(2)]
         for name, optimiser in {"asked": Asked(), "one by one": Blocks(1)}.items()
     }
     table = expensive_table(courses, ALIKE, marks=(10, 20))
@@ -170,7 +170,7 @@ def test_the_surrogate_tells_heights_of_the_logarithm_and_none_that_is_infinite(
 @pytest.mark.skipif(find_spec("bayes_opt") is None, reason="pip install 'springpot[surrogate]'")
 def test_the_surrogate_draws_from_its_generator_only_and_beats_blind_search():
     kind, before = surrogate.ExpectedImprovement(), np.random.get_state()[1].copy()  # noqa: NPY002
-    found, again = (course_of(kind, Bowl(2), 30, ALIKE, 1) for _ in range(2))
+    found, again = (paced_run(kind, Bowl(2), 30, ALIKE, 1) for _ in range(2))
     np.testing.assert_array_equal(found.values, again.values)
     np.testing.assert_array_equal(np.random.get_state()[1], before)  # noqa: NPY002
-    assert found.after(30) < 0.1 * course_of(Blocks(4), Bowl(2), 30, ALIKE, 1).after(30)
+    assert found.after(30) < 0.1 * paced_run(Blocks(4), Bowl(2), 30, ALIKE, 1).after(30)

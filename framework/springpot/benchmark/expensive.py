@@ -64,7 +64,7 @@ class Site:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class PacedRun:
     """What came of a run.
 
     Parameters
@@ -90,7 +90,7 @@ class Course:
         return self.after(int(np.searchsorted(self.ended, seconds, side="right")))
 
 
-class Pool(Protocol):
+class WorkerPool(Protocol):
     """Where points are given to, and where they come back from as they are ready."""
 
     @property
@@ -104,7 +104,7 @@ class Pool(Protocol):
         """The next point that is ready, and its objective."""
 
 
-def asked(enquiry: Enquiry, pool: Pool, budget: int) -> None:
+def asked(enquiry: Enquiry, pool: WorkerPool, budget: int) -> None:
     """Keep every worker busy until the budget is spent."""
     given = 0
     for _ in range(budget):
@@ -146,11 +146,11 @@ class _Clock:
             self.ready.append((end, value))
         self.now = latest
 
-    def course(self, started: float) -> Course:
+    def course(self, started: float) -> PacedRun:
         """All that was ready, the first first."""
         thought = process_time() - started - self.evaluating
         ready = np.array(sorted(self.ready, key=lambda each: each[0])).reshape(-1, 2)
-        return Course(ready[:, 0], ready[:, 1], max(thought, 0.0))
+        return PacedRun(ready[:, 0], ready[:, 1], max(thought, 0.0))
 
 
 class _Simulated:
@@ -256,9 +256,9 @@ class _Paced(Recorder):
         return found
 
 
-def course_of(
+def paced_run(
     optimiser: Optimiser, problem: Searched, budget: int, site: Site, seed: int, *names: object
-) -> Course:
+) -> PacedRun:
     """Let an optimiser search on a site.
 
     Parameters
@@ -289,13 +289,13 @@ def course_of(
 
 
 def expensive_table(
-    courses: Mapping[str, Sequence[Sequence[Course]]], site: Site, marks: Sequence[int] = MARKS
+    courses: Mapping[str, Sequence[Sequence[PacedRun]]], site: Site, marks: Sequence[int] = MARKS
 ) -> Table:
     """Mean ranks over problems after some evaluations and by some times, the best at last first.
 
     Parameters
     ----------
-    courses : mapping of str to sequence of sequence of Course
+    courses : mapping of str to sequence of sequence of PacedRun
         By optimiser, for each problem its repetitions.
     site : Site
         Where they ran.
@@ -329,16 +329,16 @@ def expensive_table(
     return Table("Expensive evaluations", columns, rows, note)
 
 
-def _after(evaluations: int, course: Course) -> float:
+def _after(evaluations: int, course: PacedRun) -> float:
     return course.after(evaluations)
 
 
-def _by(seconds: float, course: Course) -> float:
+def _by(seconds: float, course: PacedRun) -> float:
     return course.by(seconds)
 
 
 def _ranks(
-    courses: Mapping[str, Sequence[Sequence[Course]]], worth: Callable[[Course], float]
+    courses: Mapping[str, Sequence[Sequence[PacedRun]]], worth: Callable[[PacedRun], float]
 ) -> Real:
     found = np.array(
         [
