@@ -62,7 +62,18 @@ from .sessions import (
 from .specimen import Opened, Specimen, given, safe_name
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
-from .trying import Told, first_look, hand_of, invented, ranked, telling, theta_of, tried, with_law
+from .trying import (
+    Told,
+    first_look,
+    hand_of,
+    invented,
+    model_and_data,
+    ranked,
+    telling,
+    theta_of,
+    tried,
+    with_law,
+)
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
@@ -84,7 +95,7 @@ def ladder_of(
     # A list, though it may be empty: without one the evidence would accept effects by itself.
     accepted, model = list(state.accepted), state.model or None
     ladder = discover(
-        used, model, accept=accepted, seed=state.seed, fix=state.fix, progress=told, begun=begun
+        used, model, accept=accepted, seed=state.seed, progress=told, begun=begun, **state.known
     )
     assert isinstance(ladder, Ladder)
     return ladder
@@ -110,7 +121,7 @@ def answer(state: State, ladder: Ladder, measurement: Opened) -> dict[str, Any]:
     if isinstance(measurement, Specimen):
         shown = drawn_in_time(ladder, measurement.tests)
     else:
-        shown = drawn(ladder, measurement)
+        shown = drawn(ladder, model_and_data(state, measurement)[1])
     return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **shown}
 
 
@@ -420,10 +431,10 @@ def held(
 
 
 def _bound(state: State, data: Opened) -> Model:
-    model = constrained(parse_model(state.expression), _units(data), state.fix)
     if isinstance(data, Specimen):
-        return model
-    return model.bound_to(kept(data, state.excluded).points)
+        return constrained(parse_model(state.expression), _units(data), state.fix)
+    model, used = model_and_data(state, kept(data, state.excluded))
+    return model.bound_to(used.points)
 
 
 def _units(data: Opened) -> Units:
@@ -446,7 +457,7 @@ def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[
     """The model of a state, with a law that is typed if there is one, fitted and drawn."""
     (asked, own), data = with_law(State.of(state), law), _opened(text)
     used = given(kept(data, asked.excluded))
-    fit: Any = identify(used, parse_model(asked.expression), fix=asked.fix)
+    fit: Any = identify(used, parse_model(asked.expression), **asked.known)
     return tried(asked, own, data, fit)
 
 
@@ -454,7 +465,7 @@ def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """The laws that may be missing from the model of a state, each drawn."""
     asked, measurement = State.of(state), _measured(text)
     used = kept(measurement, asked.excluded)
-    found = invent(used, asked.expression, seed=asked.seed, fix=asked.fix, progress=told)
+    found = invent(used, asked.expression, seed=asked.seed, progress=told, **asked.known)
     return invented(asked, measurement, found)
 
 
@@ -508,7 +519,7 @@ def leave(
     if kind == "data":
         return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
     # What comes below needs the fits; command, script and data do not, and come at once.
-    ladder = _ladder(asked, text, told)
+    ladder, measurement = _ladder(asked, text, told), model_and_data(asked, data)[1]
     if kind == "curves":
         return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
     if kind == "plan":
