@@ -47,7 +47,7 @@ from .sieve import (
     exactly_fitted,
     from_the_best,
     leading_of_scan,
-    nearly_fitted,
+    nearly_all,
     noise_of_both,
     of_material,
     plain_bic,
@@ -195,12 +195,12 @@ def _judged(
     before = Left.by(base.model, base.theta, base.reference, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = TimeScan(base, quick).promises(beside)
-    leading = leading_of_scan(promises, before)
     left_out: dict[str, str] = {}
     if is_material(base.model):
+        leading = leading_of_scan(promises, before)
         tried = of_material(given, parts, base, leading, known, left_out)
     else:
-        nearly = nearly_fitted(base, parts, quick, leading, before, left_out)
+        nearly = nearly_all(base, parts, quick, promises, before, left_out)
         nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
         tried = exactly_fitted(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that

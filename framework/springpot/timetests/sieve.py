@@ -80,6 +80,21 @@ def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[li
     return worth
 
 
+def passed_over(
+    promises: dict[str, list[Promise]], nearly: Sequence[Tried], before: Left
+) -> list[list[Promise]]:
+    """The promises of the other effects, where all that were fitted miss the tests by far.
+
+    A linear step from such a fit foretells little: what an effect does the model may do in its
+    stead, as at one frequency any mass is a spring.
+    """
+    best = min([before, *(each.left for each in nearly)], key=plain_bic)
+    if best.over(noise_of_both(before, best)) < ASTRAY:
+        return []
+    fitted = {each.effect.name for each in nearly}
+    return [each for each in _by_rig(promises) if each[0].effect.name not in fitted]
+
+
 def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
     """The promises of each effect at one place: of all rigs, or of one alone."""
     apart: dict[tuple[str, bool], list[Promise]] = {}
@@ -168,6 +183,21 @@ def nearly_fitted(
             continue
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
     return tried
+
+
+def nearly_all(
+    base: Identification,
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    promises: dict[str, list[Promise]],
+    before: Left,
+    left_out: dict[str, str],
+) -> list[Tried]:
+    """The leading effects nearly fitted, and the others where those miss the tests by far."""
+    leading = leading_of_scan(promises, before)
+    nearly = nearly_fitted(base, parts, quick, leading, before, left_out)
+    others = passed_over(promises, nearly, before)
+    return nearly + nearly_fitted(base, parts, quick, others, before, left_out)
 
 
 def from_the_best(

@@ -1,0 +1,53 @@
+"""Where all effects that a scan foretold to help miss by far, the others are fitted too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot import TimeTest
+from springpot.registry import plugins
+from springpot.timetests import identify
+from springpot.timetests.exponentials import quick_parts
+from springpot.timetests.left import Left
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.score import TimeScan
+from springpot.timetests.sieve import passed_over
+from springpot.timetests.tried import Tried
+
+MODEL = springpot.parse_model("zener")
+TIME = np.geomspace(0.01, 100.0, 60)
+NAMES = ("force-drift", "ageing", "thermal-force")
+EFFECTS = [effect for effect in plugins().items("effect") if effect.name in NAMES]
+
+
+@pytest.fixture(scope="module")
+def missed():
+    """What a fit leaves of a broad relaxation, and what a scan promises beside it."""
+    broad = 50.0 + 400.0 / (1.0 + TIME**0.4)
+    noise = np.random.default_rng(1).normal(size=len(TIME))
+    test = TimeTest.of_relaxation(TIME, broad + noise, "kPa")
+    base, parts = identify(test, MODEL), parts_of_specimen([test])
+    before = Left.by(base.model, base.theta, base.reference, parts)
+    return base, before, TimeScan(base, quick_parts(parts)).promises(EFFECTS)
+
+
+def tried(missed, share: float) -> list[Tried]:
+    """One effect that leaves so much of what the model leaves."""
+    base, before, _ = missed
+    left = replace(before, residuals=tuple(share * each for each in before.residuals))
+    return [Tried(EFFECTS[0], base.model + EFFECTS[0], base.theta, left, 0.0)]
+
+
+def test_what_misses_by_far_has_the_others_fitted(missed) -> None:
+    _, before, promises = missed
+    others = passed_over(promises, tried(missed, 0.9), before)
+    assert {each[0].effect.name for each in others} == {*NAMES} - {EFFECTS[0].name}
+
+
+def test_what_explains_the_test_has_no_other_fitted(missed) -> None:
+    _, before, promises = missed
+    assert passed_over(promises, tried(missed, 0.01), before) == []
