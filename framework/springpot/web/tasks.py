@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from springpot.api import compare, discover, identify, invent, mastercurve
-from springpot.constraints import constrained
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import silent
 from springpot.errors import DataError, SpringpotError
@@ -30,7 +29,6 @@ from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
-from springpot.measurement.units import Units
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
@@ -43,7 +41,6 @@ from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
 from springpot.suggestions import suggested
-from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import reference_of
 
 from . import leaving
@@ -64,6 +61,7 @@ from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
 from .trying import (
     Told,
+    bound,
     first_look,
     hand_of,
     invented,
@@ -72,6 +70,7 @@ from .trying import (
     telling,
     theta_of,
     tried,
+    units_in,
     with_law,
 )
 from .watching import watched
@@ -407,8 +406,8 @@ def curve(
 ) -> dict[str, Any]:
     """The curve of a model whose parameters were set by hand, and its error."""
     asked, data = State.of(state), _opened(text)
-    model = _bound(asked, data)
-    return _drawn(asked, data, model, theta_of(model, _units(data), hand_of(model, hands)))
+    model = bound(asked, data)
+    return _drawn(asked, data, model, theta_of(model, units_in(data), hand_of(model, hands)))
 
 
 def held(
@@ -416,7 +415,7 @@ def held(
 ) -> dict[str, Any]:
     """The best fit that respects what the hand fixed and bounded, begun where the sliders stand."""
     asked, data = State.of(state), _opened(text)
-    model = _bound(asked, data)
+    model = bound(asked, data)
     told(f"fitting {model.name} within the hand's bounds")
     hand = hand_of(model, hands)
     # What is fixed is no parameter of the model any more.
@@ -424,23 +423,10 @@ def held(
     used = given(kept(data, asked.excluded))
     fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
-        parameter.name: float(value * _units(data).of(parameter.unit)[0])
+        parameter.name: float(value * units_in(data).of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
     }
     return {**_drawn(asked, data, fit.model, fit.theta), "values": values}
-
-
-def _bound(state: State, data: Opened) -> Model:
-    if isinstance(data, Specimen):
-        return constrained(parse_model(state.expression), _units(data), state.fix)
-    model, used = model_and_data(state, kept(data, state.excluded))
-    return model.bound_to(used.points)
-
-
-def _units(data: Opened) -> Units:
-    if isinstance(data, Specimen):
-        return units_of(data.tests)
-    return data.units
 
 
 def _drawn(state: State, data: Opened, model: Model, theta: Any) -> dict[str, Any]:

@@ -34,6 +34,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
+from springpot.timetests.residuals_of_tests import units_of
 
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
@@ -55,6 +56,21 @@ def model_and_data(state: State, data: Measurement) -> tuple[Model, Measurement]
     model, [seen] = owning(model, [data], known.pop("own", None), **known)
     assert isinstance(seen, Measurement)
     return model, seen
+
+
+def bound(state: State, data: Opened) -> Model:
+    """The model of a state, with the levels of its rows."""
+    if isinstance(data, Specimen):
+        return constrained(parse_model(state.expression), units_in(data), state.fix)
+    model, used = model_and_data(state, kept(data, state.excluded))
+    return model.bound_to(used.points)
+
+
+def units_in(data: Opened) -> Units:
+    """Those of the data."""
+    if isinstance(data, Specimen):
+        return units_of(data.tests)
+    return data.units
 
 
 def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
