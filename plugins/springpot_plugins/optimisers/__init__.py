@@ -14,6 +14,7 @@ from . import (
     evolution,
     hopping,
     leastsquares,
+    lipo_library,
     lshade,
     minion,
     minuit,
@@ -75,4 +76,5 @@ def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
         pymoo_library.FAMILY,
         nevergrad_library.FAMILY,
         surrogate.FAMILY,
+        lipo_library.FAMILY,
     )
