@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.comparison.comparing import compare
 from springpot.comparison.result import Comparison
-from springpot.constraints import constrained
+from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
 from springpot.diagnosis.result import FittedStage, Progress
 from springpot.errors import DataError, ModelError
@@ -34,6 +34,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
+from springpot.timetests.residuals_of_tests import units_of
 
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
@@ -47,6 +48,31 @@ Told = Callable[[Any], None]
 SAYS = "what may be missing is being sought"
 
 
+def model_and_data(state: State, data: Measurement) -> tuple[Model, Measurement]:
+    """The model with what is held, tied and each level's own, and the data with their levels."""
+    known = state.known
+    fix, tie = known.pop("fix"), known.pop("tie", ())
+    model = constrained(parse_model(state.expression), data.units, fix, tie=tie)
+    model, [seen] = owning(model, [data], known.pop("own", None), **known)
+    assert isinstance(seen, Measurement)
+    return model, seen
+
+
+def bound(state: State, data: Opened) -> Model:
+    """The model of a state, with the levels of its rows."""
+    if isinstance(data, Specimen):
+        return constrained(parse_model(state.expression), units_in(data), state.fix)
+    model, used = model_and_data(state, kept(data, state.excluded))
+    return model.bound_to(used.points)
+
+
+def units_in(data: Opened) -> Units:
+    """Those of the data."""
+    if isinstance(data, Specimen):
+        return units_of(data.tests)
+    return data.units
+
+
 def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
     """An answer as `springpot.web.tasks.answer`, without a single cause."""
     used = kept(measurement, state.excluded)
@@ -54,7 +80,8 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
         used = used.subset(rows)
-    model = constrained(parse_model(state.expression), used.units, state.fix)
+    measurement = model_and_data(state, measurement)[1]
+    model, used = model_and_data(state, used)
     [judged] = compare(used, [model], np.random.default_rng(state.seed)).judgements
     error = judged.error.to_dict()
     rung = {"model": model.name, "accepted": None, "class": [], **error}
@@ -135,6 +162,7 @@ def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str,
         assert isinstance(fit, Identification)
         told = {"model": fit.model.name, "error": fit.relative_rms, "refitted": True}
         return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
+    data = model_and_data(state, data)[1]
     used = kept(data, state.excluded)
     return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
 
@@ -146,6 +174,7 @@ def telling(told: Told, state: State, data: Opened) -> Progress:
     """
     if state.accepted or isinstance(data, Specimen):
         return told
+    data = model_and_data(state, data)[1]
     scene, used = PageScene(data), kept(data, state.excluded)
 
     def tell(stage: str) -> None:

@@ -274,10 +274,10 @@ class App {
   // ---- the ladder -------------------------------------------------------------------------------------------
 
   // A model that is named before there are data, or while they are read, is judged as soon as they are here.
-  judge(model) {
+  judge(model, options = "") {
     this.named = null;
     if (this.data && !this.reading) {
-      this.step(this.judging(model));
+      this.step({ ...this.judging(model), ...(options && { options }) });
       return;
     }
     this.named = model;
