@@ -10,10 +10,22 @@ import pytest
 from springpot.errors import ModelError
 from springpot.registry import plugins
 from springpot.testing import check_optimiser
-from springpot_plugins.optimisers import dfo, families, minion, minuit, pymoo_library
+from springpot_plugins.optimisers import (
+    dfo,
+    families,
+    minion,
+    minuit,
+    nevergrad_library,
+    pymoo_library,
+    surrogate,
+)
 
-OF = dict.fromkeys(minion.MEMBERS, "minionpy") | dict.fromkeys(pymoo_library.MEMBERS, "pymoo")
-EXTRA = {"minionpy": "race", "pymoo": "pymoo"}
+OF = {
+    **dict.fromkeys(minion.MEMBERS, "minionpy"),
+    **dict.fromkeys(pymoo_library.MEMBERS, "pymoo"),
+    **dict.fromkeys(nevergrad_library.MEMBERS, "nevergrad"),
+}
+EXTRA = {"minionpy": "race", "pymoo": "pymoo", "nevergrad": "nevergrad"}
 
 
 @pytest.mark.parametrize("name", sorted(OF))
@@ -32,6 +44,8 @@ def test_it_keeps_the_contract(name):
         (pymoo_library, "pymoo-", "pymoo"),
         (minuit, "minuit-", "race"),
         (dfo, "dfo-", "race"),
+        (nevergrad_library, "nevergrad-", "nevergrad"),
+        (surrogate, "bayesian-", "surrogate"),
     ],
 )
 def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, extra):

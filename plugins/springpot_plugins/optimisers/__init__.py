@@ -18,10 +18,13 @@ from . import (
     minion,
     minuit,
     native,
+    nevergrad_library,
     nloptlib,
+    presets,
     pymoo_library,
     sampling,
     spso,
+    surrogate,
     swarm,
     unified,
 )
@@ -35,7 +38,9 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         spso.StandardSwarm,
         evolution.CmaEs,
         evolution.BipopCmaEs,
+        presets.IpopCmaEs,
         evolution.DifferentialEvolution,
+        presets.StornPrice,
         lshade.LShade,
         nloptlib.Crs,
         nloptlib.Isres,
@@ -62,4 +67,12 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY, pymoo_library.FAMILY)
+    return (
+        unified.FAMILY,
+        minion.FAMILY,
+        dfo.FAMILY,
+        minuit.FAMILY,
+        pymoo_library.FAMILY,
+        nevergrad_library.FAMILY,
+        surrogate.FAMILY,
+    )
