@@ -36,6 +36,7 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
     return (
         swarm.PaperSwarm,
+        swarm.ScalarSwarm,
         spso.StandardSwarm,
         evolution.CmaEs,
         evolution.BipopCmaEs,
