@@ -130,7 +130,7 @@ def test_a_budget_beyond_one_swarm_gives_birth_to_another():
 
 def test_of_scalar_random_numbers_a_first_step_points_at_the_best_known():
     """With matrices it points anywhere between: each parameter is pulled by a number of its own."""
-    problem = artificial("fractional-zener")
+    problem = artificial("fractional-kelvin")
     width = problem.upper - problem.lower
 
     def away(kind):
