@@ -3,10 +3,11 @@
     python studies/suite_budgets.py [--every 5] [--repeats 2] [--workers 2] [--out results]
 
 Question: does the answer to "which optimiser?" hang on the budget? Measure: mean ranks, and the
-share of trials at the target, over every fifth problem of springpot-60. What would answer it: the
+share of trials at the target, over every fifth sweep of springpot-60. What would answer it: the
 same order at all five. Each budget is a race of its own: a method that plans its budget (a swarm, a
 shrinking population) is told the one that it has, and is not read off a longer run. `native` is not
-among them, and DFO-LS, COBYQA and their like are left out for what 100,000 evaluations cost there.
+among them, and DFO-LS, COBYQA and their like are left out for what 100,000
+evaluations cost there, and so are tests in time.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from pathlib import Path
 import numpy as np
 
 from paper.draw import COLOURS, can_draw, legend_above, logarithmic, sheet
-from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
 from springpot.benchmark.comparison import MeanRanks, rank
 from springpot.benchmark.statistics import Interval, wilson
 from springpot.report.tables import Entry
+from suite import sweeps
 
-SUITE, NAME = "springpot-60", "suite_budgets"
+NAME = "suite_budgets"
 BUDGETS = (50, 200, 1000, 8000, 100_000)
 RIVALS = (
     *("least-squares", "least-squares-alternating", "nlopt-lbfgs", "minuit-migrad"),
@@ -39,10 +40,9 @@ SHOWN = ("least-squares", "nlopt-lbfgs", "cma-es", "l-shade", "nlopt-crs", "pso-
 
 def study(budget: int, every: int, repeats: int) -> Study:
     """The race at one budget."""
-    problems = plugins().find("suite", SUITE).problems[::every]
     return Study(
         f"{NAME}_{budget}",
-        datasets=[problem.name for problem in problems],
+        datasets=sweeps()[::every],
         models=["own"],
         objectives=["own"],
         optimisers=RIVALS,
@@ -127,7 +127,7 @@ def draw(ranks: Mapping[int, MeanRanks], folder: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Race at every budget, go on where it stopped, and write tables and figure."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--every", type=int, default=5, help="take every so manieth problem")
+    parser.add_argument("--every", type=int, default=5, help="take every so manieth sweep")
     parser.add_argument("--repeats", type=int, default=2)
     parser.add_argument("--workers", type=int)
     parser.add_argument("--out", type=Path, default=Path("results"))

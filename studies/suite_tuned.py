@@ -24,6 +24,7 @@ from springpot.benchmark import Findings, Store, Study, Table, run_study, save_t
 from springpot.benchmark.plan import stream_of
 from springpot.benchmark.statistics import Interval, mean_interval, mean_ranks, wilson
 from springpot.report.tables import Entry
+from suite import sweeps
 from suite_choice import halves
 
 NAME = "suite_tuned"
@@ -157,7 +158,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--workers", type=int)
     parser.add_argument("--out", type=Path, default=Path("results"))
     given = parser.parse_args(arguments)
-    learnt, unseen = halves()
+    learnt, unseen = ([name for name in half if name in sweeps()] for half in halves())
     candidates = {name: settings(name, given.tries) for name in SPACES}
     every = [entrant for each in candidates.values() for entrant in each]
     tuning = areas(raced(race("tuning", learnt[:: given.every], every), given.workers, given.out))
