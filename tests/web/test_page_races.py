@@ -88,7 +88,7 @@ def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes
     here = page()
     here.name("fractional-maxwell")
     with here.held("answer"):
-        here.drop("damper.csv", damper)
+        here.drop("damper.csv", damper.replace(b"73.2", b"73.3"))  # not answered yet
         here.page.locator("#number:has-text('the noise floor')").wait_for()
         assert "is being sought" in here.reads("#verdict")
         assert "too high above" in here.reads("#fails")
