@@ -176,12 +176,15 @@ def telling(told: Told, state: State, data: Opened) -> Progress:
         return told
     data = model_and_data(state, data)[1]
     scene, used = PageScene(data), kept(data, state.excluded)
+    drawn_as: dict[Effect, str] = {}
 
     def tell(stage: str) -> None:
-        if not isinstance(stage, FittedStage) or len(stage.grown.effects) > 1:
+        # Tried again in another noise, most leave the same.
+        if not isinstance(stage, FittedStage) or drawn_as.get(stage.grown.effects[0]) == stage:
             told(stage)
             return
         [effect], fit = stage.grown.effects, stage.grown.refit
+        drawn_as[effect] = stage
         size = effect.element.parameters[0]
         factor, unit = used.units.of(size.unit)
         value = f"{size.name} = {factor * size_of(fit, effect):.3g} {unit.strip('-')}".strip()
