@@ -6,7 +6,7 @@ A study's findings and their tables: pure functions of its store, computed when 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -32,6 +32,7 @@ from .comparison import (
     reference_of,
     score_cell,
 )
+from .report.fairness import OF_ITS_OWN
 from .robustness import (
     anytime_table,
     attainment_table,
@@ -346,6 +347,10 @@ TABLES = (
 )
 """All of them, in the order in which they are shown."""
 
+RANKING = frozenset({"choice", "ranks", "pairs", "sensitivity", "anytime", "profiles"})
+INSIDER = "native"
+"""Tables that say who is ahead, and the optimiser that knows more of a problem than the others."""
+
 NOISY = "noise"
 """The table of a study that has noise for an axis."""
 
@@ -376,8 +381,13 @@ def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[t
 
 def tables_of(findings: Findings, names: Sequence[str]) -> Iterator[tuple[str, Table]]:
     """File stem and table of what is wanted of a study that is read."""
+    raced = {summary.cell.optimiser for summary in findings.summaries}
     for name in names:
-        yield name, (PLAIN | COMPARING)[name](findings)
+        table = (PLAIN | COMPARING)[name](findings)
+        # Nobody is to read it off a ranking that it won by what the others are not told.
+        if name in RANKING and INSIDER in raced:
+            table = replace(table, note=f"{table.note} {OF_ITS_OWN[INSIDER]}")
+        yield name, table
 
 
 def write_tables(
