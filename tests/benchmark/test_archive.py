@@ -190,6 +190,10 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
         assert table.count(f",{label},") == 2
     report = (tmp_path / "results/published-beside/report.html").read_text(encoding="utf-8")
     assert "published.zip, study published" in report
+    grown = ["archive", "published-beside", "--beside", "published.zip", "-o", "grown.zip"]
+    assert springpot(*grown).code == 0
+    cells = Archive.read(tmp_path / "grown.zip").cells
+    assert sorted(cell.label for cell in cells) == sorted(["native", "cma-es", "nlopt-bobyqa"] * 2)
 
 
 def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):

@@ -32,7 +32,12 @@ from .comparison import (
     reference_of,
     score_cell,
 )
-from .robustness import anytime_table, noise_table, sensitivity_table
+from .robustness import (
+    anytime_table,
+    attainment_table,
+    noise_table,
+    sensitivity_table,
+)
 from .statistics import ROPE, hitting_time, intervals
 from .store import Store
 from .study import Study
@@ -329,6 +334,7 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
     "profiles": lambda f: profile_table(f.name, f.races, f.scale),
     "progress": lambda f: progress_table(f.name, f.scores, f.scale),
     "anytime": lambda f: anytime_table(f.name, f.races, f.scale),
+    "attainment": lambda f: attainment_table(f.name, f.races, f.scale),
     "sensitivity": lambda f: sensitivity_table(f.name, f.races, f.scale),
     "noise": lambda f: noise_table(f.facts, f.races, f.scale),
 }
@@ -336,7 +342,7 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
 
 TABLES = (
     *("choice", "summary", "ranks", "pairs", "sensitivity", "anytime", "profiles", "progress"),
-    *("timing", "failures"),
+    *("attainment", "timing", "failures"),
 )
 """All of them, in the order in which they are shown."""
 

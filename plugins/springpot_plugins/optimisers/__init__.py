@@ -14,6 +14,7 @@ from . import (
     evolution,
     hopping,
     leastsquares,
+    lipo_library,
     lshade,
     minion,
     minuit,
@@ -35,6 +36,7 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
     return (
         swarm.PaperSwarm,
+        swarm.ScalarSwarm,
         spso.StandardSwarm,
         evolution.CmaEs,
         evolution.BipopCmaEs,
@@ -75,4 +77,5 @@ def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
         pymoo_library.FAMILY,
         nevergrad_library.FAMILY,
         surrogate.FAMILY,
+        lipo_library.FAMILY,
     )
