@@ -398,7 +398,7 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.trying.first_look`."""
-    return first_look(State.of(state), _measured(text))
+    return first_look(State.of(state), _opened(text))
 
 
 def curve(

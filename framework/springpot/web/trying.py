@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from springpot.comparison.comparing import compare
-from springpot.comparison.result import Comparison
+from springpot.comparison.result import Comparison, Judgement
 from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
 from springpot.diagnosis.result import FittedStage, Progress
@@ -27,13 +27,14 @@ from springpot.misfit.refit import Refit
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import drawn_at_once, preview
 from springpot.report.interactive.hypotheses import Preview
-from springpot.report.interactive.in_time import TimeScene
+from springpot.report.interactive.in_time import TimeScene, drawn_in_time_at_once
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
+from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.residuals_of_tests import units_of
 
 from .sessions import LONGEST_NAME, State, kept
@@ -73,9 +74,14 @@ def units_in(data: Opened) -> Units:
     return data.units
 
 
-def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
+def first_look(state: State, data: Opened) -> dict[str, Any]:
     """An answer as `springpot.web.tasks.answer`, without a single cause."""
-    used = kept(measurement, state.excluded)
+    if isinstance(data, Specimen):
+        model, tests = bound(state, data), kept(data, state.excluded).tests
+        [judged] = compare_in_time(tests, [model]).judgements
+        assert isinstance(judged.fitted, Identification)
+        return _sought(state, judged, drawn_in_time_at_once(judged.fitted, TimeScene(data.tests)))
+    measurement, used = data, kept(data, state.excluded)
     if len(used) > FEW:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
@@ -83,7 +89,11 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
     measurement = model_and_data(state, measurement)[1]
     model, used = model_and_data(state, used)
     [judged] = compare(used, [model], np.random.default_rng(state.seed)).judgements
-    error = judged.error.to_dict()
+    return _sought(state, judged, drawn_at_once(judged.refit, measurement))
+
+
+def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str, Any]:
+    error, model = judged.error.to_dict(), judged.model
     rung = {"model": model.name, "accepted": None, "class": [], **error}
     diagnosis = {
         "model": model.name,
@@ -99,7 +109,7 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
         "state": state.to_dict(),
         "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
         "spots": [place.spot for place in judged.where],
-        **drawn_at_once(judged.refit, measurement),
+        **drawn,
     }
 
 

@@ -85,7 +85,7 @@ class App {
   // How far the model lies from new data, while what it may lack is sought.
   async glance() {
     const { state } = this;
-    if (this.early?.of === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
+    if (this.early?.of === state || this.whole || !this.scene || state.accepted.length) return;
     const early = { of: state, found: null, tried: new Map() };
     this.early = early;
     try {
