@@ -5,7 +5,7 @@
 24 specimens of 3 batches, each a spring beside a dashpot measured at 12 frequencies with 1 % noise;
 stiffness and dashpot scatter by 5 % within a batch, and batches by 3 or by 10 %. A hidden mass that
 all of them have leaves chi-square 15 in each, which its own stiffness and dashpot cannot make up
-for; against the forty effects that are tried no specimen alone can tell that.
+for: beside all effects that are tried, fewer than half of the specimens alone can tell that.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ from springpot.benchmark.plan import Plan, RaceCase
 from springpot.identification.native import BoundedDescent
 from springpot.identification.problem import Problem, SpecimenProblem
 from springpot.identification.recorder import Recorder
-from springpot.measurement import DataSet, Measured
+from springpot.measurement import DataSet, Measured, Measurement
 from springpot.rheology import Real
 
 if TYPE_CHECKING:
@@ -48,6 +48,15 @@ ROOT = Path(__file__).parents[1]
 TABLE = ROOT / "plugins/springpot_plugins/suites" / f"{SUITE}.csv"
 PAGE, IMAGES = ROOT / "docs" / "suite.md", ROOT / "docs" / "images"
 PARTS = ("easy", "hard", "deceptive")
+
+
+def sweeps() -> list[str]:
+    """The problems without tests in time, of which a trial costs a hundred of the others."""
+    return [
+        each.name
+        for each in plugins().find("suite", SUITE).problems
+        if all(isinstance(test, Measurement) for test in each.tests())
+    ]
 
 
 def plan() -> Plan:

@@ -22,13 +22,15 @@ def quoted(language: str) -> list[str]:
 def test_every_piece_of_code_is_that_of_the_example():
     paths = [*EXAMPLE.glob("*.py"), Path(__file__).parent / "timetests" / "test_new_kind.py"]
     sources = [path.read_text() for path in paths]
-    assert len(quoted("python")) == 9
+    assert len(quoted("python")) == 10
     for text in quoted("python"):
         assert any(text in source for source in sources), text
     assert quoted("toml") == [(EXAMPLE / "pyproject.toml").read_text()]
 
 
-@pytest.mark.parametrize("kind", ["models", "effects", "optimisers", "datasets", "readers"])
+@pytest.mark.parametrize(
+    "kind", ["models", "effects", "optimisers", "objectives", "datasets", "readers"]
+)
 def test_one_of_each_kind_is_shown_whole_in_under_thirty_lines(kind: str):
     [text] = [text for text in quoted("python") if f"def springpot_{kind}()" in text]
     assert len([line for line in text.splitlines() if line.strip()]) < 30

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
@@ -462,6 +463,47 @@ def own_of(texts: Iterable[str]) -> dict[str, str]:
                 raise OptionError(f"'{text}': write --own NAMES:COLUMN, such as k,c:batch")
             own[name.strip()] = column.strip() or FILE
     return own
+
+
+PARAMETERS = ("own", "share", "tie", "specimen", "population")
+"""Options that say whose parameters are, and how they follow from one another."""
+
+
+def parameters_of(text: str) -> dict[str, Any]:
+    """The arguments ``own``, ``share``, ``tie`` and ``specimen``, as a command line has them.
+
+    Raises
+    ------
+    OptionError
+        If there is anything else.
+
+    Examples
+    --------
+    >>> from springpot.constraints import parameters_of
+    >>> parameters_of("--own k:batch --tie 'c = 2*k'")
+    {'own': {'k': 'batch'}, 'tie': ['c = 2*k']}
+    """
+    given: dict[str, list[str]] = {}
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise OptionError(f"'{text:.80}': {error}") from None
+    for option, value in zip(words[::2], [*words[1::2], ""], strict=False):
+        name = option.removeprefix("--")
+        if option == name or name not in PARAMETERS or not value:
+            raise OptionError(
+                f"'{option:.40} {value:.40}': write --own k:batch, --share c, --tie 'k2 = 2*k1',"
+                " --population COLUMN or --specimen COLUMNS"
+            )
+        given.setdefault(name, []).append(value)
+    own = own_of(given.pop("own", ()))
+    own |= dict.fromkeys([EVERY] * bool(given.get("population")), given.pop("population", [""])[0])
+    found: dict[str, Any] = {"own": own} if own else {}
+    if "share" in given:
+        found["share"] = ",".join(given["share"]).replace(",", " ").split()
+    if "specimen" in given:
+        found["specimen"] = given["specimen"][0]
+    return found | ({"tie": given["tie"]} if "tie" in given else {})
 
 
 def optimiser_of(text: str) -> Optimiser:

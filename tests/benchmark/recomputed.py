@@ -311,6 +311,26 @@ def anytime(race):
         yield (name,), told | {"problems": len(race.problems)}
 
 
+def shown(level):
+    """A level as a table has it."""
+    return f"{level:.4g}"
+
+
+def attainment(race):
+    levels = [level for level in (1e-1, 1e-2, 1e-4) if level > 1.01 * race.target] + [race.target]
+    for name in race.optimisers:
+        for level in levels:
+            told = {}
+            for mark in race.marks:
+                # A row for each problem, whose trials need not be as many as another's.
+                shares = [
+                    np.mean([race.excess(row, mark) <= level for row in race.cells[*problem, name]])
+                    for problem in race.problems
+                ]
+                told[f"by {mark}"] = np.mean(shares)
+            yield (name, shown(level)), told
+
+
 def sensitivity(race):
     def places(problems):
         blocks = blocks_of(race, problems, race.budget)[1]
@@ -338,6 +358,7 @@ TABLES = {
     "choice": (("model", "data set", "objective", "budget"), choice),
     "profiles": (("optimiser",), profiles),
     "anytime": (("optimiser",), anytime),
+    "attainment": (("optimiser", "excess"), attainment),
     "sensitivity": (("optimiser",), sensitivity),
 }
 

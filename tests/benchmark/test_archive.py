@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -189,6 +190,10 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
         assert table.count(f",{label},") == 2
     report = (tmp_path / "results/published-beside/report.html").read_text(encoding="utf-8")
     assert "published.zip, study published" in report
+    grown = ["archive", "published-beside", "--beside", "published.zip", "-o", "grown.zip"]
+    assert springpot(*grown).code == 0
+    cells = Archive.read(tmp_path / "grown.zip").cells
+    assert sorted(cell.label for cell in cells) == sorted(["native", "cma-es", "nlopt-bobyqa"] * 2)
 
 
 def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):
@@ -213,3 +218,11 @@ def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_
 def test_what_has_no_best_or_no_improvements_is_kept_as_it_is(known):
     row = TrialRow(0, 0, Status.ERROR, **known)
     assert archive._thinned(row, 1.0, None, None) is row
+
+
+def test_the_published_race_takes_a_new_optimiser_on_all_its_problems():
+    """Each by its own objective, on data that are the same to the last bit."""
+    published = Path(__file__).parents[2] / "results" / "suite_race" / "suite_race.zip"
+    cases = study_of(published, ["random-search"]).plan().cases
+    raced = {problem.digest: problem.dataset for problem in Archive.read(published).problems}
+    assert {case.digest: case.source.name for case in cases} == raced

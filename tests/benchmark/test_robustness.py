@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from benchmark_fakes import small_study
 from synthetic import synthetic_store
 
-from springpot.benchmark import Findings, Store
+from springpot.benchmark import Findings, Store, run_study, store_path
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
 from springpot.benchmark.robustness import WithoutSome, _moved, without_each
+from springpot.benchmark.standings import RANKING, study_tables
 from springpot.benchmark.statistics import ROPE, signed_rank_posterior
 
 SCALE = JudgingScale(1e-4, 100)
@@ -110,3 +112,13 @@ def test_tables_hold_the_measures(findings):
 def test_where_no_place_moves_no_problem_is_named():
     assert _moved(np.array([2, 2]), 2, ["a", "b"]) == (2, 2, None)
     assert _moved(np.array([2, 4]), 2, ["a", "b"]) == (2, 4, "b")
+
+
+def test_no_ranking_holds_native_without_saying_what_it_knows(tmp_path):
+    for optimisers, told in ((["native", "random-search"], True), (["random-search"], False)):
+        folder = tmp_path / optimisers[0]
+        study = small_study(optimisers=[*optimisers, "nlopt-bobyqa"], repetitions=2, budget=40)
+        run_study(study, 1, "serial", out=folder, quiet=True, tables=False)
+        with Store(store_path(study, folder)) as store:
+            notes = {name: table.note for name, table in study_tables(store, sorted(RANKING))}
+        assert {"native knows how the model is built" in note for note in notes.values()} == {told}

@@ -1,11 +1,15 @@
 """What helps to begin: files to start from, and what the shell offers behind TAB."""
 
+import re
+import subprocess
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from springpot.testing import check_effect, check_model
+import springpot as springpot_itself
+from springpot.cli import init
+from springpot.testing import check_effect, check_model, check_optimiser
 
 
 @pytest.mark.parametrize("kind", ["study", "plugin", "ci"])
@@ -32,6 +36,34 @@ def test_the_plugin_to_start_from_keeps_the_contract(springpot, tmp_path, monkey
     mine = import_module("springpot_mine")
     assert check_model(*mine.springpot_models()) == []
     assert check_effect(*mine.springpot_effects()) == []
+    assert check_optimiser(*mine.springpot_optimisers()) == []
+
+
+def test_the_gate_to_start_from_installs_the_users_package_and_says_what_got_worse(
+    springpot, tmp_path
+):
+    springpot("init", "plugin", "--folder", tmp_path)
+    springpot("init", "ci", "--folder", tmp_path)
+    workflow = (tmp_path / ".github" / "workflows" / "accuracy.yml").read_text()
+    assert "python -m pip install .\n" in workflow
+    script = re.findall(r"^ +sed -n '(.*)' gate.txt$", workflow, re.M)
+    told = "seen: cma-es\nworse: mine on x got worse: 3\n"
+    done = subprocess.run(["sed", "-n", *script], input=told, capture_output=True, text=True)
+    assert done.stdout == "::error title=accuracy::mine on x got worse: 3\n"
+    assert "GITHUB_STEP_SUMMARY" in workflow
+
+
+def test_without_a_package_the_gate_installs_springpot_itself(springpot, tmp_path):
+    springpot("init", "ci", "--folder", tmp_path)
+    workflow = (tmp_path / ".github" / "workflows" / "accuracy.yml").read_text()
+    assert "python -m pip install springpot\n" in workflow
+
+
+def test_a_study_to_start_from_races_the_users_own_optimisers(monkeypatch):
+    registry = springpot_itself.plugins()
+    monkeypatch.setitem(registry.shelves["optimiser"].items, "mine", object)
+    monkeypatch.setattr(registry, "owner_of", lambda _, name: "my plugin" if name == "mine" else "")
+    assert init._entrants() == '"mine", "pso-paper", "cma-es", "native"'
 
 
 @pytest.mark.parametrize(

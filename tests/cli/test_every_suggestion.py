@@ -190,7 +190,7 @@ SCENARIOS = {
     ),
     "cli/diagnose.py:_next_command": of_each_kind(
         "cli/diagnose.py:_next_command",
-        "warm.csv",
+        ["warm.csv"],
         None,
         changes=({}, {"one_test": "temperature=20"}, {"offered": ""}),
     ),

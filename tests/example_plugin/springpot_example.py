@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.hooks import hookimpl
-from springpot.identification import Card, Optimiser, Recorder
+from springpot.identification import Card, Objective, Optimiser, Recorder
 from springpot.measurement import (
     MODULUS_UNITS,
     Choice,
@@ -31,6 +31,7 @@ from springpot.rheology import (
     RADIAN_PER_SECOND,
     Answered,
     AppliesTo,
+    Complex,
     Effect,
     Formula,
     Layer,
@@ -153,6 +154,22 @@ class OneFifth(Optimiser):
 def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """One optimiser: the class, not an instance."""
     return [OneFifth]
+
+
+# An objective
+def _mostly_storage(measurement: Measurement) -> Complex:
+    """Weights (n,): their real part weighs K', their imaginary part K''."""
+    return np.asarray((2.0 + 1.0j) / measurement.magnitude, dtype=np.complex128)
+
+
+@hookimpl
+def springpot_objectives() -> Iterable[Objective]:
+    """One objective."""
+    return [
+        Objective(
+            "example-objective", "the differences over |K_m|, those of K' twice", _mostly_storage
+        )
+    ]
 
 
 # A data set: what is known about it, and a function that is called only when it is used.

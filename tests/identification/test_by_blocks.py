@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import springpot
+from springpot.identification import fit_batch
 from springpot.identification.bordered import Eliminated, LevelSlopes
 from springpot.identification.normal import Arrow, Layout, Whole
 from springpot.identification.population import Errors, component
@@ -147,6 +148,34 @@ def test_memory_grows_with_the_specimens_and_no_faster() -> None:
         tracemalloc.stop()
     # What is dense in all parameters would take sixteen times as much.
     assert peaks[1] < 6.0 * peaks[0]
+
+
+def test_many_data_sets_are_fitted_by_blocks_each_as_if_alone() -> None:
+    data, model = batch(5), springpot.parse_model("kelvin").owning(["k"], "specimen")
+    model = model.bound_to(data.points)
+    noise = 1.0 + 0.02 * np.random.default_rng(3).standard_normal((2, len(data)))
+    sets, weights = data.stiffness * noise, 1.0 / data.magnitude
+    theta, cost = fit_batch(model, data.points, sets, weights)
+    for i, values in enumerate(sets):
+        # Rows weighed as all of the batch are.
+        sd = data.magnitude * (1.0 + 1.0j)
+        one = springpot.Measurement(data.omega, values, sd=sd, conditions=data.conditions)
+        alone = springpot.identify(one, "kelvin", own={"k": "specimen"})
+        assert theta[i] == pytest.approx(alone.theta, rel=1e-6)
+        assert cost[i] == pytest.approx(alone.cost, rel=1e-6)
+
+
+def test_simulated_fits_scatter_as_the_intervals_say_and_take_little_memory() -> None:
+    data, ends = batch(40), []
+    tracemalloc.start()
+    for intervals in ("jacobian", "bootstrap"):
+        found = springpot.identify(data, "kelvin", own={"*": "specimen"}, intervals=intervals)
+        ends.append(np.log(found.high / found.low))
+    # What is dense in all parameters would take two hundred times as much for its derivative alone.
+    assert tracemalloc.get_traced_memory()[1] < 150e6
+    tracemalloc.stop()
+    assert np.median(ends[1] / ends[0]) == pytest.approx(1.0, abs=0.05)
+    assert ends[1] == pytest.approx(ends[0], rel=0.3)
 
 
 def test_a_thousand_numbered_specimens_are_as_many_levels() -> None:

@@ -84,6 +84,16 @@ def test_what_is_missing_from_all_batches_is_found_beside_their_own(
     assert found.best.effect == "inertia"
 
 
+def test_a_start_is_named_for_all_levels(rng: np.random.Generator) -> None:
+    data = batches(rng)
+    free = springpot.identify(data, "kelvin", own={"k": "batch"})
+    for start in ({"k": 3.0}, {"k": 3.0, "c": 0.1}):
+        begun = springpot.identify(data, "kelvin", own={"k": "batch"}, start=start)
+        assert begun.theta == pytest.approx(free.theta, rel=1e-6)
+    with pytest.raises(ModelError, match="no free parameter 'k_9'"):
+        springpot.identify(data, "kelvin", own={"k": "batch"}, start={"k_9": 3.0})
+
+
 def test_what_cannot_be_a_levels_own_is_told(rng: np.random.Generator) -> None:
     data = batches(rng)
     with pytest.raises(DataError, match="has no column 'day' \\(there are: batch\\)"):

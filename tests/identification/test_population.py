@@ -81,6 +81,23 @@ def test_two_specimens_are_no_population() -> None:
     fit = springpot.identify(data, "kelvin", own={"k": "batch"})
     assert not fit.populations
     assert "population" not in fit.to_dict()
+    assert any("2 specimens do not tell" in note for note in fit.notes)
+
+
+@pytest.mark.parametrize(("count", "told"), [(3, "6.3 times"), (5, "2.9 times"), (6, "")])
+def test_what_few_specimens_cannot_tell_is_told(count: int, told: str) -> None:
+    """Of a normal scatter: the ends of its interval by chi-square."""
+    omega = np.tile(np.geomspace(1.0, 100.0, 6), count)
+    number = np.arange(1.0, count + 1).repeat(6)
+    data = springpot.Measurement(
+        omega, 9.0 + number + 0.1j * omega, conditions={"batch": number, "temperature": number * 10}
+    )
+    notes = springpot.identify(data, "kelvin", own={"k": "batch"}).notes
+    found = [note for note in notes if "specimens tell little" in note]
+    assert [told in note for note in found] == [True] * bool(told)
+    # Temperatures are no specimens.
+    warm = springpot.identify(data, "kelvin", own={"k": "temperature"}).notes
+    assert not any("specimens" in note for note in warm)
 
 
 @pytest.mark.parametrize(("count", "own"), [(3, 0.0), (8, 0.02), (24, 0.05)])

@@ -135,6 +135,19 @@ def test_several_columns_tell_the_specimens(data: springpot.Measurement) -> None
     assert shared["k"].high - shared["k"].low > 1.5 * (points["k"].high - points["k"].low)
 
 
+def test_files_of_batches_are_specimens_as_numbered_ones_are(data: springpot.Measurement) -> None:
+    """As levels of their own: they are not said to share what each has for itself."""
+    numbered = springpot.identify(data, "kelvin", own={"*": "batch/number"})
+    files = springpot.identify(data, "kelvin", specimen="batch,number", own={"*": "batch/file"})
+    assert not any("intervals follow" in note for note in files.notes)
+    assert files.uncertainty.specimens is None
+    for name, one in numbered.populations.items():
+        other = files.populations[name]
+        assert (other.mean.low, other.mean.high) == pytest.approx((one.mean.low, one.mean.high))
+        assert other.between.value == one.between.value
+    assert files.low == pytest.approx(numbered.low)
+
+
 def test_what_cannot_be_is_one_line(data: springpot.Measurement) -> None:
     for error, told, options in (
         (DataError, "no column 'day'", {"specimen": "batch,day"}),

@@ -96,6 +96,19 @@ def test_bounds_of_what_is_tied_are_kept(sweep):
     assert fit["k1"].value == pytest.approx(2.5)
 
 
+def test_another_parameter_may_have_bounds_far_from_its_natural_size(sweep):
+    """What is free is no tied one: at its bound it has a slope."""
+    free = springpot.identify(sweep, "maxwell-2", tie="k2 = 2*k1")
+    tau = free["tau1"].value
+    bounds = {"tau1": (0.99 * tau, 1.01 * tau)}
+    kept = springpot.identify(sweep, "maxwell-2", tie="k2 = 2*k1", bounds=bounds)
+    assert kept["tau1"].value == pytest.approx(tau, rel=1e-6)
+    outside = springpot.identify(
+        sweep, "maxwell-2", tie="k2 = 2*k1", bounds={"tau1": (1.5 * tau, 2.0 * tau)}
+    )
+    assert outside["tau1"].value == pytest.approx(1.5 * tau)
+
+
 def test_each_level_has_its_own_tied_parameter():
     model, batches = springpot.parse_model("zener"), (1.0, 1.1, 1.2)
     sweeps = [model.stiffness(model.theta(k1=k, k2=2 * k, c=3.0), OMEGA) for k in batches]

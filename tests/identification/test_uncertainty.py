@@ -168,6 +168,6 @@ def test_draws_of_a_parameter_that_is_as_good_as_zero_reach_down_to_its_bound(mo
     monkeypatch.setattr(fitting, "bootstrap", lambda *given: drawn)
     fit = SimpleNamespace(theta=theta, model=SimpleNamespace(parameters=parameters))
     known = SimpleNamespace(specimens=None, level=1.0, fit=fit, at_bound=np.array([-1, 0, 1]))
-    low, high = fitting._interval(known, "bootstrap", 0)
+    low, high, _ = fitting._interval(known, "bootstrap", 0)
     assert low == pytest.approx([parameters[0].lower, 2.7, 0.5e12])
     assert high == pytest.approx([3e-12, 3.3, parameters[2].upper])

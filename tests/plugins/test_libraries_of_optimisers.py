@@ -3,17 +3,33 @@
 from __future__ import annotations
 
 import pickle
+import sys
 from importlib.util import find_spec
+from types import ModuleType, SimpleNamespace
 
+import numpy as np
 import pytest
 
 from springpot.errors import ModelError
 from springpot.registry import plugins
 from springpot.testing import check_optimiser
-from springpot_plugins.optimisers import dfo, families, minion, minuit, pymoo_library
+from springpot_plugins.optimisers import (
+    dfo,
+    families,
+    lipo_library,
+    minion,
+    minuit,
+    nevergrad_library,
+    pymoo_library,
+    surrogate,
+)
 
-OF = dict.fromkeys(minion.MEMBERS, "minionpy") | dict.fromkeys(pymoo_library.MEMBERS, "pymoo")
-EXTRA = {"minionpy": "race", "pymoo": "pymoo"}
+OF = {
+    **dict.fromkeys(minion.MEMBERS, "minionpy"),
+    **dict.fromkeys(pymoo_library.MEMBERS, "pymoo"),
+    **dict.fromkeys(nevergrad_library.MEMBERS, "nevergrad"),
+}
+EXTRA = {"minionpy": "race", "pymoo": "pymoo", "nevergrad": "nevergrad"}
 
 
 @pytest.mark.parametrize("name", sorted(OF))
@@ -32,6 +48,9 @@ def test_it_keeps_the_contract(name):
         (pymoo_library, "pymoo-", "pymoo"),
         (minuit, "minuit-", "race"),
         (dfo, "dfo-", "race"),
+        (nevergrad_library, "nevergrad-", "nevergrad"),
+        (surrogate, "bayesian-", "surrogate"),
+        (lipo_library, "lipo-", "lipo"),
     ],
 )
 def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, extra):
@@ -39,3 +58,28 @@ def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, ex
         monkeypatch.setattr(module, "find_spec", lambda _: None)
     with pytest.raises(ModelError, match=rf"optimisers {prefix}.*springpot\[{extra}\]"):
         of.FAMILY.members()
+
+
+class Candidates:
+    """What the adapter asks of lipo, as its source has it; the library itself was not tried."""
+
+    def __init__(self, lower_bounds, upper_bounds, log_args, maximize, random_state):
+        assert (log_args, maximize) == ([], False)
+        self.low, self.high = lower_bounds, upper_bounds
+        self.rng, self.known = np.random.default_rng(random_state), []
+
+    def get_candidate(self):
+        x = {name: self.rng.uniform(low, self.high[name]) for name, low in self.low.items()}
+        return SimpleNamespace(x=x, set=lambda y: self.known.append((x, y)))
+
+
+def test_lipo_is_told_each_value_at_its_own_candidate_in_any_order(monkeypatch):
+    module = ModuleType("lipo")
+    module.GlobalOptimizer = Candidates
+    monkeypatch.setitem(sys.modules, "lipo", module)
+    enquiry = lipo_library.MaxLipo().enquiry(3, 10, np.random.default_rng(1))
+    points = [enquiry.ask() for _ in range(3)]
+    for i, value in ((2, 5.0), (0, 7.0), (1, np.inf)):
+        enquiry.tell(points[i], value)
+    told = [(list(x.values()), y) for x, y in enquiry._search.known]
+    assert told == [(points[2].tolist(), 5.0), (points[0].tolist(), 7.0)]

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from paper_problems import KBAR, artificial, truth
-from springpot.identification import run, run_batch
-from springpot_plugins.optimisers.swarm import PaperSwarm, _ring
+from springpot.identification import all_points, run, run_batch
+from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm, _ring
 
 
 def kelvin4(position, problem):
@@ -126,3 +126,25 @@ def test_a_budget_beyond_one_swarm_gives_birth_to_another():
     two = run(PaperSwarm(instances=20), problem, 20 * 42, np.random.default_rng(3))
     assert two.trace[: len(one.trace)] == one.trace
     assert two.evaluations == 840
+
+
+def test_of_scalar_random_numbers_a_first_step_points_at_the_best_known():
+    """With matrices it points anywhere between: each parameter is pulled by a number of its own."""
+    problem = artificial("fractional-kelvin")
+    width = problem.upper - problem.lower
+
+    def away(kind):
+        """Largest sine between the first step of a particle and the way to the one it follows."""
+        # No step overshoots, so that nothing turns back at an edge.
+        swarm = kind(particles=3, neighbourhood="global", clamp=1e6, sociality=1.0)
+        done = run(swarm, problem, 6, np.random.default_rng(3), diary=True)
+        points = all_points(done.diary, problem.dimension)[0] / width
+        best = points[:3][np.argmin(problem.evaluate(points[:3] * width))]
+        steps, ways = points[3:] - points[:3], best - points[:3]
+        lengths = np.linalg.norm(steps, axis=1) * np.linalg.norm(ways, axis=1)
+        moved = lengths > 0
+        cosine = np.sum(steps * ways, axis=1)[moved] / lengths[moved]
+        return np.sqrt(np.max(1.0 - cosine**2))
+
+    assert away(PaperSwarm) > 0.1
+    assert away(ScalarSwarm) < 1e-6

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from springpot import Measurement, identify
 from springpot.registry import parse_model
 
 BAND = "1Hz:48Hz"
@@ -262,3 +263,13 @@ def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_pa
     assert handed("--temperature", "50") != handed()
     assert "outside of what was measured" not in handed("--temperature", "20")
     assert "the temperature of 120 degC" in handed("--temperature", "120")
+
+
+def test_a_card_is_of_one_material(springpot, tmp_path):
+    omega, lot = np.tile([1.0, 3.0, 10.0], 2), np.repeat([1.0, 2.0], 3)
+    data = Measurement(omega, lot * (5.0 + 1j * omega), conditions={"lot": lot})
+    fit = identify(data, "kelvin", own={"k": "lot"})
+    path = tmp_path / "lots.json"
+    path.write_text(json.dumps(fit.to_dict()), encoding="utf-8")
+    asked = "export-model", path, "--to", "csv", "--band", "1Hz:2Hz", "--dashpot"
+    springpot(*asked).is_one_line("each lot has k of its own", "lot=1")

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("starlette", reason="the extra 'workbench' is not installed")
@@ -30,6 +31,18 @@ def damper() -> bytes:
     )
     assert found is not None
     return found[1].encode()
+
+
+@pytest.fixture(scope="session")
+def planned() -> bytes:
+    """What the experiment that the README's file asks for would measure: a mass of the rig."""
+    rng, frequency = np.random.default_rng(1), np.geomspace(10.0, 480.0, 20)
+    model = springpot.parse_model("fractional-maxwell + inertia")
+    theta = model.theta(**{"k": 398.3, "c": 60.06, "alpha": 0.5514, "inertia.m": 0.597e-3})
+    noise = 1.0 + 0.005 * (rng.normal(size=20) + 1j * rng.normal(size=20))
+    k = model.stiffness(theta, 2.0 * np.pi * frequency) * noise
+    rows = zip(frequency, k.real, k.imag, strict=True)
+    return b"".join(b"%.5g,%.5g,%.5g\n" % row for row in rows)
 
 
 @pytest.fixture(scope="session")

@@ -51,6 +51,13 @@ def unexplained() -> bytes:
     return ("frequency [Hz],storage [kN/m],loss [kN/m]\n" + "".join(lines)).encode()
 
 
+def relaxation() -> bytes:
+    """What relaxes as a power of time, as no single Maxwell element does."""
+    rng, time = np.random.default_rng(1), np.geomspace(0.1, 100.0, 40)
+    rows = zip(time, 300.0 * time**-0.2 * (1.0 + 0.005 * rng.normal(size=40)), strict=True)
+    return ("time [s],relaxation [kPa]\n" + "".join(f"{t:.6g},{g:.6g}\n" for t, g in rows)).encode()
+
+
 def keep(page: Any, name: str) -> None:
     """A picture of few colours, of which a page has no more."""
     page.wait_for_timeout(700)
@@ -85,20 +92,34 @@ def main() -> None:
                 page.locator("body:not([aria-busy])").wait_for()
                 page.fill("#expression", model)
                 page.press("#expression", "Enter")
-                page.locator(f"#verdict:has-text('{model}:')").wait_for()
-                page.locator("body:not([aria-busy])").wait_for()
+                answered(page, model)
             return page
+
+        def answered(page: Any, model: str) -> None:
+            page.locator(f"#verdict:has-text('{model}:')").wait_for()
+            page.locator("body:not([aria-busy])").wait_for()
+            page.evaluate("() => document.activeElement.blur()")
 
         keep(opened("", b""), "empty")
         page = opened("damper.csv", damper(), MODEL)
         keep(page, "answered")
         page.hover("#effect-inertia")
         keep(page, "hovered")
+        page.mouse.move(640, 780)
+        page.check("#show-plan")
+        keep(page, "plan")
+        page.uncheck("#show-plan")
         page.click("#effect-inertia")
-        page.locator("#rungs li").nth(1).wait_for()
-        page.locator("body:not([aria-busy])").wait_for()
+        answered(page, f"{MODEL} + inertia")
         page.mouse.move(640, 780)
         keep(page, "adequate")
+        page.fill("#scrub", "0")
+        keep(page, "replay")
+        page.evaluate("() => document.dispatchEvent(new CustomEvent('lost'))")
+        keep(page, "lost")
+        page = opened("relax.csv", relaxation(), "maxwell")
+        page.hover("#effect-parallel-springpot")
+        keep(page, "in-time")
         keep(opened("two-ranges.csv", unexplained(), MODEL), "unexplained")
         page = opened("notes.csv", b"hello\nworld\n")
         page.locator("#refused").wait_for()

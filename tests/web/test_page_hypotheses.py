@@ -198,8 +198,13 @@ def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, dampe
     assert here.page.locator("#plot-view .line.preview").count() == 2
     assert "0.57" in here.page.text_content("#plot-ladder .ghost")
     assert here.violations() == []
-    here.page.press("#law", "Enter")
+    card = here.page.locator("[data-title='A law of your own'] [role=option]")
+    here.page.hover("#verdict")
+    card.hover()
+    assert "0.57" in here.page.text_content("#plot-ladder .ghost")
+    card.click()
     here.shows(f"{MODEL} + ({LAW})")
+    assert here.page.locator("[data-title='A law of your own']").count() == 0
     assert "+ my-mass" in here.reads("#rungs")
     here.page.reload()
     here.shows(f"{MODEL} + ({LAW})")
@@ -236,10 +241,15 @@ def test_points_are_seen_left_out_before_they_are(page: Open, damper: bytes):
     here.page.mouse.down()
     here.page.mouse.move(box["x"] + 0.98 * box["width"], box["y"] + 90, steps=3)
     here.page.mouse.up()
+    card = here.page.locator("[data-title='Points that are chosen'] [role=option]")
+    card.wait_for()
     here.page.hover("#exclude")
-    here.page.locator("#plot-view .line.preview").first.wait_for(state="attached")
     ghost = here.page.text_content("#plot-ladder .ghost")
-    here.page.click("#exclude")
+    here.page.hover("#verdict")
+    card.hover()
+    assert here.page.locator("#plot-view .line.preview").count() == 2
+    assert here.page.text_content("#plot-ladder .ghost") == ghost
+    card.click()
     here.page.locator("#left-out").wait_for()
     here.done()
     assert f"{float(ghost.split()[0]):.2g}" == f"{100 * here.error():.2g}"

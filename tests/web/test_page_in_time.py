@@ -18,7 +18,7 @@ from springpot.errors import DataError
 from springpot.report.text import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
 from springpot.web.specimen import SCHEMA, Specimen, specimen_of
-from springpot.web.tasks import answered, curve, held, perform, trial, understand
+from springpot.web.tasks import answered, curve, first, held, perform, trial, understand
 
 TIME = np.geomspace(0.1, 100.0, 40)
 ORDER = 0.2
@@ -73,6 +73,19 @@ def test_the_answer_is_that_of_discover(answer: dict[str, Any]):
     test = Specimen.of_file("relax.csv", relaxation(), "").tests[0]
     same = springpot.discover([test], "maxwell", accept=[])
     assert answer["discovery"] == json.loads(to_json(same))
+
+
+def test_a_first_look_tells_what_the_answer_tells_of_the_model(
+    relaxed: dict[str, Any], answer: dict[str, Any]
+):
+    early = json.loads(to_json(first(silent, answer["state"], relaxed["text"])))
+    told, diagnosis = (one["discovery"]["diagnosis"] for one in (early, answer))
+    assert told["verdict"] == "sought"
+    assert told["error"]["relative_rms"] == diagnosis["error"]["relative_rms"]
+    assert 0.0 < told["error"]["material_floor"] < 0.1 * told["error"]["relative_rms"]
+    assert told["where"][0]["to"] == diagnosis["where"][0]["to"]
+    assert early["model"] == answer["model"]
+    assert early["previews"] == {}
 
 
 def test_every_effect_that_was_fitted_comes_with_its_curve(answer: dict[str, Any]):

@@ -141,7 +141,9 @@ def test_a_page_is_light(page: Open):
     assert 100_000 < sum(weights) <= 350_000
 
 
-def test_a_class_is_one_card_with_what_decides(page: Open, damper: bytes):
+def test_a_class_is_one_card_until_what_decides_is_measured(
+    page: Open, damper: bytes, planned: bytes
+):
     here = page()
     here.open("damper.csv", damper, MODEL)
     card = here.page.locator(".card").first
@@ -158,6 +160,18 @@ def test_a_class_is_one_card_with_what_decides(page: Open, damper: bytes):
     here.page.click("#fold")
     assert folded.first.is_visible()
     assert here.violations() == []
+    here.page.click("text=Add its data")
+    measured = {
+        "name": "next.csv",
+        "mimeType": "text/csv",
+        "buffer": damper.splitlines(True)[0] + planned,
+    }
+    here.page.set_input_files("#open-dialog input[type=file]", measured)
+    here.page.locator("#facts:has-text('34 points')").wait_for()
+    here.done()
+    assert here.reads("#verdict").endswith("missing is inertia.")
+    assert card.locator("[role=option] .name").all_inner_texts() == ["inertia"]
+    assert "Nothing is open" in here.reads("#next-body")
 
 
 def places_of(here: Page) -> list[str]:
@@ -255,6 +269,27 @@ def test_what_is_negative_is_drawn(page: Open, damper: bytes):
     frame = here.page.locator("#plot-view .frame").bounding_box()
     lowest = here.page.locator("#plot-view .mark.storage").last.bounding_box()
     assert frame["y"] < lowest["y"] < frame["y"] + frame["height"]
+    bent = last_gap(here)
+    assert bent < 0.2, "from -578 to -1750 is less than half a decade"
+    here.page.click("#log-y")
+    assert here.page.get_attribute("#log-y", "aria-pressed") == "false"
+    assert last_gap(here) > 0.5
+    assert here.page.locator("#plot-view .mark.storage").count() == 16
+    here.page.click("#log-y")
+    assert last_gap(here) == bent
+    assert last_gap(here, "cx") < 0.1
+    here.page.click("#log-x")
+    assert last_gap(here, "cx") > 0.3, "200 to 300 Hz of 1 to 300"
+
+
+def last_gap(here: Page, place: str = "cy") -> float:
+    """Between the last two marks of storage, as a share of the way through all of them."""
+    marks = here.page.locator("#plot-view circle.mark.storage")
+    found: list[float] = marks.evaluate_all(
+        "(marks, place) => marks.map((mark) => Number(mark.getAttribute(place)))", place
+    )
+    gaps = [abs(after - before) for before, after in pairwise(found)]
+    return gaps[-1] / sum(gaps)
 
 
 def test_what_is_empty_shows_no_picture(page: Open):

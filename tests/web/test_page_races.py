@@ -5,10 +5,14 @@ Each test holds an answer back for as long.
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from typing import Any
 
 import pytest
 from browsing import IN_A_BROWSER, Open, Page, playwright
+
+from springpot.web import Workbench
+from springpot.web.desk import DeskWorker
 
 pytestmark = IN_A_BROWSER
 
@@ -84,7 +88,7 @@ def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes
     here = page()
     here.name("fractional-maxwell")
     with here.held("answer"):
-        here.drop("damper.csv", damper)
+        here.drop("damper.csv", damper.replace(b"73.2", b"73.3"))  # not answered yet
         here.page.locator("#number:has-text('the noise floor')").wait_for()
         assert "is being sought" in here.reads("#verdict")
         assert "too high above" in here.reads("#fails")
@@ -97,6 +101,44 @@ def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes
     so_far = here.page.evaluate("() => window.soFar")
     assert len(so_far[-1]) > 3
     assert "m = 0.59" in " ".join(so_far[-1])
+
+
+@pytest.mark.soak
+def test_five_who_use_one_server_hear_their_place_and_share_what_is_the_same(
+    page: Open, bench: Workbench, damper: bytes, monkeypatch: pytest.MonkeyPatch
+):
+    performed = []
+    perform = DeskWorker.perform
+
+    def counted(worker: DeskWorker, task: str, *given: Any) -> Any:
+        performed.append(task)
+        return perform(worker, task, *given)
+
+    monkeypatch.setattr(DeskWorker, "perform", counted)
+    desk, mine = bench._desk, damper.replace(b"73.2", b"74.1")
+    pages = [page() for _ in range(5)]
+    contents = [mine] * 4 + [damper.replace(b"73.2", b"72.7")]
+    with ExitStack() as kept:
+        for here, content in zip(pages, contents, strict=True):
+            kept.enter_context(here.held("answer"))
+            here.name(MODEL)
+            here.drop("damper.csv", content)
+            here.page.locator("#facts").wait_for()
+        free = desk._free["long"]
+        others = [free.get_nowait() for _ in range(free.qsize())]  # what others use
+    for here in pages:
+        here.page.locator("#stage:has-text('of 2 in the queue')").wait_for()
+    places = [here.reads("#stage").partition("place ")[2][0] for here in pages]
+    assert sorted({*places[:4], places[4]}) == ["1", "2"]
+    assert len(set(places[:4])) == 1
+    loop = next(iter(desk._running.values())).work.get_loop()
+    for worker in others:
+        loop.call_soon_threadsafe(free.put_nowait, worker)
+    for here in pages:
+        here.shows(MODEL)
+    assert performed.count("answer") == 2
+    errors = [here.error() for here in pages]
+    assert len(set(errors[:4])) == 1
 
 
 def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):

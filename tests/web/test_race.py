@@ -57,6 +57,9 @@ def test_a_broken_store_is_told_of_and_hides_nothing(
     assert found["says"]
 
 
+COLOURS = "racers => racers.map((racer) => racer.style.borderLeftColor)"
+
+
 def told(name: str, **costs: int) -> dict[str, Any]:
     """A study as the page is told of it."""
     table = {"title": f"{name}: cost", "columns": ["optimiser", "cost"], "note": ""}
@@ -94,6 +97,10 @@ def test_two_studies_stand_side_by_side_and_a_click_sorts_a_table(page: Open):
     here.page.locator("#plot-attained-two").wait_for()
     assert here.page.locator("#study h2").all_inner_texts()[0] == "one"
     assert here.page.locator("#plot-attained-one").count() == 1
+    for name in raced["one"]["attained"]["shares"]:
+        colours = here.page.locator("#study .racer", has_text=name).evaluate_all(COLOURS)
+        assert len(colours) == 2
+        assert len(set(colours)) == 1, "of one colour in both"
     here.page.locator("#study .racer", has_text="swarm").first.hover()
     assert here.page.locator("#plot-attained-one .preview-layer path").count() == 1
     assert here.violations() == []

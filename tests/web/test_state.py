@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 import springpot
 from springpot.diagnosis import Ladder
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement import Measurement
 from springpot.report.interactive import scene as drawing
 from springpot.report.interactive.bench import modules
@@ -78,8 +78,9 @@ def test_a_key_is_that_of_its_state_and_of_no_other(state: State):
         State("x", MODEL),
         State(state.data),
         State(state.data, MODEL, fixed=(("k", 390.0),)),
+        State(state.data, MODEL, options="--tie 'c = 2*k'"),
     ]
-    assert len({one.key for one in [state, *others]}) == 7
+    assert len({one.key for one in [state, *others]}) == 8
     assert all(State.of(json.loads(json.dumps(one.to_dict()))).key == one.key for one in others)
 
 
@@ -89,7 +90,8 @@ ANYTHING = st.none() | st.integers() | st.floats() | st.text() | st.lists(st.tex
 @settings(max_examples=50)
 @given(
     st.dictionaries(
-        st.sampled_from(["data", "model", "accepted", "excluded", "seed", "fixed"]), ANYTHING
+        st.sampled_from(["data", "model", "accepted", "excluded", "seed", "fixed", "options"]),
+        ANYTHING,
     )
 )
 def test_a_state_takes_nothing_that_is_none(anything: dict[str, object]):
@@ -303,6 +305,24 @@ def test_what_is_held_is_fitted_on_no_rung(state: State, data: Measurement):
     told = answer(held, ladder_of(held, data), data)
     assert [one["name"] for one in told["parameters"]] == ["c", "alpha", "inertia.m"]
     assert told["state"]["fixed"] == {"k": 390.0}
+
+
+def test_parameters_are_own_and_tied_as_on_the_command_line():
+    omega, lot = np.tile(np.geomspace(1.0, 300.0, 8), 2), np.repeat([1.0, 2.0], 8)
+    exact = lot * (100.0 + 2j * omega / (1.0 + 0.01j * omega))
+    noise = 0.01 * np.random.default_rng(1).standard_normal((16, 2)) @ [1.0, 1.0j]
+    data = Measurement(omega, exact * (1.0 + noise), conditions={"lot": lot})
+    state = State("x", "zener", options="--own k1,c:lot --tie 'k2 = 2*k1'")
+    told = answer(state, ladder_of(state, data), data)
+    names = ["k1_1", "k1_2", "c_1", "c_2"]
+    assert [one["name"] for one in told["parameters"]] == names
+    assert told["state"]["options"] == state.options
+    words = shlex.split(leaving.command(state, "d.csv"))
+    assert words[-6:] == ["--own", "k1,c:lot", "--tie", "k2 = 2*k1", "--seed", "0"]
+    assert "own={'k1': 'lot', 'c': 'lot'}, tie=['k2 = 2*k1'])" in leaving.script(state, "d.csv")
+    for wrong in ("--fix k=2", "--own", "k1", "--tie 'k2"):
+        with pytest.raises(OptionError):
+            ladder_of(replace(state, options=wrong), data)
 
 
 def test_the_command_line_is_that_of_the_state(state: State):

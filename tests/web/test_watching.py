@@ -108,7 +108,7 @@ def test_a_folder_that_is_none_is_said_at_once(tmp_path: Path):
 
 @IN_A_BROWSER
 def test_new_rows_drift_in_and_the_ladder_stays(
-    page: Open, bench: Workbench, tmp_path: Path, lines: list[bytes], monkeypatch
+    page: Open, bench: Workbench, tmp_path: Path, lines: list[bytes], planned: bytes, monkeypatch
 ):
     monkeypatch.setattr(bench._behind, "_folder", str(tmp_path))
     monkeypatch.setattr(bench._behind, "_model", "fractional-maxwell")
@@ -124,3 +124,6 @@ def test_new_rows_drift_in_and_the_ladder_stays(
     assert "Measure here next" in here.reads("#decided")
     assert here.page.locator("#odds path").count() > 0
     assert here.violations() == []
+    (tmp_path / "c.csv").write_bytes(lines[0] + planned)
+    here.page.locator("#decided:has-text('Decided: inertia is missing')").wait_for()
+    assert "now inertia > 0.99" in here.page.get_attribute("#odds", "aria-label")

@@ -11,10 +11,11 @@ from tempfile import TemporaryDirectory
 
 from springpot.errors import StudyError
 from springpot.numerics import ALIKE
+from springpot.registry import plugins
 
 from .archive import Archive, ArchivedCell
 from .store import Store
-from .study import Study
+from .study import OWN, Study
 from .summary import CellRow, ProblemRow
 
 AS_ONE = 500
@@ -156,7 +157,7 @@ def study_of(path: Path, optimisers: Sequence[str]) -> Study:
         f"{facts['name']}-beside",
         datasets=list(models),
         models=models,
-        objectives=list(dict.fromkeys(problem.objective for problem in archive.problems)),
+        objectives=_objectives(archive.problems, levels),
         optimisers=list(optimisers),
         repetitions=int(facts["repetitions"]),
         budget=int(facts["budget"]),
@@ -167,3 +168,17 @@ def study_of(path: Path, optimisers: Sequence[str]) -> Study:
         noise=sorted(set(levels.values())),
         x0="common" if STARTS in facts else "own",
     )
+
+
+def _objectives(problems: Sequence[ProblemRow], levels: Mapping[str, float]) -> list[str]:
+    """The objectives of a study of these problems: each its own, where that is what was raced."""
+    plain = not any(levels.values())
+    # Of a suite each problem has one of its own, and no sense by those of the others.
+    if plain and all(problem.objective == _own_objective(problem) for problem in problems):
+        return [OWN]
+    return list(dict.fromkeys(problem.objective for problem in problems))
+
+
+def _own_objective(problem: ProblemRow) -> str:
+    known = plugins().problem(problem.dataset)
+    return known.objective if known else ""

@@ -26,6 +26,8 @@ from .statistics import (
     wilson,
 )
 
+LEVELS = np.array([1e-1, 1e-2, 1e-4])
+"""Excesses at which the attainment function is shown, beside the study's target."""
 FEWEST = 6
 """Problems from which on a bootstrap over them is shown, the fewest by which a signed-rank test can
 tell two optimisers apart; below it their range is."""
@@ -55,6 +57,23 @@ def anytime_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) 
     )
     columns = ("optimiser", "area over the curve", "targets", "mean rank by area", "problems")
     return Table(f"{name}: anytime", columns, rows, note)
+
+
+def attainment_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
+    """The attainment function: the chance to be below an excess by a number of evaluations."""
+    levels = [*LEVELS[1.01 * scale.target < LEVELS], scale.target]
+    rows: list[tuple[Entry, ...]] = []
+    for i, label in enumerate(races[0].labels if races else ()):
+        for level in levels:
+            shares = np.array([(race.values[i] <= level).mean(axis=0) for race in races])
+            rows.append((label, level, *map(float, shares.mean(axis=0))))
+    note = (
+        "Empirical attainment function: the share of trials whose excess is at most that of the row"
+        " by the evaluations of the column, mean over problems. Read along a row it says when an"
+        " accuracy is reached, read down a column how far a budget leads."
+    )
+    columns = ("optimiser", "excess", *(f"by {mark}" for mark in scale.marks))
+    return Table(f"{name}: attainment", columns, rows, note)
 
 
 def _intervals(values: Real, what: str) -> list[Interval]:

@@ -6,7 +6,7 @@ A study's findings and their tables: pure functions of its store, computed when 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -32,7 +32,13 @@ from .comparison import (
     reference_of,
     score_cell,
 )
-from .robustness import anytime_table, noise_table, sensitivity_table
+from .report.fairness import OF_ITS_OWN
+from .robustness import (
+    anytime_table,
+    attainment_table,
+    noise_table,
+    sensitivity_table,
+)
 from .statistics import ROPE, hitting_time, intervals
 from .store import Store
 from .study import Study
@@ -329,6 +335,7 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
     "profiles": lambda f: profile_table(f.name, f.races, f.scale),
     "progress": lambda f: progress_table(f.name, f.scores, f.scale),
     "anytime": lambda f: anytime_table(f.name, f.races, f.scale),
+    "attainment": lambda f: attainment_table(f.name, f.races, f.scale),
     "sensitivity": lambda f: sensitivity_table(f.name, f.races, f.scale),
     "noise": lambda f: noise_table(f.facts, f.races, f.scale),
 }
@@ -336,9 +343,13 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
 
 TABLES = (
     *("choice", "summary", "ranks", "pairs", "sensitivity", "anytime", "profiles", "progress"),
-    *("timing", "failures"),
+    *("attainment", "timing", "failures"),
 )
 """All of them, in the order in which they are shown."""
+
+RANKING = frozenset({"choice", "ranks", "pairs", "sensitivity", "anytime", "profiles"})
+INSIDER = "native"
+"""Tables that say who is ahead, and the optimiser that knows more of a problem than the others."""
 
 NOISY = "noise"
 """The table of a study that has noise for an axis."""
@@ -370,8 +381,13 @@ def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[t
 
 def tables_of(findings: Findings, names: Sequence[str]) -> Iterator[tuple[str, Table]]:
     """File stem and table of what is wanted of a study that is read."""
+    raced = {summary.cell.optimiser for summary in findings.summaries}
     for name in names:
-        yield name, (PLAIN | COMPARING)[name](findings)
+        table = (PLAIN | COMPARING)[name](findings)
+        # Nobody is to read it off a ranking that it won by what the others are not told.
+        if name in RANKING and INSIDER in raced:
+            table = replace(table, note=f"{table.note} {OF_ITS_OWN[INSIDER]}")
+        yield name, table
 
 
 def write_tables(

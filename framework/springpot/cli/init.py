@@ -21,6 +21,9 @@ KINDS: dict[str, dict[str, str]] = {
     "ci": {"ci": ".github/workflows/accuracy.yml", "study": "race.py"},
 }
 """For each kind the templates and where they go."""
+RIVALS = ("pso-paper", "cma-es", "native")
+FEW = 3
+"""Optimisers of a study to begin with, and how many of the user's own race beside them."""
 LAW = "my-law"
 """What the law of a plugin is called until its author gives it a name."""
 
@@ -49,6 +52,10 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
     from springpot.files import write_text
 
     texts = {name: _template(name) for name in KINDS[kind]}
+    if "study" in texts:
+        texts["study"] = texts["study"].replace("@OPTIMISERS@", _entrants())
+    if kind == "ci":
+        texts["ci"] = texts["ci"].replace("@INSTALL@", _installed_from(folder))
     if source is not None:
         if kind != "plugin":
             raise OptionError(f"--from {source}: only a plugin is made of a law, not a {kind}")
@@ -69,6 +76,23 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
         as_json,
         lambda: _show(written, _next(kind, folder, source is not None)),
     )
+
+
+def _entrants() -> str:
+    """Names for a study: the user's own optimisers if there are any, and some to compare with."""
+    from springpot import plugins
+
+    registry = plugins()
+    names = registry.shelves["optimiser"].items
+    own = [name for name in names if registry.owner_of("optimiser", name)]
+    return ", ".join(f'"{name}"' for name in [*own[:FEW], *RIVALS])
+
+
+def _installed_from(folder: Path) -> str:
+    """What a build installs: the package in that folder, which brings springpot, or springpot."""
+    if (folder / "pyproject.toml").exists():
+        return "."
+    return "springpot"
 
 
 def _template(name: str) -> str:

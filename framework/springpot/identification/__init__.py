@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from .asking import AskingOptimiser as AskingOptimiser
+    from .asking import Enquiry as Enquiry
     from .fitting import identify as identify
     from .held_material import intervals_beside_material as intervals_beside_material
     from .held_material import is_passive as is_passive
@@ -98,6 +100,7 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = offered(
     __name__,
     {
+        "asking": "AskingOptimiser Enquiry",
         "fitting": "identify",
         "held_material": "intervals_beside_material is_passive within_material",
         "leastsquares": "levenberg_marquardt",

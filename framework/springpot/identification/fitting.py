@@ -320,7 +320,10 @@ def start_at(
     model: Model, start: Mapping[str, float], fitted: Callable[[Model], Fit | Identification]
 ) -> Real:
     """A start (p,) of which some values are given; the others are fitted beside them."""
-    known = dict(start)
+    # What levels have for themselves begins alike in all of them, where it is named for all.
+    pairs = list(zip(model.names, model.origins, strict=True))
+    known = {name: value for name, value in start.items() if name not in model.origins}
+    known |= {name: start[origin] for name, origin in pairs if origin in start}
     if set(known) != set(model.names):
         # The given values are held meanwhile, so that the others suit them.
         found = fitted(model.holding(known))

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from math import sqrt
 
 import numpy as np
 
+from springpot.distributions import chi2_quantile
+from springpot.measurement.measurement import CONDITIONS
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
@@ -14,7 +18,7 @@ from .allowed_shifts import refused_in_words
 from .bordered import Bordered, variance_of
 from .kept import note_on_levels
 from .native import Fit
-from .specimens import told
+from .specimens import FEWEST, told
 from .uncertainty import Uncertainty, printed_covariance
 from .value import LOST
 
@@ -29,6 +33,8 @@ LOOSE = 2.0
 """Given standard deviations that a misfit may be on average before intervals by them are called too
 narrow.
 """
+ENOUGH = 6
+"""Specimens from which their scatter is known within a factor of two and a half."""
 NEAR_END = 0.1
 """The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
 """
@@ -53,6 +59,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
         *_undetermined(known.fit),
         *refused_in_words(known.fit),
         *_levels_in_words(known.fit),
+        *_few_specimens(known.fit),
         *told(known.fit),
         *_bounds(known),
         *_orders(known, low, high),
@@ -74,6 +81,22 @@ def _levels_in_words(fit: Fit) -> Iterator[str]:
     for column in dict.fromkeys(fit.model.own.values()):
         if note := note_on_levels(fit.measurement, column):
             yield note
+
+
+def _few_specimens(fit: Fit) -> Iterator[str]:
+    """What so few specimens cannot tell of others of their kind."""
+    if not fit.model.own or set(fit.model.own.values()) & set(CONDITIONS):
+        return
+    count = len(fit.model.places)
+    if count < FEWEST:
+        yield f"{count} specimens do not tell how others would differ: three or more do"
+    elif count < ENOUGH:
+        # Of a normal scatter, by its chi-square.
+        most = sqrt((count - 1) / float(chi2_quantile(0.5 * (1.0 - INTERVAL), count - 1)))
+        yield (
+            f"{count} specimens tell little of others: these may scatter {most:.2g} times as much"
+            " as is seen, and mean and limits are as wide as that makes them"
+        )
 
 
 def _orders_of(fit: Fit) -> set[str]:

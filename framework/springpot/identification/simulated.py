@@ -198,6 +198,8 @@ def fit_batch(
             " of all points for each data set; one data set is stiffness[None, :]"
         )
     task = Task(model, points, stiffness, _of_both_parts(weights, stiffness.shape), logarithmic)
+    if task.levels is not None:
+        return _of_levels(task, starts, seeds_theta)
     v = task.starts(starts)[0]
     if seeds_theta is not None:
         given = task.coordinates.u(
@@ -212,6 +214,25 @@ def fit_batch(
         within_bounds(model, task.coordinates.theta(solution.u, task.coordinates.size)),
         solution.cost,
     )
+
+
+def _of_levels(task: Task, starts: int, seeds_theta: Real | None) -> tuple[Real, Real]:
+    """The same where levels have parameters of their own, by their blocks.
+
+    No shapes are scanned, of which there is one for each level: where no start is given, each level
+    begins where one of each would fit all of them best.
+    """
+    count, model = len(task.stiffness), task.model
+    if seeds_theta is None:
+        known = task.points, task.stiffness, task.weights
+        one = fit_batch(model.of_any_level, *known, starts, None, task.logarithmic)[0]
+        seeds_theta = model.at_all_levels(one)[:, None, :]
+    size = task.coordinates.size
+    solution = task.solve(task.coordinates.u(np.asarray(seeds_theta, float), size[:, None, :]))
+    cost = solution.cost.reshape(count, -1)
+    rows, best = np.arange(count), np.argmin(cost, axis=1)
+    u = solution.u.reshape(count, cost.shape[1], -1)[rows, best]
+    return within_bounds(model, task.coordinates.theta(u, size)), cost[rows, best]
 
 
 def _of_both_parts(weights: ArrayLike, shape: tuple[int, ...]) -> Complex:

@@ -118,15 +118,28 @@ def follows_specimens(fit: Fit) -> Specimens | None:
 
     None where they are too few, or it has a spectrum.
     """
-    specimens = Specimens.of(fit.measurement)
+    specimens = _among_levels(fit)
     if specimens is None or specimens.count < FEWEST or is_material(fit.model):
         return None
     return specimens
 
 
+def _among_levels(fit: Fit) -> Specimens | None:
+    """The specimens of a fit; None where each is a level that has parameters of its own.
+
+    How levels differ is what their parameters say: they are no scatter of the others.
+    """
+    specimens = Specimens.of(fit.measurement)
+    if specimens is None or fit.task.levels is None:
+        return specimens
+    level = fit.task.levels.layout.number
+    pairs = np.unique(np.column_stack([level, specimens.number]), axis=0)
+    return specimens if len(pairs) > len(np.unique(level)) else None
+
+
 def told(fit: Fit) -> Iterator[str]:
     """What is to be known of specimens that were fitted together."""
-    specimens = Specimens.of(fit.measurement)
+    specimens = _among_levels(fit)
     if specimens is None:
         return
     scatter = specimens.scatter(fit)

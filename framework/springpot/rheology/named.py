@@ -461,10 +461,10 @@ class NamedNetwork(HasParameters):
         return np.concatenate(places, axis=1)
 
     def at_all_levels(self, theta: Real) -> Real:
-        """Parameters (p,) of which all levels have those (q,) of one."""
+        """Parameters (..., p) of which all levels have those (..., q) of one."""
         places = self.places
-        whole = np.empty(int(places.max()) + 1)
-        whole[places] = theta
+        whole = np.empty((*theta.shape[:-1], int(places.max()) + 1))
+        whole[..., places] = theta[..., None, :]
         return whole
 
     @property

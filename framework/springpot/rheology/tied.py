@@ -393,14 +393,17 @@ class Following:
         return known
 
     def __call__(self, theta: Real) -> Real:
-        """All parameters (..., p) of the free ones (..., q), none beyond its bounds."""
+        """All parameters (..., p) of the free ones (..., q), what is tied within its bounds."""
         known = self.duals(theta)
         # Of theta's own kind: a complex step of a derivative must pass through.
         full: Real = np.empty((*theta.shape[:-1], len(self.inner)), dtype=theta.dtype)
         for i, (each, factor) in enumerate(zip(self.inner, self.factors, strict=True)):
             value = known[each.name].value / factor
-            value = np.where(np.real(value) < each.lower, each.lower, value)
-            full[..., i] = np.where(np.real(value) > each.upper, each.upper, value)
+            # The free ones are kept by the search, which has to know their slopes at the bounds.
+            if each.name not in self.free:
+                value = np.where(np.real(value) < each.lower, each.lower, value)
+                value = np.where(np.real(value) > each.upper, each.upper, value)
+            full[..., i] = value
         return full
 
     def jacobian(self, theta: Real) -> Real:
@@ -410,6 +413,7 @@ class Following:
         for i, (each, factor) in enumerate(zip(self.inner, self.factors, strict=True)):
             value = known[each.name].value / factor
             inside = (np.real(value) >= each.lower) & (np.real(value) <= each.upper)
+            inside |= each.name in self.free
             for name, slope in known[each.name].slopes.items():
                 slopes[..., i, self.free.index(name)] = np.where(inside, slope / factor, 0.0)
         return slopes

@@ -184,6 +184,12 @@ def _printed(known: Known, unit: str) -> dict[str, str]:
     """
     # Held and tied parameters are none of the model's own: only the released one has them all.
     values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
+    if own := known.model.own:
+        column = next(iter(own.values()))
+        raise ModelError(
+            f"each {column} has {', '.join(own)} of its own: a card is of one material; identify"
+            f" one alone, such as {column}=1, or share all parameters"
+        )
     values |= {each.parameter.name: each.value for each in known.model.followers(known.theta)}
     shown = {}
     for parameter in known.model.released().parameters:

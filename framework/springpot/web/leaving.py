@@ -112,6 +112,7 @@ def command(state: State, source: str) -> str:
         words += ["--fix", f"{name}={value!r}"]
     for rows in rows_to_exclude(state):
         words += ["--exclude", rows]
+    words += shlex.split(state.options)
     return shlex.join([*words, "--seed", str(state.seed)])
 
 
@@ -133,8 +134,9 @@ def script(state: State, *sources: str) -> str:
     # By `repr`, as all that is set into the program: a name stays a text, whatever stands in it.
     accepted, exclude = list(state.accepted), _exclude_argument(state)
     asked = f"{state.model or None!r}, accept={accepted!r}, seed={state.seed}{exclude}"
-    if state.fix:
-        asked += f", fix={state.fix!r}"
+    for name, value in state.known.items():
+        if value:
+            asked += f", {name}={value!r}"
     return f"""{head}
 import springpot
 

@@ -23,6 +23,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.constraints import parameters_of
 from springpot.errors import DataError
 from springpot.inputs import bytes_of, json_of
 from springpot.measurement.joining import joined as together
@@ -242,6 +243,8 @@ class State:
         Of simulated noise.
     fixed : tuple of (str, float)
         Parameters that are held, in printed units, by name.
+    options : str
+        Whose parameters are and how they are tied, as on the command line: ``--own k:batch``.
 
     Examples
     --------
@@ -255,6 +258,7 @@ class State:
     excluded: tuple[int, ...] = ()
     seed: int = 0
     fixed: tuple[tuple[str, float], ...] = ()
+    options: str = ""
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> State:
@@ -275,6 +279,7 @@ class State:
                 ),
                 _number(given.get("seed", 0)),
                 _held(given.get("fixed", {})),
+                _text(given.get("options", "")),
             )
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DataError(f"this is no state of the workbench: {error}") from None
@@ -303,9 +308,14 @@ class State:
         """What is held, as `springpot.discover` takes it."""
         return dict(self.fixed) or None
 
+    @property
+    def known(self) -> dict[str, Any]:
+        """What is held, shared and tied, as `springpot.discover` takes it."""
+        return {"fix": self.fix, **parameters_of(self.options)}
+
     def to_dict(self) -> dict[str, Any]:
-        """As JSON has it; where nothing is held, nothing is said of it."""
-        told = asdict(self) | {"fixed": self.fix}
+        """As JSON has it; where nothing is held or tied, nothing is said of it."""
+        told = asdict(self) | {"fixed": self.fix, "options": self.options or None}
         return {key: value for key, value in told.items() if value is not None}
 
 

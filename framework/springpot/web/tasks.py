@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from springpot.api import compare, discover, identify, invent, mastercurve
-from springpot.constraints import constrained
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import silent
 from springpot.errors import DataError, SpringpotError
@@ -30,7 +29,6 @@ from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
-from springpot.measurement.units import Units
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
@@ -43,7 +41,6 @@ from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
 from springpot.suggestions import suggested
-from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import reference_of
 
 from . import leaving
@@ -62,7 +59,20 @@ from .sessions import (
 from .specimen import Opened, Specimen, given, safe_name
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
-from .trying import Told, first_look, hand_of, invented, ranked, telling, theta_of, tried, with_law
+from .trying import (
+    Told,
+    bound,
+    first_look,
+    hand_of,
+    invented,
+    model_and_data,
+    ranked,
+    telling,
+    theta_of,
+    tried,
+    units_in,
+    with_law,
+)
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
@@ -84,7 +94,7 @@ def ladder_of(
     # A list, though it may be empty: without one the evidence would accept effects by itself.
     accepted, model = list(state.accepted), state.model or None
     ladder = discover(
-        used, model, accept=accepted, seed=state.seed, fix=state.fix, progress=told, begun=begun
+        used, model, accept=accepted, seed=state.seed, progress=told, begun=begun, **state.known
     )
     assert isinstance(ladder, Ladder)
     return ladder
@@ -110,7 +120,7 @@ def answer(state: State, ladder: Ladder, measurement: Opened) -> dict[str, Any]:
     if isinstance(measurement, Specimen):
         shown = drawn_in_time(ladder, measurement.tests)
     else:
-        shown = drawn(ladder, measurement)
+        shown = drawn(ladder, model_and_data(state, measurement)[1])
     return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **shown}
 
 
@@ -388,7 +398,7 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.trying.first_look`."""
-    return first_look(State.of(state), _measured(text))
+    return first_look(State.of(state), _opened(text))
 
 
 def curve(
@@ -396,8 +406,8 @@ def curve(
 ) -> dict[str, Any]:
     """The curve of a model whose parameters were set by hand, and its error."""
     asked, data = State.of(state), _opened(text)
-    model = _bound(asked, data)
-    return _drawn(asked, data, model, theta_of(model, _units(data), hand_of(model, hands)))
+    model = bound(asked, data)
+    return _drawn(asked, data, model, theta_of(model, units_in(data), hand_of(model, hands)))
 
 
 def held(
@@ -405,7 +415,7 @@ def held(
 ) -> dict[str, Any]:
     """The best fit that respects what the hand fixed and bounded, begun where the sliders stand."""
     asked, data = State.of(state), _opened(text)
-    model = _bound(asked, data)
+    model = bound(asked, data)
     told(f"fitting {model.name} within the hand's bounds")
     hand = hand_of(model, hands)
     # What is fixed is no parameter of the model any more.
@@ -413,23 +423,10 @@ def held(
     used = given(kept(data, asked.excluded))
     fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
-        parameter.name: float(value * _units(data).of(parameter.unit)[0])
+        parameter.name: float(value * units_in(data).of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
     }
     return {**_drawn(asked, data, fit.model, fit.theta), "values": values}
-
-
-def _bound(state: State, data: Opened) -> Model:
-    model = constrained(parse_model(state.expression), _units(data), state.fix)
-    if isinstance(data, Specimen):
-        return model
-    return model.bound_to(kept(data, state.excluded).points)
-
-
-def _units(data: Opened) -> Units:
-    if isinstance(data, Specimen):
-        return units_of(data.tests)
-    return data.units
 
 
 def _drawn(state: State, data: Opened, model: Model, theta: Any) -> dict[str, Any]:
@@ -446,7 +443,7 @@ def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[
     """The model of a state, with a law that is typed if there is one, fitted and drawn."""
     (asked, own), data = with_law(State.of(state), law), _opened(text)
     used = given(kept(data, asked.excluded))
-    fit: Any = identify(used, parse_model(asked.expression), fix=asked.fix)
+    fit: Any = identify(used, parse_model(asked.expression), **asked.known)
     return tried(asked, own, data, fit)
 
 
@@ -454,7 +451,7 @@ def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """The laws that may be missing from the model of a state, each drawn."""
     asked, measurement = State.of(state), _measured(text)
     used = kept(measurement, asked.excluded)
-    found = invent(used, asked.expression, seed=asked.seed, fix=asked.fix, progress=told)
+    found = invent(used, asked.expression, seed=asked.seed, progress=told, **asked.known)
     return invented(asked, measurement, found)
 
 
@@ -508,7 +505,7 @@ def leave(
     if kind == "data":
         return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
     # What comes below needs the fits; command, script and data do not, and come at once.
-    ladder = _ladder(asked, text, told)
+    ladder, measurement = _ladder(asked, text, told), model_and_data(asked, data)[1]
     if kind == "curves":
         return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
     if kind == "plan":

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from springpot.comparison.comparing import compare
-from springpot.comparison.result import Comparison
-from springpot.constraints import constrained
+from springpot.comparison.result import Comparison, Judgement
+from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
 from springpot.diagnosis.result import FittedStage, Progress
 from springpot.errors import DataError, ModelError
@@ -27,13 +27,15 @@ from springpot.misfit.refit import Refit
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import drawn_at_once, preview
 from springpot.report.interactive.hypotheses import Preview
-from springpot.report.interactive.in_time import TimeScene
+from springpot.report.interactive.in_time import TimeScene, drawn_in_time_at_once
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
+from springpot.timetests.comparing import compare as compare_in_time
+from springpot.timetests.residuals_of_tests import units_of
 
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
@@ -47,16 +49,51 @@ Told = Callable[[Any], None]
 SAYS = "what may be missing is being sought"
 
 
-def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
+def model_and_data(state: State, data: Measurement) -> tuple[Model, Measurement]:
+    """The model with what is held, tied and each level's own, and the data with their levels."""
+    known = state.known
+    fix, tie = known.pop("fix"), known.pop("tie", ())
+    model = constrained(parse_model(state.expression), data.units, fix, tie=tie)
+    model, [seen] = owning(model, [data], known.pop("own", None), **known)
+    assert isinstance(seen, Measurement)
+    return model, seen
+
+
+def bound(state: State, data: Opened) -> Model:
+    """The model of a state, with the levels of its rows."""
+    if isinstance(data, Specimen):
+        return constrained(parse_model(state.expression), units_in(data), state.fix)
+    model, used = model_and_data(state, kept(data, state.excluded))
+    return model.bound_to(used.points)
+
+
+def units_in(data: Opened) -> Units:
+    """Those of the data."""
+    if isinstance(data, Specimen):
+        return units_of(data.tests)
+    return data.units
+
+
+def first_look(state: State, data: Opened) -> dict[str, Any]:
     """An answer as `springpot.web.tasks.answer`, without a single cause."""
-    used = kept(measurement, state.excluded)
+    if isinstance(data, Specimen):
+        model, tests = bound(state, data), kept(data, state.excluded).tests
+        [judged] = compare_in_time(tests, [model]).judgements
+        assert isinstance(judged.fitted, Identification)
+        return _sought(state, judged, drawn_in_time_at_once(judged.fitted, TimeScene(data.tests)))
+    measurement, used = data, kept(data, state.excluded)
     if len(used) > FEW:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
         used = used.subset(rows)
-    model = constrained(parse_model(state.expression), used.units, state.fix)
+    measurement = model_and_data(state, measurement)[1]
+    model, used = model_and_data(state, used)
     [judged] = compare(used, [model], np.random.default_rng(state.seed)).judgements
-    error = judged.error.to_dict()
+    return _sought(state, judged, drawn_at_once(judged.refit, measurement))
+
+
+def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str, Any]:
+    error, model = judged.error.to_dict(), judged.model
     rung = {"model": model.name, "accepted": None, "class": [], **error}
     diagnosis = {
         "model": model.name,
@@ -72,7 +109,7 @@ def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
         "state": state.to_dict(),
         "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
         "spots": [place.spot for place in judged.where],
-        **drawn_at_once(judged.refit, measurement),
+        **drawn,
     }
 
 
@@ -135,6 +172,7 @@ def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str,
         assert isinstance(fit, Identification)
         told = {"model": fit.model.name, "error": fit.relative_rms, "refitted": True}
         return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
+    data = model_and_data(state, data)[1]
     used = kept(data, state.excluded)
     return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
 
@@ -146,13 +184,17 @@ def telling(told: Told, state: State, data: Opened) -> Progress:
     """
     if state.accepted or isinstance(data, Specimen):
         return told
+    data = model_and_data(state, data)[1]
     scene, used = PageScene(data), kept(data, state.excluded)
+    drawn_as: dict[Effect, str] = {}
 
     def tell(stage: str) -> None:
-        if not isinstance(stage, FittedStage) or len(stage.grown.effects) > 1:
+        # Tried again in another noise, most leave the same.
+        if not isinstance(stage, FittedStage) or drawn_as.get(stage.grown.effects[0]) == stage:
             told(stage)
             return
         [effect], fit = stage.grown.effects, stage.grown.refit
+        drawn_as[effect] = stage
         size = effect.element.parameters[0]
         factor, unit = used.units.of(size.unit)
         value = f"{size.name} = {factor * size_of(fit, effect):.3g} {unit.strip('-')}".strip()

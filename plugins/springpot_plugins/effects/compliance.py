@@ -46,7 +46,7 @@ EFFECTS = (
     ),
     Effect.from_formula(
         "frame-resonance",
-        "series: 1 / (k * (1 - (omega / omega_r)^2 + 2 * i * zeta * omega / omega_r))",
+        "series: 1 / (k * (1 - (omega / omega_r)^2 + 2 * i * zeta * (omega / omega_r)))",
         "the frame gives way with a resonance of its own at a fixed frequency",
         (stiffness(), RESONANCE, STRUCTURAL_DAMPING),
         "frame",

@@ -14,14 +14,18 @@ from . import (
     evolution,
     hopping,
     leastsquares,
+    lipo_library,
     lshade,
     minion,
     minuit,
     native,
+    nevergrad_library,
     nloptlib,
+    presets,
     pymoo_library,
     sampling,
     spso,
+    surrogate,
     swarm,
     unified,
 )
@@ -32,10 +36,13 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
     return (
         swarm.PaperSwarm,
+        swarm.ScalarSwarm,
         spso.StandardSwarm,
         evolution.CmaEs,
         evolution.BipopCmaEs,
+        presets.IpopCmaEs,
         evolution.DifferentialEvolution,
+        presets.StornPrice,
         lshade.LShade,
         nloptlib.Crs,
         nloptlib.Isres,
@@ -62,4 +69,13 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY, pymoo_library.FAMILY)
+    return (
+        unified.FAMILY,
+        minion.FAMILY,
+        dfo.FAMILY,
+        minuit.FAMILY,
+        pymoo_library.FAMILY,
+        nevergrad_library.FAMILY,
+        surrogate.FAMILY,
+        lipo_library.FAMILY,
+    )

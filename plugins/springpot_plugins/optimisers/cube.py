@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import random
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,9 +65,10 @@ class Cube:
 
 def keep_on(problem: Recorder, attempt: Callable[[], object]) -> None:
     """Make attempts until the recorder ends the run, or an attempt asks for no more values."""
-    # An attempt that asks for no value would otherwise be repeated for ever.
+    # An attempt that asks for no value would otherwise be repeated for ever, and some libraries
+    # crash when they are to search with nothing left.
     before = -1
-    while problem.evaluations > before:
+    while problem.evaluations > before and problem.left > 0:
         before = problem.evaluations
         attempt()
 
@@ -73,3 +76,17 @@ def keep_on(problem: Recorder, attempt: Callable[[], object]) -> None:
 def integer(rng: np.random.Generator) -> int:
     """A seed for a library that takes no generator."""
     return int(rng.integers(1, 2**31 - 1))
+
+
+@contextmanager
+def seeded(rng: np.random.Generator) -> Iterator[None]:
+    """Let libraries with generators of the whole process draw what ours says, without a trace."""
+    kept, known = np.random.get_state(), random.getstate()  # noqa: NPY002  not ours, but theirs
+    seed = integer(rng)
+    np.random.seed(seed)  # noqa: NPY002
+    random.seed(seed)
+    try:
+        yield
+    finally:
+        np.random.set_state(kept)  # noqa: NPY002
+        random.setstate(known)

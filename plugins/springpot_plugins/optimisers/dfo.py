@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -14,21 +13,10 @@ from springpot.errors import ModelError
 from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
 from springpot.rheology import Real
 
-from .cube import Cube, integer, keep_on
+from .cube import Cube, keep_on, seeded
 
 PREFIX = "dfo-"
 INSTALL = "pip install 'springpot[race]'"
-
-
-@contextmanager
-def _seeded(seed: int) -> Iterator[None]:
-    """Let the libraries' random directions come of a seed; they know the process-wide generator."""
-    before = np.random.get_state()  # noqa: NPY002
-    np.random.seed(seed)  # noqa: NPY002
-    try:
-        yield
-    finally:
-        np.random.set_state(before)  # noqa: NPY002
 
 
 @dataclass(frozen=True)
@@ -46,7 +34,7 @@ class _TrustRegion(Optimiser):
             most = budget + 1
             solve(objective, cube.start(rng), bounds=box, maxfun=most, do_logging=False)
 
-        with _seeded(integer(rng)):
+        with seeded(rng):
             keep_on(problem, descend)
 
     def _parts(self, cube: Cube) -> tuple[Callable[..., Any], Callable[[Real], Any]]:

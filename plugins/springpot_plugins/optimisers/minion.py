@@ -23,9 +23,20 @@ ALGORITHMS = {
     "lshade": ("LSHADE", "Tanabe and Fukunaga 2014, doi:10.1109/CEC.2014.6900380"),
     "jso": ("jSO", "Brest et al. 2017, doi:10.1109/CEC.2017.7969456"),
     "arrde": ("ARRDE", "Muzakka, github.com/khoirulmuzakka/Minion"),
+    "jade": ("JADE", "Zhang and Sanderson 2009, doi:10.1109/TEVC.2009.2014613"),
+    "j2020": ("j2020", "Brest et al. 2020, doi:10.1109/CEC48606.2020.9185551"),
+    "lshade-cnepsin": ("LSHADE_cnEpSin", "Awad et al. 2017, doi:10.1109/CEC.2017.7969336"),
+    "imode": ("IMODE", "Sallam et al. 2020, doi:10.1109/CEC48606.2020.9185577"),
+    "agsk": ("AGSK", "Mohamed et al. 2020, doi:10.1109/CEC48606.2020.9185901"),
+    "dms-pso": ("DMSPSO", "Liang and Suganthan 2005, doi:10.1109/SIS.2005.1501611"),
+    "bipop-acma-es": ("BIPOP_aCMAES", "Hansen and Ros 2010, doi:10.1145/1830761.1830788"),
     "spso-2011": ("SPSO2011", "Zambrano-Bigiarini et al. 2013, doi:10.1109/CEC.2013.6557848"),
 }
-"""The library's name of an algorithm and the source of the method."""
+"""The library's name of an algorithm and the source of the method.
+
+Not among them, although it offers them: NL-SHADE-RSP and LSRTDE, by which version 1.9.1 ends the
+whole process at some small budgets.
+"""
 
 
 @dataclass(frozen=True)
@@ -65,5 +76,5 @@ class Minion(Optimiser):
 MEMBERS = algorithms(Minion, PREFIX, "minionpy", ALGORITHMS)
 globals().update({kind.__name__: kind for kind in MEMBERS.values()})
 
-OFFERS = "L-SHADE, jSO, ARRDE and SPSO-2011 of minionpy"
+OFFERS = "L-SHADE, jSO, IMODE, AGSK, ARRDE, SPSO-2011 and others of minionpy"
 FAMILY = family(PREFIX, OFFERS, "minionpy", INSTALL, MEMBERS)

@@ -122,9 +122,7 @@ class PaperSwarm(BatchedOptimiser):
         own, own_value = x.copy(), self._evaluate(problems, limits, x).copy()
         known = _ring(self.particles, self.neighbourhood)
         weights = np.array([self.individuality, self.sociality])
-        for instance, (r1, r2) in enumerate(
-            _numbers(rngs, (self.particles, d), instances, weights)
-        ):
+        for instance, (r1, r2) in enumerate(_numbers(rngs, self._drawn(d), instances, weights)):
             pull = r1 * (own - x)
             pull += r2 * (_best_known(own, own_value, known) - x)
             velocity *= self._inertia(instance, instances)
@@ -140,6 +138,10 @@ class PaperSwarm(BatchedOptimiser):
             np.copyto(own, x, where=better)
             np.copyto(own_value, value, where=better)
 
+    def _drawn(self, dimension: int) -> tuple[int, int]:
+        """Particles, and random numbers of each for one term: R1 and R2 are diagonal matrices."""
+        return self.particles, dimension
+
     def _inertia(self, instance: int, instances: int) -> float:
         """w(i) of eq. (52), which starts at w(1); w(0) never acts: the first velocity is zero."""
         return (
@@ -154,6 +156,22 @@ class PaperSwarm(BatchedOptimiser):
         # A negative time has no real power: its absolute value is evaluated, and penalised.
         points = limits.mirrored(x).transpose(PARAMETERS_LAST)
         return problems.batch(points, np.where(violated, self.penalty, 1.0))
+
+
+@dataclass(frozen=True)
+class ScalarSwarm(PaperSwarm):
+    """The paper's swarm with one random number for a whole particle and term, not a matrix."""
+
+    name: ClassVar[str] = "pso-paper-scalar"
+    card: ClassVar[Card] = Card(
+        "particle swarm of the paper, random numbers read as scalars",
+        "section 4, eq. (48)-(52), and Kennedy and Eberhart 1995, doi:10.1109/ICNN.1995.488968",
+        batched=True,
+        started=True,
+    )
+
+    def _drawn(self, dimension: int) -> tuple[int, int]:
+        return self.particles, 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,8 +302,6 @@ def _numbers(
     Each generator is asked in the order instance, term, particle, parameter, as if one number were
     drawn at a time.
     """
-    # R1 and R2 are diagonal matrices in the paper: a number for each parameter, not one for a whole
-    # particle.
     for first in range(0, instances, BLOCK):
         block = _draw(rngs, (min(BLOCK, instances - first), 2, *shape))
         turned = block.transpose(1, 2, 4, 0, 3)

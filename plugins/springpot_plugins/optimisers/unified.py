@@ -9,9 +9,7 @@ for.
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, make_dataclass
 from functools import cache
 from typing import Any, ClassVar
@@ -22,7 +20,7 @@ from springpot.errors import ModelError
 from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
 from springpot.rheology import Real
 
-from .cube import Cube, integer, keep_on
+from .cube import Cube, integer, keep_on, seeded
 
 PREFIX = "optimagic-"
 INSTALL = "pip install 'springpot[optimagic]'"
@@ -61,7 +59,10 @@ class Unified(Optimiser):
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Start anew until the recorder ends it."""
         misfit = _Misfit(Cube(problem), self.squares, self.card.gradient)
-        with _seeded(rng):
+        import nlopt
+
+        with seeded(rng):
+            nlopt.srand(integer(rng))
             keep_on(problem, lambda: self._attempt(misfit, rng))
 
     def _attempt(self, misfit: _Misfit, rng: np.random.Generator) -> None:
@@ -151,22 +152,6 @@ class _Misfit:
         if self._graded:
             return self.cube.gradient(u)
         return self.cube(u), None
-
-
-@contextmanager
-def _seeded(rng: np.random.Generator) -> Iterator[None]:
-    """Let libraries with generators of the whole process draw what ours says, without a trace."""
-    import nlopt
-
-    kept, known = np.random.get_state(), random.getstate()  # noqa: NPY002  not ours, but theirs
-    np.random.seed(integer(rng))  # noqa: NPY002
-    random.seed(integer(rng))
-    nlopt.srand(integer(rng))
-    try:
-        yield
-    finally:
-        np.random.set_state(kept)  # noqa: NPY002
-        random.setstate(known)
 
 
 @cache

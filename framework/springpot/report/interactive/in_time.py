@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.diagnosis.ladder import Ladder, Step
+from springpot.identification.result import Identification
 from springpot.identification.uncertainty import correlation_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.other_test import OtherTest
@@ -260,19 +261,13 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
     scene, case = TimeScene(tests), case_of(ladder.steps[-1])
     base, diagnosis = case.base, case.diagnosis
     after = {row.effect: row.after for row in diagnosis.candidates}
-    whole = scene.curve(base.model, base.theta, base.reference, whole=True)
-    width = whole["planes"][PLANE]["width"]
     return {
+        **drawn_in_time_at_once(base, scene),
         "discovery": ladder.to_dict(),
-        "of": "the signal",
         "parameters": parameters_of(
             base.model, base.parameters, units_of(tests), correlation_of(base.covariance)
         ),
         "spots": [place.spot for place in diagnosis.where],
-        "noise": {"storage": width, "loss": width},
-        "reference": "",
-        "model": whole,
-        "actions": [],
         "previews": {
             each.effect.name: {
                 "model": each.model.name,
@@ -284,6 +279,22 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
             if each.effect.name in after
         },
         "proposed": ladder.proposed,
+    }
+
+
+def drawn_in_time_at_once(base: Identification, scene: TimeScene) -> dict[str, Any]:
+    """A fitted model as `drawn_in_time`, without anything that it may lack."""
+    whole = scene.curve(base.model, base.theta, base.reference, whole=True)
+    width = whole["planes"][PLANE]["width"]
+    return {
+        "of": "the signal",
+        "parameters": [],
+        "noise": {"storage": width, "loss": width},
+        "reference": "",
+        "model": whole,
+        "actions": [],
+        "previews": {},
+        "proposed": None,
         "next": None,
     }
 

@@ -4,6 +4,7 @@ import * as api from "./api.js";
 import { enable, h, put, usable } from "./dom.js";
 import { percent, pretty } from "./numbers.js";
 
+const SHELF = "A law of your own";
 const EXAMPLE = "my-mass = parallel: -m*omega^2";
 const LANGUAGE = "NAME = PLANE: FORMULA. parallel adds a stiffness, series a compliance, chain a factor, shift one of the frequency. Known are omega, f, i, s, X (amplitude), T and columns of the data; whatever else is named is a parameter.";
 
@@ -41,6 +42,7 @@ export class Law {
   forget() {
     this.tried = null;
     this.wanted = null;
+    this.app.missing.propose(SHELF, null);
     if (this.input.value) this.says.textContent = "";
   }
 
@@ -79,7 +81,7 @@ export class Law {
         const found = await api.ask("trial", { state: answer.state, law: text });
         if (answer !== this.app.answer) return;
         const [law] = found.accept;
-        this.tried = { law };
+        this.tried = { law, found };
         answer.previews[law] = found;
         says = `${percent(answer.discovery.diagnosis.error.relative_rms)} → ${percent(found.error)} with ${found.sizes.join("; ")}. ${found.says}.`;
       } catch (error) {
@@ -88,6 +90,7 @@ export class Law {
     }
     if (this.wanted !== null) return;
     this.says.textContent = pretty(says);
+    this.app.missing.propose(SHELF, this.tried && { effect: this.tried.law, label: this.tried.law, says: this.tried.found.says, shown: pretty(this.tried.found.sizes[0] || ""), error_after: this.tried.found.error });
     this.app.hover(this.tried ? this.tried.law : null);
     this.enable();
   }

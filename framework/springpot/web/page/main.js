@@ -2,6 +2,7 @@
 
 import * as api from "./api.js";
 import { Asked } from "./asked.js";
+import { Chosen } from "./chosen.js";
 import { Compare } from "./compare.js";
 import { Data, choiceOf, listenForDrops, openDialog } from "./data.js";
 import { byId, download, enable, usable } from "./dom.js";
@@ -24,6 +25,7 @@ const SAVED = "springpot-session";
 const PULSE = 5000; // ms between looks whether the server is still there
 const READING = "reading"; // the work that brings data: no step ends it
 const BEGINNING = { model: "", accepted: [], seed: 0 };
+const MOVED = "Moved by hand";
 const WAIT = "wait for the computation, or cancel it";
 const CANCELLED = "the computation was cancelled: 'Judge this model' begins it again";
 
@@ -42,6 +44,7 @@ class App {
     this.work = new Work(() => this.render());
     this.hands = new Hands(this);
     this.asked = new Asked(this);
+    this.chosen = new Chosen(this);
     this.panels = [
       (this.hero = new Hero(byId("hero-body"), this)),
       new Data(byId("data-body"), this),
@@ -82,7 +85,7 @@ class App {
   // How far the model lies from new data, while what it may lack is sought.
   async glance() {
     const { state } = this;
-    if (this.early?.of === state || this.whole || !this.scene || this.scene.views || state.accepted.length) return;
+    if (this.early?.of === state || this.whole || !this.scene || state.accepted.length) return;
     const early = { of: state, found: null, tried: new Map() };
     this.early = early;
     try {
@@ -274,10 +277,10 @@ class App {
   // ---- the ladder -------------------------------------------------------------------------------------------
 
   // A model that is named before there are data, or while they are read, is judged as soon as they are here.
-  judge(model) {
+  judge(model, options = "") {
     this.named = null;
     if (this.data && !this.reading) {
-      this.step(this.judging(model));
+      this.step({ ...this.judging(model), ...(options && { options }) });
       return;
     }
     this.named = model;
@@ -299,6 +302,10 @@ class App {
       this.hold(this.model.moved());
       return;
     }
+    if (name === this.chosen.asked?.name) {
+      this.compare.toggle([...this.compare.chosen]);
+      return;
+    }
     const actions = [...this.answer.actions, ...(this.others?.actions || [])];
     const { accept, exclude, model } = actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
     if (model !== undefined) {
@@ -315,22 +322,6 @@ class App {
 
   // Other models, where they were ranked for the rows that are used; they are hypotheses like the causes.
   get others() { return this.ranking && this.ranking.of === rowsOf(this.standing) ? this.ranking : null; }
-
-  // What another state would be, as soon as a fit has told it; nothing where the pointer has gone on meanwhile.
-  async attempt(name, state) {
-    this.attempted = name;
-    const { answer } = this;
-    if (!answer || this.waiting) return;
-    try {
-      answer.previews[name] = await api.ask("trial", { state });
-    } catch { return; } // it is told when it is taken
-    if (answer === this.answer && this.attempted === name) this.hover(name);
-  }
-
-  leaveAttempt() {
-    this.attempted = null;
-    this.hover(null);
-  }
 
   // The laws that were found for the present state, if they were sought.
   get laws() { return this.state && this.found?.of === keyOf(this.standing) ? this.found : null; }
@@ -461,7 +452,7 @@ class App {
   setEdited(edited) {
     this.edited = edited;
     if (edited) this.answer.previews[BY_HAND] = edited;
-    this.missing.edit(edited && this.model.movedAs(BY_HAND, edited));
+    this.missing.propose(MOVED, edited && this.model.movedAs(BY_HAND, edited));
     if (this.compare.main.spec && this.scene) this.compare.drawBeside();
     this.hero.render();
     this.ladder.preview(this.hovered);

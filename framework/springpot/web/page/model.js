@@ -11,6 +11,8 @@ export class ModelPanel {
     this.app = app;
     this.input = h("input", { id: "expression", list: "expressions", autocomplete: "off", spellcheck: "false",
       placeholder: "material", "aria-describedby": "expression-says", oninput: () => this.complete() });
+    this.given = h("input", { id: "given", autocomplete: "off", spellcheck: "false", placeholder: "--own k:batch --tie 'k2 = 2*k1'",
+      title: "as on the command line: --own NAMES:COLUMN, --share NAMES, --tie TIE, --population COLUMN" });
     this.options = h("datalist", { id: "expressions" });
     this.judge = h("button", { id: "judge" }, "Judge this model");
     this.search = h("input", { id: "search", type: "search", placeholder: "search models ( / )", oninput: () => this.filter() });
@@ -19,9 +21,10 @@ export class ModelPanel {
     this.ranked = h("div", { id: "ranked" });
     this.table = h("div", { id: "parameters" });
     put(parent,
-      h("form", { onsubmit: (event) => { event.preventDefault(); app.judge(this.input.value.trim()); } },
+      h("form", { onsubmit: (event) => { event.preventDefault(); app.judge(this.input.value.trim(), this.given.value.trim()); } },
         h("label", { for: "expression" }, "Expression"), this.input, this.options,
         (this.about = h("p", { id: "expression-says", class: "quiet" })),
+        (this.shared = h("details", { id: "shared" }, h("summary", {}, "Own, shared, tied"), h("label", { for: "given" }, "Parameters"), this.given)),
         h("p", { class: "bar" }, this.judge, this.rank)),
       h("details", { id: "all-models", ontoggle: () => this.list() }, h("summary", {}, "All models"), h("label", { for: "search", class: "hidden" }, "Search models"), this.search, this.models),
       this.ranked, this.table);
@@ -78,6 +81,10 @@ export class ModelPanel {
     const model = named ?? state?.model ?? "";
     if (model !== this.shown && document.activeElement !== this.input) this.input.value = model;
     this.shown = model;
+    const options = state?.options ?? "";
+    if (options !== this.given.shown && document.activeElement !== this.given) this.given.value = options;
+    this.given.shown = options;
+    if (options) this.shared.open = true;
     let says = "";
     if (named !== null) says = `${named || "material"} is judged as soon as there are data.`;
     else if (!model) says = "Left empty, any linear passive material is judged.";
@@ -88,6 +95,7 @@ export class ModelPanel {
   // A text that was refused stands where it can be mended, though the page goes back to the model before.
   keepText() {
     this.shown = this.app.state.model;
+    this.given.shown = this.app.state.options ?? "";
   }
 
   renderRanked() {
@@ -103,7 +111,7 @@ export class ModelPanel {
       put(this.table);
       return;
     }
-    const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
+    const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material" && !answer.state.options;
     const rows = answer.parameters.map((parameter) => this.row(parameter, movable));
     this.told = h("p", { id: "edited-says", class: "quiet", role: "status" });
     this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.hands.fit(this.asked()); } }, "Fit within these");

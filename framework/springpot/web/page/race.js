@@ -72,12 +72,14 @@ export class Race {
   async open(names) {
     this.opened = [...new Set(names)];
     const wanted = this.opened;
+    if (!this.report.childElementCount) put(this.report, h("p", { class: "quiet", role: "status" }, "reading the tables"));
     try {
       const found = await Promise.all(wanted.map((name) => ask("race", { name })));
       if (this.opened !== wanted) return; // others were opened meanwhile
       this.report.classList.toggle("beside", found.length > 1);
+      const names = [...new Set(found.flatMap(({ attained: { shares } }) => Object.keys(shares)))];
       put(this.report, found.map((study) => h("div", {}, found.length > 1 ? h("h2", {}, study.name) : null,
-        attained(study), ...study.tables.filter((table) => table.rows.length).map(sortable))));
+        attained(study, names), ...study.tables.filter((table) => table.rows.length).map(sortable))));
     } catch (error) {
       put(this.report, h("p", { class: "error" }, error.message));
     }
@@ -115,13 +117,14 @@ function compared(one, other) {
   return a === b ? 0 : a - b;
 }
 
-// Accuracy against evaluations; pointing at a name draws its line over the others.
-function attained({ name, attained: { evaluations, shares } }) {
+// Accuracy against evaluations; pointing at a name draws its line over the others. `all`: who has a colour, the same in
+// each study.
+function attained({ name, attained: { evaluations, shares } }, all) {
   const names = Object.keys(shares);
   if (!names.length) return null;
   const plot = new Plot(`plot-attained-${name}`, "Share of trials and targets reached");
-  const lineOf = (who, i) => ({ xs: evaluations, ys: shares[who], kind: "model", colour: i < COLOURS ? `var(--sweep-${Math.round((i * (COLOURS - 1)) / Math.max(1, Math.min(names.length, COLOURS) - 1))})` : "var(--quiet)" });
-  const lines = names.map(lineOf);
+  const colourOf = (i) => (i < COLOURS ? `var(--sweep-${Math.round((i * (COLOURS - 1)) / Math.max(1, Math.min(all.length, COLOURS) - 1))})` : "var(--quiet)");
+  const lines = names.map((who) => ({ xs: evaluations, ys: shares[who], kind: "model", colour: colourOf(all.indexOf(who)) }));
   const x = { label: "evaluations", log: true, min: Math.max(1, evaluations[0]), max: 1.1 * evaluations.at(-1) };
   plot.draw({ x, y: { label: "share reached", min: 0, max: 1 }, points: [], lines }, WIDTH, HEIGHT);
   const entry = (who, i) => {

@@ -14,8 +14,8 @@ export const rowsOf = ({ data, excluded, seed }) => JSON.stringify([data, exclud
 export const textOf = (data) => `data ${data}`;
 export const answerTo = (state) => `answer ${keyOf(state)}`;
 
-// Another model has other parameters: nothing of it is held.
-export const ofModel = ({ fixed, ...state }, model) => ({ ...state, model, accepted: [] });
+// Another model has other parameters: nothing of it is held or tied.
+export const ofModel = ({ fixed, options, ...state }, model) => ({ ...state, model, accepted: [] });
 // What is held of an effect is held as long as it is there.
 export function heldWith({ fixed = {}, ...state }) {
   const there = (name) => !name.includes(".") || state.accepted.some((effect) => name.startsWith(`${effect.split(" =")[0]}.`));

@@ -52,7 +52,7 @@ export class Compare {
     this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
     this.places = h("ul", { id: "places", class: "places" });
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
-      onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
+      onpointerenter: () => { if (app.answer?.previews[this.exclude.textContent]) app.hover(this.exclude.textContent); }, onpointerleave: () => app.hover(null) });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.second.svg, this.residual.svg);
     this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, h("span", { class: "group" }, this.sigmas, this.scales), h("span", { class: "group" }, this.closer, this.whole), this.exclude);
     // Beside pictures that stay in sight where the page is scrolled; what the strip above them says too.
@@ -377,6 +377,7 @@ export class Compare {
     this.exclude.hidden = rows.size === 0;
     const all = rows.size > 0 && out === rows.size;
     this.exclude.textContent = `${all ? "Take back" : "Leave out"} ${rows.size} point${rows.size === 1 ? "" : "s"}`;
+    this.app.chosen?.choose(rows.size ? { name: this.exclude.textContent, excluded: this.toggled([...rows]) } : null);
     this.shine();
   }
 

@@ -1,9 +1,8 @@
 // What may be missing, as cards on three shelves: pointing previews what each would do, from what is already in the page;
 // a click accepts.
 
-import { FINGER, changed, enable, h, put, usable } from "./dom.js";
+import { FINGER, changed, enable, h, put } from "./dom.js";
 import { number, percent, pretty, probability, times, withInterval } from "./numbers.js";
-import { BY_HAND } from "./hero.js";
 import { sparkline } from "./spark.js";
 
 const SHELVES = [
@@ -18,6 +17,7 @@ export class Missing {
     this.app = app;
     this.active = null;
     this.folded = true;
+    this.own = new Map(); // by title
     this.list = h("div", {
       id: "effects", role: "listbox", tabindex: "0", "aria-labelledby": "missing-title",
       onkeydown: (event) => this.key(event),
@@ -42,6 +42,8 @@ export class Missing {
     }
     const diagnosis = answer?.discovery.diagnosis;
     this.active = null;
+    if (this.of !== answer) this.own.clear();
+    this.of = answer;
     const accepted = diagnosis?.model.split(" + ") || [];
     // What is there already is a cause no more, unless a second one of it was fitted.
     this.candidates = (diagnosis?.candidates || []).filter((one) => one.error_after !== null || !accepted.includes(one.effect));
@@ -64,22 +66,26 @@ export class Missing {
     this.list.hidden = none;
     this.accept.hidden = Boolean(this.app.fixed) || none;
     this.unfold(this.folded);
+    for (const title of this.own.keys()) this.place(title);
     this.show(this.app.hovered);
   }
 
-  // Parameters that were moved are a hypothesis as well: to be held where they stand, all else fitted.
-  edit(one) {
-    this.hand?.remove();
-    this.hand = null;
-    this.others = this.others?.filter((other) => other.shelf !== BY_HAND);
-    if (!one) return;
-    const asked = { ...one, class: [], shelf: BY_HAND };
-    this.others.push(asked);
-    this.hand = h("div", { role: "group", class: "shelf", "aria-label": MOVED, "data-title": MOVED }, this.card([asked], this.app.answer.discovery.diagnosis));
-    // Below the causes: what a hand is about to choose stays where it is.
-    this.list.insertBefore(this.hand, this.list.querySelector(`[data-shelf="${FOLDED}"]`));
+  // What a person asks about is a cause as well, one of each kind: parameters that were moved, a law, points that are chosen.
+  propose(title, one) {
+    if (!one && !this.own.has(title)) return;
+    this.own.delete(title);
+    if (one) this.own.set(title, { ...one, class: [], shelf: title });
+    this.list.querySelector(`[data-title="${title}"]`)?.remove();
+    if (one) this.place(title);
+  }
+
+  // Below the causes: what a hand is about to choose stays where it is.
+  place(title) {
+    const shelf = h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title }, this.card([this.own.get(title)], this.app.answer.discovery.diagnosis));
+    this.list.insertBefore(shelf, this.list.querySelector(`[data-shelf="${FOLDED}"]`));
     this.list.hidden = false;
     this.accept.hidden = false;
+    this.unfold(this.folded);
   }
 
   // What is ruled out is one line until somebody asks; where nothing else is there, all of it is shown.
@@ -150,7 +156,7 @@ export class Missing {
   }
 
   take(effect) {
-    if (effect && !this.app.fixed && usable(this.accept)) this.app.accept(effect);
+    if (effect && !this.app.fixed) this.app.accept(effect);
   }
 
   // Called for every preview, wherever it comes from.
@@ -168,7 +174,7 @@ export class Missing {
   describe(effect) {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     const candidate = this.candidates?.find((one) => one.effect === effect);
-    const other = this.others?.find((one) => one.effect === effect);
+    const other = [...(this.others || []), ...this.own.values()].find((one) => one.effect === effect);
     let why = `${FINGER.matches ? "tap" : "point at"} an effect first`;
     if (this.app.waiting) why = "wait for the computation, or cancel it";
     else if (candidate || other) why = "";
@@ -205,7 +211,6 @@ const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
 const SO_FAR = "Tried so far";
 const ON_DATA = "With the data themselves";
 const INSTEAD = "Another model";
-const MOVED = "Moved by hand";
 const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
 
 // What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data,

@@ -1,0 +1,69 @@
+"""Which optimiser to take where an evaluation costs 50 ms and there are 10 to 200 of them.
+
+    python studies/expensive.py [--repeats 3] [--every 4] [--out results/expensive]
+
+Question: does a surrogate pay where evaluations are few and several can be made at once? Measure:
+mean ranks over every fourth problem of springpot-60 after 10, 20, 50, 100 and 200 evaluations, and
+by the times in which four workers make as many. What would answer it: the surrogate first by time
+at 50 evaluations, its own time below that of an evaluation.
+
+Writes expensive.md and expensive.csv. Optimisers of libraries that are absent are left out, and
+named. The surrogate ends at 100 evaluations: its own time grows with their third power.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from springpot import plugins
+from springpot.benchmark import Study, save_table
+from springpot.benchmark.cases import problem_of
+from springpot.benchmark.expensive import MARKS, PacedRun, Site, expensive_table, paced_run
+from springpot.errors import ModelError
+
+SUITE = "springpot-60"
+NAMES = (
+    *("bayesian-ei", "random-search", "cma-es", "bipop-cma-es", "pso-paper", "l-shade"),
+    *("differential-evolution", "dual-annealing", "nlopt-nelder-mead", "nlopt-bobyqa", "cobyqa"),
+    *("dfo-bobyqa", "dfo-ls", "minuit-migrad", "nlopt-direct-l", "nlopt-lbfgs"),
+    *("least-squares", "least-squares-alternating"),
+)
+LIMITS = {"bayesian-ei": 100}
+"""Evaluations at which an optimiser is stopped whose own time grows faster than their number."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Race all and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--every", type=int, default=4, help="take every so manieth problem")
+    parser.add_argument("--out", type=Path, default=Path("results/expensive"))
+    parser.add_argument("names", nargs="*", default=NAMES)
+    given = parser.parse_args(arguments)
+    plan = Study("expensive", [SUITE], ["own"], ["own"], ["random-search"], budget=MARKS[-1]).plan()
+    problems = [
+        problem_of(case.source, case.source.model_of(case.model), case.objective)
+        for case in plan.cases[:: given.every]
+    ]
+    site, courses = Site(), dict[str, list[list[PacedRun]]]()
+    for name in given.names:
+        try:
+            optimiser = plugins().find("optimiser", name)()
+        except ModelError as absent:
+            print(f"left out: {name}: {absent}")
+            continue
+        budget = LIMITS.get(name, MARKS[-1])
+        courses[name] = [
+            [paced_run(optimiser, problem, budget, site, 1, i, r) for r in range(given.repeats)]
+            for i, problem in enumerate(problems)
+        ]
+        print(name, flush=True)
+    given.out.mkdir(parents=True, exist_ok=True)
+    for path in save_table(expensive_table(courses, site), given.out, "expensive", ("md", "csv")):
+        print(path)
+
+
+if __name__ == "__main__":
+    main()

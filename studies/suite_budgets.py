@@ -1,0 +1,155 @@
+"""Who is ahead at 50, 200, 1,000, 8,000 and 100,000 evaluations, and where they overtake.
+
+    python studies/suite_budgets.py [--every 5] [--repeats 2] [--workers 2] [--out results]
+
+Question: does the answer to "which optimiser?" hang on the budget? Measure: mean ranks, and the
+share of trials at the target, over every fifth sweep of springpot-60. What would answer it: the
+same order at all five. Each budget is a race of its own: a method that plans its budget (a swarm, a
+shrinking population) is told the one that it has, and is not read off a longer run. `native` is not
+among them, and DFO-LS, COBYQA and their like are left out for what 100,000
+evaluations cost there, and so are tests in time.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from paper.draw import COLOURS, can_draw, legend_above, logarithmic, sheet
+from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
+from springpot.benchmark.comparison import MeanRanks, rank
+from springpot.benchmark.statistics import Interval, wilson
+from springpot.report.tables import Entry
+from suite import sweeps
+
+NAME = "suite_budgets"
+BUDGETS = (50, 200, 1000, 8000, 100_000)
+RIVALS = (
+    *("least-squares", "least-squares-alternating", "nlopt-lbfgs", "minuit-migrad"),
+    *("nlopt-nelder-mead", "dual-annealing", "cma-es", "bipop-cma-es", "l-shade", "minion-jso"),
+    *("minion-arrde", "differential-evolution", "nlopt-crs", "spso-2011", "pso-paper"),
+    "random-search",
+)
+SHOWN = ("least-squares", "nlopt-lbfgs", "cma-es", "l-shade", "nlopt-crs", "pso-paper")
+"""Optimisers that the figure names."""
+
+
+def study(budget: int, every: int, repeats: int) -> Study:
+    """The race at one budget."""
+    return Study(
+        f"{NAME}_{budget}",
+        datasets=sweeps()[::every],
+        models=["own"],
+        objectives=["own"],
+        optimisers=RIVALS,
+        repetitions=repeats,
+        budget=budget,
+        stop_at_target=True,
+    )
+
+
+def ranked(findings: Findings) -> MeanRanks:
+    """Ranks over all problems at the whole budget."""
+    scale = findings.scale
+    return rank("all", findings.races, len(scale.marks) - 1, scale)
+
+
+def success(findings: Findings, label: str) -> Interval | None:
+    """Share of an optimiser's trials that reached the target."""
+    hits = np.concatenate([s.hits for s in findings.scores if s.cell.label == label])
+    return wilson(int(np.isfinite(hits).sum()), len(hits))
+
+
+def ranks_table(found: Mapping[int, Findings], ranks: Mapping[int, MeanRanks]) -> Table:
+    """Mean rank and success of each optimiser at each budget, the best at the last first."""
+    last = ranks[BUDGETS[-1]]
+    rows: list[tuple[Entry, ...]] = []
+    for label in (last.labels[i] for i in np.argsort(last.means, kind="stable")):
+        places = [ranks[b].ranks[ranks[b].labels.index(label)] for b in BUDGETS]
+        rows.append((label, *places, *(success(found[b], label) for b in BUDGETS)))
+    columns = (
+        "optimiser",
+        *(f"mean rank, {budget}" for budget in BUDGETS),
+        *(f"success, {budget}" for budget in BUDGETS),
+    )
+    note = (
+        f"Mean ranks over {last.blocks} problems with bootstrap 95 % intervals; success with"
+        " Wilson's. Each budget was raced by itself."
+    )
+    return Table("Ranks at five budgets", columns, rows, note)
+
+
+def overtaken(ranks: Mapping[int, MeanRanks]) -> Iterator[tuple[int, int, str, str, float, float]]:
+    """Who overtakes whom from one budget to the next, and their ranks after it."""
+    for before, after in pairwise(BUDGETS):
+        first, then = ranks[before], ranks[after]
+        for slow in first.labels:
+            for fast in first.labels:
+                was = [float(first.means[first.labels.index(each)]) for each in (slow, fast)]
+                now = [float(then.means[then.labels.index(each)]) for each in (slow, fast)]
+                if was[0] > was[1] and now[0] < now[1]:
+                    yield before, after, slow, fast, now[0], now[1]
+
+
+def crossings_table(ranks: Mapping[int, MeanRanks]) -> Table:
+    """Every pair whose order changes between two budgets, the widest change first."""
+    found = sorted(overtaken(ranks), key=lambda each: (each[0], each[4] - each[5]))
+    rows = [tuple(each) for each in found]
+    pairs = len(RIVALS) * (len(RIVALS) - 1) // 2
+    counts = ", ".join(
+        f"{sum(row[1] == after for row in rows)} up to {after}" for after in BUDGETS[1:]
+    )
+    columns = ("from", "to", "overtakes", "whom", "its rank then", "the other's")
+    note = f"Of {pairs} pairs change their order: {counts}."
+    return Table("Where they cross", columns, rows, note)
+
+
+def draw(ranks: Mapping[int, MeanRanks], folder: Path) -> None:
+    """Mean ranks against the budget."""
+    with sheet(folder, NAME, 7.0, 4.6) as page:
+        axes = page.subplots()
+        for label in RIVALS:
+            means = [float(ranks[b].means[ranks[b].labels.index(label)]) for b in BUDGETS]
+            style = {"color": "0.8", "zorder": 1}
+            if label in SHOWN:
+                style = {"color": COLOURS[SHOWN.index(label)], "marker": "o", "label": label}
+            axes.plot(BUDGETS, means, **style)
+        logarithmic(axes, "x")
+        axes.set(xlabel="evaluations", ylabel="mean rank (1: best)")
+        axes.invert_yaxis()
+        legend_above(page, axes, "Ranks at five budgets, springpot-60", columns=3)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Race at every budget, go on where it stopped, and write tables and figure."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--every", type=int, default=5, help="take every so manieth sweep")
+    parser.add_argument("--repeats", type=int, default=2)
+    parser.add_argument("--workers", type=int)
+    parser.add_argument("--out", type=Path, default=Path("results"))
+    given = parser.parse_args(arguments)
+    found: dict[int, Findings] = {}
+    for budget in BUDGETS:
+        race = study(budget, given.every, given.repeats)
+        run_study(race, given.workers, out=given.out, quiet=True, tables=False)
+        with Store(store_path(race, given.out)) as store:
+            found[budget] = Findings.of(store)
+    ranks = {budget: ranked(findings) for budget, findings in found.items()}
+    folder = given.out / NAME
+    folder.mkdir(parents=True, exist_ok=True)
+    for table, name in (
+        (ranks_table(found, ranks), "ranks_by_budget"),
+        (crossings_table(ranks), "crossings"),
+    ):
+        for path in save_table(table, folder, name, ("md", "csv")):
+            print(path)
+    if can_draw(folder):
+        draw(ranks, folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+"""The studies on springpot-60 beside the main one: what they compare, and by which rules."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm
+
+STUDIES = str(Path(__file__).parents[1] / "studies")
+
+
+@pytest.fixture(autouse=True)
+def beside(monkeypatch):
+    monkeypatch.syspath_prepend(STUDIES)
+    yield
+    for name in ("suite_budgets", "suite_tuned", "suite_swarm", "suite_choice", "suite"):
+        sys.modules.pop(name, None)
+
+
+def ranked(*means):
+    return SimpleNamespace(labels=("a", "b", "c"), means=np.array(means, dtype=float))
+
+
+def test_who_overtakes_whom_is_said_at_the_budget_where_it_happens(monkeypatch):
+    import suite_budgets
+
+    monkeypatch.setattr(suite_budgets, "BUDGETS", (50, 200, 1000))
+    ranks = {50: ranked(1, 2, 3), 200: ranked(2, 1, 3), 1000: ranked(2, 1, 1)}
+    found = [each[:4] for each in suite_budgets.overtaken(ranks)]
+    # Level with another is not ahead of it.
+    assert found == [(50, 200, "b", "a"), (200, 1000, "c", "a")]
+
+
+def test_every_method_has_as_many_settings_to_try_its_defaults_first():
+    import suite_tuned
+
+    for name in suite_tuned.SPACES:
+        tried = suite_tuned.settings(name, 5)
+        assert [label for label, _ in tried][:2] == [name, f"{name} #1"]
+        assert suite_tuned._changed(tried[0][1]) == "defaults"
+        assert len({repr(optimiser) for _, optimiser in tried}) == 5
+        assert tried == suite_tuned.settings(name, 5)
+
+
+def test_all_readings_of_the_swarm_are_raced():
+    from suite_swarm import READINGS
+
+    swarms = list(READINGS.values())
+    schedules = {(each.inertia_first, each.inertia_last) for each in swarms}
+    assert len(schedules) == 7
+    assert len({each.clamp for each in swarms}) == 3
+    assert {type(each) for each in swarms} == {PaperSwarm, ScalarSwarm}
+    assert len(set(map(repr, swarms))) == len(swarms) == 12
