@@ -182,14 +182,10 @@ def _unlike(sizes: Real, worth: Real) -> int | None:
 def _told_by(test: TimeTest, misfit: Real | None) -> tuple[Real, Real]:
     """Scatter of a test's signal, or of what a model leaves, and the size of the signal there."""
     level = _smooth(np.abs(test.response))
-    clock = test.time - test.start
-    # The answer to a step is smooth against the logarithm of time.
-    if test.after_step and clock[0] > 0.0:
-        clock = np.log(clock)
     signal = test.response
     if misfit is not None:
         signal = misfit
-    scatter = _scatter(clock, signal)
+    scatter = fourth_differences(clock_of(test), signal)[0]
     level = level[ORDER // 2 : len(level) - ORDER // 2]
     telling = _moving(test)
     # A good model has followed the jumps already.
@@ -198,6 +194,14 @@ def _told_by(test: TimeTest, misfit: Real | None) -> tuple[Real, Real]:
     if np.count_nonzero(telling) >= FEWEST:
         scatter, level = scatter[telling], level[telling]
     return scatter, level
+
+
+def clock_of(test: TimeTest) -> Real:
+    """Times (n,) by which a response is smooth: that to a step by the logarithm."""
+    clock = test.time - test.start
+    if test.after_step and clock[0] > 0.0:
+        clock = np.log(clock)
+    return clock
 
 
 class _Levels(NamedTuple):
@@ -283,15 +287,18 @@ def _smooth(size: Real) -> Real:
     return mean
 
 
-def _scatter(clock: Real, signal: Real) -> Real:
-    """Divided differences over five neighbours, white noise keeping its size, shape (n - 4,)."""
+def fourth_differences(clock: Real, signal: Real) -> tuple[Real, Real]:
+    """Divided differences (n - 4,) over five neighbours, white noise keeping its size.
+
+    And the factors (n - 4, 5) of the neighbours.
+    """
     u = np.lib.stride_tricks.sliding_window_view(clock, ORDER + 1)
     y = np.lib.stride_tricks.sliding_window_view(signal, ORDER + 1)
     u = (u - u[:, :1]) / (u[:, -1:] - u[:, :1])
     apart = u[:, :, None] - u[:, None, :] + np.eye(ORDER + 1)
     factors = 1.0 / apart.prod(axis=2)
-    scatter: Real = (factors * y).sum(axis=1) / np.sqrt((factors**2).sum(axis=1))
-    return scatter
+    factors = factors / np.sqrt((factors**2).sum(axis=1, keepdims=True))
+    return (factors * y).sum(axis=1), factors
 
 
 def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
@@ -374,7 +381,9 @@ def relative_scatter(sweep: Measurement) -> float:
         if len(ordered) <= ORDER or np.any(np.diff(clock) <= 0.0):
             continue
         turned = np.log(sweep.stiffness[ordered])
-        scatters += [_scatter(clock, turned.real), _scatter(clock, np.unwrap(turned.imag))]
+        scatters += [
+            fourth_differences(clock, part)[0] for part in (turned.real, np.unwrap(turned.imag))
+        ]
     if not scatters or sum(map(len, scatters)) < FEWEST - ORDER:
         return ASSUMED
     return max(NORMAL * float(np.median(np.abs(np.concatenate(scatters)))), ALIKE)

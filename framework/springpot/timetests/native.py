@@ -20,6 +20,7 @@ from springpot.identification.result import Identification
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
+from springpot.measurement.strays import said_of_strays
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -422,8 +423,9 @@ def part_result(
 
 
 def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str, ...]:
-    """Tests whose columns seem to count in opposite directions."""
-    doubts = []
+    """Samples that were left out, and tests whose columns seem to count in opposite directions."""
+    in_time = [part.test for part in parts if isinstance(part, InTimePart)]
+    doubts = [said for test in in_time if (said := said_of_strays(test))]
     for part, row in zip(parts, rows, strict=True):
         if row.relative_rms > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
             doubts.append(

@@ -22,6 +22,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
+from springpot.measurement.strays import strays
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -332,8 +333,18 @@ class InTimePart(TestPart):
 
     @cached_property
     def counted(self) -> NDArray[np.bool_]:
-        """At the very instant of a step the answer may be endless, and no instrument reads it."""
-        return ~np.isin(self.at, self.test.loading.jumps[0])
+        """All but the very instant of a step, and samples that stray from their neighbours.
+
+        At the former the answer may be endless, and no instrument reads it.
+        """
+        said = ~np.isin(self.at, self.test.loading.jumps[0])
+        said[self.strays] = False
+        return said
+
+    @cached_property
+    def strays(self) -> NDArray[np.int64]:
+        """Samples that are off by themselves, which no model is to follow."""
+        return strays(self.test)
 
     @cached_property
     def apparent(self) -> Measurement | None:

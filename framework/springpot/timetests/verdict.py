@@ -19,6 +19,7 @@ from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.result import Identification
 from springpot.identification.value import AGREE, PartResult, Value
 from springpot.measurement.sign import said_of_sign, turned
+from springpot.measurement.strays import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
 from springpot.misfit.told_apart import told_apart
@@ -300,6 +301,8 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
     """What one should know of the tests beside the verdict."""
     for part in parts:
         yield from said_of_sign(part.test.provenance)
+        if isinstance(part, InTimePart):
+            yield from filter(None, [said_of_strays(part.test)])
     for part, residual in zip(parts, best.residuals, strict=True):
         yield from lines_in(part, residual)
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from springpot.measurement import Record, TimeTest
+from springpot.measurement.strays import strays
 from springpot.rheology import (
     AMPLITUDE,
     FORCE,
@@ -20,6 +21,7 @@ from springpot.rheology import (
     Dimension,
     Effect,
     Parameter,
+    Real,
     StageLaw,
     on_response,
 )
@@ -78,8 +80,13 @@ def tired(record: Record, response: Any, damage: Any) -> Answered:
     return Answered(response * left, (response * left * way,), left)
 
 
+def _sizes(test: TimeTest) -> Real:
+    """Of the response, without single samples that stray beyond any limit."""
+    return np.asarray(np.abs(np.delete(test.response, strays(test))))
+
+
 def _limits(test: TimeTest) -> tuple[tuple[float], ...]:
-    largest = float(np.abs(test.response).max())
+    largest = float(_sizes(test).max())
     # A limit above all samples changes nothing and has no slope: the search could not come back
     # from there.
     return tuple((share * largest,) for share in SHARES)
@@ -100,7 +107,7 @@ def _cycled(test: TimeTest) -> bool:
 
 def _level(test: TimeTest) -> bool:
     """Whether the largest responses are alike: several samples lie near the largest."""
-    size = np.abs(test.response)
+    size = _sizes(test)
     return test.kind in ("history", "recovery", "startup") and bool(
         np.count_nonzero(size > NEAR_TOP * size.max()) >= SEVERAL
     )
