@@ -22,6 +22,7 @@ from benchmark_fakes import (
 
 from soaked import soaked
 from springpot.benchmark import FORMATS, Status, Store, engine, run_study, supervisor
+from springpot.benchmark.engine import ExecutorEngine
 from springpot.errors import StudyError
 
 ACCURACY = [f"summary.{suffix}" for suffix, _ in FORMATS.values()]
@@ -218,3 +219,19 @@ def test_an_executor_has_a_batch_for_each_worker_and_one_that_waits(monkeypatch)
     monkeypatch.setattr(engine.Parcel, "of", lambda *given, **more: None)
     executor = SimpleNamespace(submit=None)
     assert engine.make_engine(None, None, 3, executor)._width == 6
+
+
+def test_batches_grow_while_they_come_back_at_once_and_shrink_when_they_do_not():
+    """Of trials of milliseconds a scheduler would else cost more than the trials do."""
+    engine = ExecutorEngine(None, None, 2)
+    sizes = []
+    for seconds in [0.01] * 8 + [1.0, 30.0, 30.0]:
+        engine._sized(engine._batch, seconds)
+        sizes.append(engine._batch)
+    assert sizes == [8, 16, 32, 64, 128, 256, 256, 256, 256, 128, 64]
+    # The last of a study are few, and tell nothing of a whole batch.
+    engine._sized(3, 0.01)
+    assert engine._batch == 64
+    for _ in range(9):
+        engine._sized(engine._batch, 30.0)
+    assert engine._batch == 4

@@ -17,7 +17,8 @@ from contextlib import ExitStack, redirect_stderr, redirect_stdout, suppress
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
-from typing import Any, Protocol
+from time import monotonic
+from typing import Any, NamedTuple, Protocol
 
 from springpot.errors import SpringpotError, StudyError
 
@@ -92,6 +93,9 @@ ANSWER = 10.0
 
 A third of the time that dask itself would wait, in silence.
 """
+SOON, MOST = 0.5, 256
+"""Seconds within which a batch that comes back was too small, and tasks in the largest: of trials
+of milliseconds an executor would else spend more on its own work than on theirs."""
 LOOK = 1.0
 """Seconds after which an executor is looked after where nothing has come.
 
@@ -135,6 +139,13 @@ class SerialEngine:
             yield results
 
 
+class Batch(NamedTuple):
+    """Tasks that are out, and when they were given."""
+
+    tasks: list[WorkOrder]
+    began: float
+
+
 class ExecutorEngine:
     """Runs tasks on anything shaped like `concurrent.futures.Executor`.
 
@@ -150,7 +161,7 @@ class ExecutorEngine:
     width : int
         Batches under way at once.
     batch : int
-        Tasks in each.
+        Tasks in the first ones; they double while they come back soon, and halve when they do not.
     close : callable, optional
         Called at the end of a run.
     complaint : callable, optional
@@ -167,6 +178,7 @@ class ExecutorEngine:
         complaint: Callable[[], str] = str,
     ) -> None:
         self._executor, self._parcel, self._width, self._batch = executor, parcel, width, batch
+        self._least = batch
         self._close, self._complaint = close, complaint
 
     def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
@@ -178,7 +190,7 @@ class ExecutorEngine:
             If the executor itself is broken.
         """
         queue = iter(tasks)
-        busy: dict[Future[list[TrialResult]], list[WorkOrder]] = {}
+        busy: dict[Future[list[TrialResult]], Batch] = {}
         try:
             while True:
                 # Not all at once: a study of a million trials would fill the scheduler's memory.
@@ -198,26 +210,26 @@ class ExecutorEngine:
             if self._close is not None:
                 self._close()
 
-    def _submit(
-        self, busy: dict[Future[list[TrialResult]], list[WorkOrder]], batch: list[WorkOrder]
-    ) -> None:
+    def _submit(self, busy: dict[Future[list[TrialResult]], Batch], batch: list[WorkOrder]) -> None:
         try:
-            busy[self._executor.submit(run_tasks, self._parcel, batch)] = batch
+            future = self._executor.submit(run_tasks, self._parcel, batch)
+            busy[future] = Batch(batch, monotonic())
         except (BrokenExecutor, RuntimeError) as error:
             raise StudyError(f"the executor takes no more work: {error}") from error
 
     def _collect(
         self,
-        busy: dict[Future[list[TrialResult]], list[WorkOrder]],
+        busy: dict[Future[list[TrialResult]], Batch],
         future: Future[list[TrialResult]],
     ) -> Iterator[list[TrialResult]]:
-        batch = busy.pop(future)
+        batch, began = busy.pop(future)
         if future.cancelled():
             raise StudyError(
                 "the executor has cancelled its work; finished trials are kept, run again to go on"
             )
         error = future.exception()
         if error is None:
+            self._sized(len(batch), monotonic() - began)
             yield future.result()
         elif isinstance(error, SpringpotError):
             raise error
@@ -229,6 +241,13 @@ class ExecutorEngine:
                 self._submit(busy, [task])
         else:
             yield failure(batch[0], Status.CRASH, f"{type(error).__name__}: {error}")
+
+    def _sized(self, tasks: int, seconds: float) -> None:
+        """Fit the next batches to what one of so many tasks took."""
+        if seconds < SOON and tasks == self._batch:
+            self._batch = min(2 * self._batch, MOST)
+        elif seconds > 4 * SOON:
+            self._batch = max(self._batch // 2, self._least)
 
 
 def check_engine(engine: str | Executor | None) -> None:
