@@ -129,6 +129,17 @@ def test_abaqus_shifts_the_times_as_the_model_does(law: str):
     assert json_card["shift"]["reference_degC"] == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize("target", ["ansys", "ls-dyna"])
+def test_a_law_whose_sign_is_not_sure_is_told_and_left_to_the_user(target: str):
+    values = SOLID | LAWS["wlf-shift"]
+    whole = {"band": BAND, "unit": "MPa", "poisson": 0.3, "modulus": "shear"}
+    text = exported("zener + wlf-shift", target, **whole, values=given(values)).text
+    assert "left to you (unchecked here)" in text
+    assert "C1 = 8.86" in text
+    plain = exported("zener", target, **whole, values=given(SOLID)).text
+    assert "unchecked" not in plain
+
+
 def test_a_law_is_told_by_its_shape_and_one_that_is_another_is_not():
     for text, values, kind in (
         ("zener + cold = shift: exp(-C * (T - Tr) / T)", {"cold.C": 20.0}, "arrhenius"),

@@ -48,6 +48,7 @@ def to_lsdyna(handoff: Handoff) -> str:
             "$ define the density RO by *PARAMETER: the card needs one, and no test of stiffness"
             " tells it"
         ),
+        *_of_shift(handoff),
         "*MAT_GENERAL_VISCOELASTIC_TITLE",
         handoff.name,
         "$#     mid        ro      bulk       pcf        ef      tref         a         b",
@@ -65,6 +66,14 @@ def to_lsdyna(handoff: Handoff) -> str:
             line += field(volume[i]) + field(rate)
         lines.append(line)
     return "\n".join([*lines, "*END"]) + "\n"
+
+
+def _of_shift(handoff: Handoff) -> list[str]:
+    """That the law of temperature is left out, where there is one."""
+    if handoff.shift is None:
+        return []
+    # Its sign differs from source to source, and a wrong one would be slow where it is fast.
+    return ["$ TREF, A and B are left to you (unchecked here): the law is in the lines above"]
 
 
 def _several(texts: list[str]) -> str:
