@@ -57,7 +57,7 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     bends = _beyond(_off(*fourth_differences(clock, imposed)))
     for at in np.searchsorted(test.time, test.loading.jumps[0]):
         bends[max(at - ORDER, 0) : at + ORDER] = True
-    found = np.flatnonzero(_beyond(off) & ~bends)
+    found = np.flatnonzero(_beyond(off) & ~bends).tolist()
     alone = [i for i in found if _by_itself(i, clock, differences, factors)]
     if len(alone) > OUTLIERS.most * len(test):
         return none
