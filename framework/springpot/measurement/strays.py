@@ -51,7 +51,7 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     if not test.measured or len(test) < FEWEST + ORDER:
         return none
     clock = clock_of(test)
-    differences, factors = fourth_differences(clock, test.response / noise_of(test).sd)
+    differences, factors = _over_noise(test)
     off = _off(differences, factors)
     imposed = np.interp(test.time, test.loading.time, test.loading.value)
     bends = _beyond(_off(*fourth_differences(clock, imposed)))
@@ -69,15 +69,21 @@ def said_of_strays(test: TimeTest) -> str:
     rows = strays(test)
     if len(rows) == 0:
         return ""
-    scatter = fourth_differences(clock_of(test), test.response / noise_of(test).sd)
-    most, when = np.abs(_off(*scatter)[rows]).max(), [f"{t:.4g}" for t in test.time[rows[:TOLD]]]
-    named = ", ".join(when) + (", ..." if len(rows) > TOLD else "")
+    most = float(np.abs(_off(*_over_noise(test))[rows]).max())
+    named = ", ".join(f"{t:.4g}" for t in test.time[rows[:TOLD]]) + (
+        ", ..." if len(rows) > TOLD else ""
+    )
     if len(rows) == 1:
         return f"{test.name}: the sample at {named} s is off by {most:.2g} x the noise: left out"
     return (
         f"{test.name}: {len(rows)} samples are each off by up to {most:.2g} x the noise: left out"
         f" at {named} s"
     )
+
+
+def _over_noise(test: TimeTest) -> tuple[Real, Real]:
+    """Fourth differences of a response over its noise, with their factors."""
+    return fourth_differences(clock_of(test), test.response / noise_of(test).sd)
 
 
 def _off(differences: Real, factors: Real) -> Real:
