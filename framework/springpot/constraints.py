@@ -211,7 +211,6 @@ def owning(
     if sweep is None:
         raise DataError("parameters of a level of its own are found in sweeps, not beside time")
     for name, column in wanted.items():
-        sweep = _numbered(sweep, column)
         names = [name]
         if name == EVERY:
             # Factors of levels are each level's already.
@@ -222,6 +221,7 @@ def owning(
                 if each.rpartition(".")[0] not in of_levels and each not in shared
             ]
         model = model.owning(names, column)
+        sweep = _numbered(sweep, column)
     return model, [sweep]
 
 
@@ -267,9 +267,19 @@ def _words(sweep: Measurement, columns: str) -> list[str]:
         elif name in sweep.conditions:
             told.append([f"{value:g}" for value in sweep.conditions[name].tolist()])
         else:
-            known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"
-            raise DataError(f"{sweep.name} has no column '{name}' (there are: {known})")
+            raise _no_column(sweep, name)
     return ["/".join(each) for each in zip(*told, strict=True)]
+
+
+def _no_column(sweep: Measurement, name: str) -> DataError:
+    """That there is no such column; of one file, what else specimens can be."""
+    if name == FILE:
+        return DataError(
+            f"{sweep.name} is one file: name several, or the column that tells specimens apart,"
+            " as in --own k:batch"
+        )
+    known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"
+    return DataError(f"{sweep.name} has no column '{name}' (there are: {known})")
 
 
 def _numbered(sweep: Measurement, column: str) -> Measurement:
@@ -297,8 +307,7 @@ def _numbered(sweep: Measurement, column: str) -> Measurement:
             provenance={**sweep.provenance, **told},
         )
     if column not in sweep.conditions:
-        known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"
-        raise DataError(f"{sweep.name} has no column '{column}' (there are: {known})")
+        raise _no_column(sweep, column)
     level = levels_of(column, sweep.points.need(column))
     if len(np.unique(level)) < 2:
         raise DataError(f"{sweep.name} has one level of {column}: nothing is its own")

@@ -41,7 +41,10 @@ def test_what_is_no_parameter_or_column_is_one_line(springpot, specimens):
     one = specimens[0]
     springpot("identify", one, "-m", "kelvin", "--own", "k:").is_one_line("NAMES:COLUMN")
     springpot("identify", one, "-m", "kelvin", "--own", "k:day").is_one_line("no column 'day'")
-    springpot("diagnose", one, "-m", "kelvin", "--own", "q:row").is_one_line("row")
+    springpot("diagnose", one, "-m", "kelvin", "--own", "k:row").is_one_line("no column 'row'")
+    springpot("diagnose", one, "-m", "kelvin", "--own", "q:row").is_one_line(
+        "no free parameter 'q'"
+    )
 
 
 def test_a_population_has_every_parameter_for_itself(springpot, specimens, write):

@@ -98,6 +98,10 @@ def test_what_cannot_be_a_levels_own_is_told(rng: np.random.Generator) -> None:
     data = batches(rng)
     with pytest.raises(DataError, match="has no column 'day' \\(there are: batch\\)"):
         springpot.identify(data, "kelvin", own={"k": "day"})
+    with pytest.raises(DataError, match="is one file: name several, or the column"):
+        springpot.identify(data, "kelvin", own={"k": "file"})
+    with pytest.raises(ModelError, match="k9"):
+        springpot.identify(data, "kelvin", own={"k9": "file"})
     one = data.subset(data.conditions["batch"] == 1.0)
     with pytest.raises(DataError, match="one level of batch: nothing is its own"):
         springpot.identify(one, "kelvin", own={"k": "batch"})

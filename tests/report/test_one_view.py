@@ -45,5 +45,6 @@ def test_a_view_is_drawn_where_one_says(fitted, tmp_path, springpot):
     path = tmp_path / "view.pdf"
     words = ["artificial-hidden", "-m", "kelvin", "--figure", path, "--view", "van-gurp-palmen"]
     springpot("identify", *words)
+    springpot("identify", *words[:3], *words[5:]).is_one_line("give --figure FILE too")
     # 84 mm are 238 points.
     assert b"/MediaBox [ 0 0 238.1" in path.read_bytes()

@@ -135,7 +135,7 @@ def command(
     from springpot.constraints import asks_for_all, values_of
     from springpot.report.tables import write_parameters
 
-    _check_paths(figure, table)
+    _check_paths(figure, view, table)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     model, expression, held = _meant(model, times, per_decade)
@@ -181,13 +181,16 @@ def _meant(model: str, times: str | None, per_decade: int) -> tuple[str, Model, 
     return expression.name, expression, at_times(expression, values)
 
 
-def _check_paths(figure: Path | None, table: Path | None) -> None:
+def _check_paths(figure: Path | None, view: str | None, table: Path | None) -> None:
     """A path that cannot be written is told before time is spent on the fit."""
     from springpot.report.canvas import check_figure_path
     from springpot.report.tables import require_ending
 
     if figure is not None:
         check_figure_path(figure)
+    elif view is not None:
+        advice = "--view says what is drawn: give --figure FILE too"
+        raise click.UsageError(advice, click.get_current_context())
     if table is not None:
         require_ending(table)
 
