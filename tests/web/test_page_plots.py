@@ -45,7 +45,7 @@ def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: byt
     assert here.reads("#number .big") == "8.5 ×"
     claim = here.reads("#fails")
     assert claim.startswith("The model's storage stiffness 8.3 %")
-    assert claim.endswith("above 36 Hz. inertia (m = 0.60 kg) would explain it.")
+    assert claim.endswith("above 36 Hz. Inertia (m = 0.60 kg) would explain it.")
     assert not here.page.evaluate(SHORTENED), "the claim is read whole"
     assert here.page.locator("#plot-residual .mark.ghost").count() == 0
     before = here.page.evaluate(TOPMOST)

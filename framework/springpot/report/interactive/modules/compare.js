@@ -2,7 +2,7 @@
 
 import { FINGER, h, put } from "./dom.js";
 import { capital, percent, pretty } from "./numbers.js";
-import { lights, modelled, signOf, spotOf } from "./spots.js";
+import { inBrief, lights, modelled, signOf, spotOf } from "./spots.js";
 import { claimed } from "./hero.js";
 import { Plot, range } from "./plot.js";
 import { hint, listen, said } from "./pointing.js";
@@ -22,7 +22,7 @@ const MOST_PLACES = 3; // sentences below the picture: more would leave it no ro
 const MOST_NOTES = 2;
 const WIDE = 560; // px from which a second picture stands beside the first, not below it
 const BETWEEN = 8; // px between the two
-const SHORT = 220; // px of the picture below which each sentence under it is one line
+const SHORT = 220; // px of the picture below which the sentences under it are short
 const LEAST = 140; // px between which the picture grows and shrinks with the window
 const MOST = 480;
 
@@ -142,7 +142,10 @@ export class Compare {
     this.meant = null;
     if (spec.told) put(this.places, spec.told.map((text) => this.sentence(text)));
     else put(this.places,
-      spots.slice(0, MOST_PLACES).map((spot) => this.sentence(`${signOf(spot)}${modelled(spot)}${spot.place.plane === plane || scene.views ? "" : ` (${scene.planes[spot.place.plane].name})`}`, spot)),
+      spots.slice(0, MOST_PLACES).map((spot) => {
+        const plain = spot.place.plane === plane || scene.views ? "" : ` (${scene.planes[spot.place.plane].name})`;
+        return this.sentence(`${signOf(spot)}${modelled(spot)}${plain}`, spot, `${signOf(spot)}${inBrief(spot)}${plain}`);
+      }),
       notes.slice(0, MOST_NOTES).map((note) => this.sentence(pretty(`note: ${note}`))));
     this.places.closest("section").hidden = !this.places.childElementCount;
     this.drawBeside();
@@ -173,9 +176,11 @@ export class Compare {
     return width;
   }
 
-  sentence(text, spot = null) {
+  // `shortly`: where the picture would have too little room beside the whole.
+  sentence(text, spot = null, shortly = text) {
     const item = h("li", { title: text, class: spot ? "" : "note",
-      onpointerenter: () => this.mean(spot?.place), onpointerleave: () => this.mean(null) }, text);
+      onpointerenter: () => this.mean(spot?.place), onpointerleave: () => this.mean(null) },
+    shortly === text ? text : [h("span", { class: "wholly" }, text), h("span", { class: "shortly" }, shortly)]);
     if (spot) this.spots.push({ ...spot, item });
     return item;
   }

@@ -93,11 +93,11 @@ function withoutAnswer(scene, refused) {
   return refused ? UNANSWERED : "";
 }
 
-// Its first parameter is its size: "inertia (m = 0.60 kg) would explain it."
+// Its first parameter is its size: "Inertia (m = 0.60 kg) would explain it."
 function explained({ effect, parameters }) {
   const [size] = Object.entries(parameters);
   const told = size ? ` (${size[0]} = ${pretty(`${number(size[1].value, 2)} ${size[1].unit}`)})` : "";
-  return `${effect}${told} would explain it.`;
+  return `${capital(effect)}${told} would explain it.`;
 }
 
 function fallTo(candidate, error) {

@@ -11,6 +11,8 @@ const SHELVES = [
   ["ruled-out", "Ruled out"],
 ];
 const FOLDED = "ruled-out";
+const LEAST = 0.001; // chance that is worth a word
+const GAP = 6; // px below a card
 
 export class Missing {
   constructor(parent, app) {
@@ -27,8 +29,11 @@ export class Missing {
     this.details = h("div", { id: "effect-details", class: "details", tabindex: "0", role: "region", "aria-label": "What is pointed at", "aria-live": "polite" });
     this.accept = h("button", { type: "button", id: "accept", class: "primary", onclick: () => this.take(this.active) }, "Accept effect");
     this.fold = h("button", { type: "button", id: "fold", class: "small", onclick: () => this.unfold(!this.folded) });
+    this.more = h("button", { type: "button", id: "more-effects", class: "small", title: "further down the list", onclick: () => this.goOn() });
     this.says = h("p", { class: "quiet" });
-    put(parent, this.says, this.list, h("div", { class: "bar" }, this.accept, this.fold), this.details);
+    put(parent, this.says, this.list, h("div", { class: "bar" }, this.accept, this.fold, this.more), this.details);
+    this.list.addEventListener("scroll", () => this.edges());
+    new ResizeObserver(() => this.fit()).observe(parent);
     // The list loses its focus when the button is pressed; what was chosen stays until then.
     this.accept.addEventListener("pointerdown", (event) => event.preventDefault());
     this.accept.addEventListener("keydown", (event) => { if (event.key === "Escape") this.choose(null); });
@@ -67,7 +72,49 @@ export class Missing {
     this.accept.hidden = Boolean(this.app.fixed) || none;
     this.unfold(this.folded);
     for (const title of this.own.keys()) this.place(title);
+    this.fit();
     this.show(this.app.hovered);
+  }
+
+  // The list ends where a card does: none is cut at its foot, and what stands below moves for no pointer.
+  fit() {
+    const { list } = this;
+    list.style.maxHeight = "";
+    const [top, room] = [list.getBoundingClientRect().top - list.scrollTop, list.clientHeight];
+    // Beside one another they are swiped through, and each is there in its full height.
+    const column = getComputedStyle(list).display !== "flex";
+    this.more.hidden = !column;
+    if (column && list.scrollHeight > room + 1) {
+      const feet = this.cards.map((card) => card.getBoundingClientRect().bottom - top + GAP);
+      const most = Math.max(0, ...feet.filter((foot) => foot <= room));
+      if (most) list.style.maxHeight = `${Math.ceil(most)}px`;
+    }
+    this.edges();
+  }
+
+  get cards() {
+    return [...this.list.querySelectorAll(".shelf:not([hidden]) .card")];
+  }
+
+  // How many are further down; what is scrolled under an edge fades there.
+  edges() {
+    const { list } = this;
+    const box = list.getBoundingClientRect();
+    const cut = (edge) => this.cards.some((card) => { const { top, bottom } = card.getBoundingClientRect(); return top < edge - 1 && bottom > edge + 1; });
+    list.classList.toggle("cut-above", list.scrollTop > 1 && cut(box.top));
+    list.classList.toggle("cut-below", cut(box.bottom));
+    const below = this.shown.filter((option) => option.getBoundingClientRect().bottom > box.bottom + 1).length;
+    this.more.textContent = `${below} more ↓`;
+    this.more.classList.toggle("none", below === 0);
+  }
+
+  // What stood first below the foot stands first.
+  goOn() {
+    const { list } = this;
+    const box = list.getBoundingClientRect();
+    const next = this.cards.find((card) => card.getBoundingClientRect().bottom > box.bottom + 1);
+    const shelf = next?.parentElement.firstElementChild === next ? next.parentElement : next;
+    if (shelf) list.scrollBy({ top: shelf.getBoundingClientRect().top - box.top });
   }
 
   // What a person asks about is a cause as well, one of each kind: parameters that were moved, a law, points that are chosen.
@@ -77,6 +124,7 @@ export class Missing {
     if (one) this.own.set(title, { ...one, class: [], shelf: title });
     this.list.querySelector(`[data-title="${title}"]`)?.remove();
     if (one) this.place(title);
+    else this.fit();
   }
 
   // Below the causes: what a hand is about to choose stays where it is.
@@ -99,6 +147,7 @@ export class Missing {
     this.fold.textContent = `${folded ? "Show" : "Hide"} ${out.length} ruled out`;
     this.fold.title = `the error stays with them: ${out.join(", ")}`;
     this.fold.setAttribute("aria-expanded", String(!folded));
+    this.fit();
   }
 
   // Effects that these data cannot tell apart are one card: what is left with them, each with its size, and what decides.
@@ -125,7 +174,7 @@ export class Missing {
     h("span", { class: "name", title: candidate.effect }, candidate.label || candidate.effect),
     h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of ${this.app.answer.discovery.diagnosis.error.test || this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
     h("span", { class: "size", title: candidate.says }, candidate.shown || size[0] || "not fitted"),
-    candidate.probability === undefined ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
+    !(candidate.probability >= LEAST) ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.
@@ -171,38 +220,43 @@ export class Missing {
     this.describe(effect);
   }
 
+  // What is pointed at; of nothing, what leads.
   describe(effect) {
     const diagnosis = this.app.answer?.discovery.diagnosis;
-    const candidate = this.candidates?.find((one) => one.effect === effect);
-    const other = [...(this.others || []), ...this.own.values()].find((one) => one.effect === effect);
+    const asked = effect ?? diagnosis?.leading[0];
+    const candidate = this.candidates?.find((one) => one.effect === asked);
+    const other = [...(this.others || []), ...this.own.values()].find((one) => one.effect === asked);
     let why = `${FINGER.matches ? "tap" : "point at"} an effect first`;
     if (this.app.waiting) why = "wait for the computation, or cancel it";
-    else if (candidate || other) why = "";
+    else if (effect && (candidate || other)) why = "";
     enable(this.accept, why);
-    if (other) {
-      put(this.details, h("p", {}, pretty(other.says)),
-        h("dl", {}, ...row("error", `${percent(diagnosis.error.relative_rms)} → ${percent(other.error_after)} (${times(other.error_after, diagnosis.error.noise_floor)})`)));
-      return;
-    }
-    if (!candidate) {
+    this.details.classList.toggle("pointed", Boolean(effect && (candidate || other)));
+    const named = (says) => h("p", {}, h("b", {}, pretty((candidate || other).label || asked)), `: ${pretty(says)}`);
+    if (other) put(this.details, named(other.says), h("dl", {}, ...row("error", this.fallTo(other.error_after))));
+    else if (candidate) put(this.details, named(candidate.says), this.facts(candidate));
+    else {
       const hint = `${FINGER.matches ? "Tap an effect" : "Point at an effect, or go through them with the arrow keys"}: the dashed curve shows what it would do.`;
       put(this.details, h("p", { class: "quiet" }, this.candidates?.length ? hint : ""));
-      return;
     }
-    const preview = this.app.answer.previews[effect];
-    const floor = diagnosis.error.noise_floor;
-    const others = candidate.class.filter((name) => name !== effect);
-    put(this.details,
-      h("p", {}, pretty(candidate.says)),
-      h("dl", {},
-        ...row("size", Object.entries(candidate.parameters).map(([name, value]) => {
-          const [told, interval] = withInterval(value.value, value.low, value.high);
-          return pretty(`${name} = ${told} ${interval} ${value.unit === "-" ? "" : value.unit}`);
-        }).join("; ") || "not fitted: it stands too far behind"),
-        ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
-        ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
-        ...(others.length ? row("rivals", others.join(", ")) : []),
-        ...(candidate.shelf !== FOLDED || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`))));
+  }
+
+  fallTo(after) {
+    const { relative_rms: now, noise_floor: floor } = this.app.answer.discovery.diagnosis.error;
+    return `${percent(now)} → ${percent(after)} (${times(after, floor)})`;
+  }
+
+  facts(candidate) {
+    const preview = this.app.answer.previews[candidate.effect];
+    const others = candidate.class.filter((name) => name !== candidate.effect);
+    return h("dl", {},
+      ...row("size", Object.entries(candidate.parameters).map(([name, value]) => {
+        const [told, interval] = withInterval(value.value, value.low, value.high);
+        return pretty(`${name} = ${told} ${interval} ${value.unit === "-" ? "" : value.unit}`);
+      }).join("; ") || "not fitted: it stands too far behind"),
+      ...row("error", preview ? `${this.fallTo(preview.error)}${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
+      ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
+      ...(others.length ? row("rivals", others.join(", ")) : []),
+      ...(candidate.shelf !== FOLDED || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`)));
   }
 }
 
