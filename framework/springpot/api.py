@@ -24,7 +24,7 @@ from springpot.diagnosis.discovery import discover as discover_objects
 from springpot.diagnosis.examination import diagnose as diagnose_objects
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.result import Diagnosis, Progress, silent
+from springpot.diagnosis.result import Diagnosis, Fitted, Progress, silent, unseen
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.calibration import calibration_of
 from springpot.identification.fitting import identify as identify_objects
@@ -324,6 +324,7 @@ def discover(
     progress: Progress = silent,
     reached: Callable[[Any], None] | None = None,
     begun: Ladder | None = None,
+    fitted: Fitted = unseen,
 ) -> Ladder:
     """Add missing effects one by one and watch the error fall.
 
@@ -355,6 +356,9 @@ def discover(
     begun : Ladder, optional
         The answer for the first of what is accepted now, all else being the same: its steps are not
         computed again.
+    fitted : callable, optional
+        Given each effect as soon as it was fitted by itself: its ``effect``, the ``model`` with it
+        and ``theta``; once more where a better fit comes.
 
     Raises
     ------
@@ -380,7 +384,9 @@ def discover(
         asked = enumerate(_listed(accept), 1)
         wanted = [_met(_effect(effect, known, number), data) for number, effect in asked]
     if data is None:
-        return discover_in_time(tests, begin, known, wanted, progress, reached, promised, begun)
+        return discover_in_time(
+            tests, begin, known, wanted, progress, reached, promised, begun, fitted
+        )
     grown = begin
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
@@ -388,7 +394,9 @@ def discover(
     # What cannot be accepted is told before the first fit, not after it.
     require_conditions(grown, data)
     rng = np.random.default_rng(seed)
-    return discover_objects(data, begin, known, rng, wanted, progress, reached, promised, begun)
+    return discover_objects(
+        data, begin, known, rng, wanted, progress, reached, promised, begun, fitted
+    )
 
 
 def invent(

@@ -88,6 +88,20 @@ def test_a_first_look_tells_what_the_answer_tells_of_the_model(
     assert early["previews"] == {}
 
 
+def test_causes_are_told_as_they_are_tried(relaxed: dict[str, Any], answer: dict[str, Any]):
+    lines: list[Any] = []
+    state = {"data": relaxed["digest"], "model": "maxwell", "seed": 7}  # that no ladder is kept of
+    answered(lines.append, state, relaxed["text"])
+    early = {line["action"]["name"]: line for line in lines if isinstance(line, dict)}
+    assert len(early) > 5
+    rows = answer["discovery"]["diagnosis"]["candidates"]
+    for row in rows[:3]:
+        told = early[row["effect"]]
+        assert told["preview"]["error"] == pytest.approx(row["error_after"], rel=0.02)
+        assert len(told["preview"]["curves"][0]["storage"]) > 100
+    assert early["parallel-springpot"]["action"]["shown"].startswith("c = 34")
+
+
 def test_every_effect_that_was_fitted_comes_with_its_curve(answer: dict[str, Any]):
     best = answer["discovery"]["diagnosis"]["candidates"][0]
     preview = answer["previews"][best["effect"]]

@@ -20,7 +20,7 @@ from .examination import examine
 from .grown import at_its_limit
 from .in_practice import Accuracy
 from .ladder import Ladder, Reached, Step, climbed, replaced_by
-from .result import Candidate, Diagnosis, Progress, silent
+from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
 from .scan import scan_effects
 from .sets import EffectSet, complete_set, likeliest_set
 
@@ -38,6 +38,7 @@ def discover(
     reached: Reached | None = None,
     accuracy: Accuracy | None = None,
     begun: Ladder | None = None,
+    fitted: Fitted = unseen,
 ) -> Ladder:
     """Accept effects that are missing from a model of a sweep; see `climbed`.
 
@@ -53,13 +54,15 @@ def discover(
         As for `climbed`.
     accuracy : Accuracy, optional
         What the instrument promises.
+    fitted : callable
+        Given each effect that was fitted by itself.
     """
     # The same noise as if all of it were climbed now, so that the ladder is the same to the bit.
     if begun is not None:
         drawn = begun.steps[-1].case.drawn
         assert drawn is not None
         rng.bit_generator.state = drawn
-    rungs = SweepRungs(measurement, library, rng, accuracy)
+    rungs = SweepRungs(measurement, library, rng, accuracy, fitted=fitted)
     return climbed(rungs, model, accept, progress, reached, begun)
 
 
@@ -81,6 +84,8 @@ class SweepRungs:
         Sets that were found to explain the data together.
     plan : list of Effect
         Those of the last such set that are still to be accepted.
+    fitted : callable
+        Given each effect that was fitted by itself.
     """
 
     measurement: Measurement
@@ -89,6 +94,7 @@ class SweepRungs:
     accuracy: Accuracy | None = None
     sets: list[EffectSet] = field(default_factory=list)
     plan: list[Effect] = field(default_factory=list)
+    fitted: Fitted = unseen
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -100,7 +106,14 @@ class SweepRungs:
             starts = _starts(before.case, effect)
         starts += [found.start(model) for found in self.sets if found.makes(model)]
         case = examine(
-            self.measurement, model, self.effects, self.rng, starts, progress, self.accuracy
+            self.measurement,
+            model,
+            self.effects,
+            self.rng,
+            starts,
+            progress,
+            self.accuracy,
+            self.fitted,
         )
         return replace(case, drawn=self.rng.bit_generator.state)
 

@@ -45,7 +45,7 @@ from .case import Case
 from .evidence import Evidence
 from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
-from .result import Diagnosis, Progress, silent
+from .result import Diagnosis, Fitted, Progress, silent, unseen
 from .search import search_from
 from .verdict import facts_of, rule_for
 
@@ -299,16 +299,18 @@ def examine(
     seeds: Sequence[Real] = (),
     progress: Progress = silent,
     accuracy: Accuracy | None = None,
+    fitted: Fitted = unseen,
 ) -> Case:
     """As `diagnose`, with the fits and scans behind the answer.
 
-    Starts (p,) may be known from a smaller model; `accuracy` is what the instrument promises.
+    Starts (p,) may be known from a smaller model; `accuracy` is what the instrument promises;
+    `fitted` is given each effect that was fitted by itself.
     """
     # Before any fit: a column that is missing is told at once.
     require_conditions(model, measurement)
     data = prepared(measurement, model)
     progress(f"fitting {model.name} and trying what may be missing from it")
-    seek = partial(search_from, progress=progress)
+    seek = partial(search_from, fitted=fitted)
     search, set_aside = search_data(data, model, library, rng, seeds, seek)
     # Users count rows in their own file, not in what thinning left of it.
     outliers = [outlier.counted_in(measurement) for outlier in set_aside]

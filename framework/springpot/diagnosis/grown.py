@@ -26,6 +26,8 @@ from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import Battery
 from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import PRINTED
@@ -58,7 +60,8 @@ class Grown:
             factor, _ = units.of(effect.element.parameters[0].unit)
             too_large = (
                 units.is_modulus
-                and factor * size_of(self.refit, effect) > effect.largest_of_modulus
+                and factor * size_of(self.refit.model, self.refit.theta, effect)
+                > effect.largest_of_modulus
             )
             # Constants of a shift trade with each other, and one at its end says nothing of the
             # law.
@@ -123,11 +126,11 @@ class Grown:
         return tuple(sorted(self.names))
 
 
-def size_of(fitted: Refit, effect: Effect) -> float:
+def size_of(model: Model, theta: Real, effect: Effect) -> float:
     """The size of an effect in a fitted model; of one that was added twice, that of the second."""
     size = effect.element.parameters[0].name
     value = 0.0
-    for name, number in zip(fitted.model.names, fitted.theta.tolist(), strict=True):
+    for name, number in zip(model.names, theta.tolist(), strict=True):
         owner, _, short = name.rpartition(".")
         if owner.partition("#")[0] == effect.name and short == size:
             value = number
@@ -141,7 +144,8 @@ def at_its_limit(fitted: Refit, effect: Effect) -> bool:
 
     What follows the data only there does so by its shape alone, as a modulus that would go as T^20.
     """
-    size, value = effect.element.parameters[0], size_of(fitted, effect)
+    size = effect.element.parameters[0]
+    value = size_of(fitted.model, fitted.theta, effect)
     ends = [
         end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at
     ]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.identification.value import PartResult, Value, parts_of, values_of
@@ -16,6 +16,7 @@ from springpot.plain_data import jsonable, number
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from .actions import ToDo, accepting
@@ -23,8 +24,6 @@ from .actions import ToDo, accepting
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .grown import Grown
 
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
@@ -41,24 +40,26 @@ Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
 
 
-class FittedStage(str):
-    """A stage that ends with a fit, for those who draw it before the answer is there.
+class TriedEffect(NamedTuple):
+    """An effect that was fitted by itself, for those who draw it before the answer is there.
 
-    Parameters
+    Attributes
     ----------
-    says : str
-        The stage.
-    grown : Grown
-        The fitted model with effects added.
+    effect : Effect
+        The effect.
+    model : Model
+        The model with it.
+    theta : ndarray, shape (p,)
+        Its parameters.
     """
 
-    grown: Grown
+    effect: Effect
+    model: Model
+    theta: Real
 
-    def __new__(cls, says: str, grown: Grown) -> Self:
-        """The words with the fit."""
-        stage = super().__new__(cls, says)
-        stage.grown = grown
-        return stage
+
+Fitted: TypeAlias = Callable[[TriedEffect], None]
+"""Called with each effect as its fit comes, and once more where a better one does."""
 
 
 @dataclass(frozen=True)
@@ -433,13 +434,10 @@ def silent(stage: str) -> None:
     """For those who do not ask."""
 
 
+def unseen(tried: TriedEffect) -> None:
+    """For those who wait for the answer."""
+
+
 def within(whole: str, progress: Progress) -> Progress:
     """Stages of a part, told as such: ``step 1: fitting fractional-maxwell``."""
-
-    def part(stage: str) -> None:
-        told = f"{whole}: {stage}"
-        if isinstance(stage, FittedStage):
-            told = FittedStage(told, stage.grown)
-        progress(told)
-
-    return part
+    return lambda stage: progress(f"{whole}: {stage}")

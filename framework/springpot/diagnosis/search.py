@@ -20,7 +20,6 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery, repeats_structure
-from springpot.misfit.words import percent
 from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
@@ -29,7 +28,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from ..numerics import SMALLEST
 from .asked import AskedSet, beside, in_each_place, once, one_more, two_more
 from .grown import Grown, Search
-from .result import FittedStage, Progress, silent
+from .result import Fitted, TriedEffect, unseen
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 
 
@@ -37,7 +36,7 @@ def search_from(
     base: Refit,
     library: Sequence[Effect],
     rng: np.random.Generator,
-    progress: Progress = silent,
+    fitted: Fitted = unseen,
 ) -> Search:
     """Look for what is missing from a fitted model.
 
@@ -49,8 +48,8 @@ def search_from(
         Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
-    progress : callable
-        Told of each effect that was fitted by itself, see `FittedStage`.
+    fitted : callable
+        Given each effect that was fitted by itself.
     """
     effects = [
         effect
@@ -68,7 +67,7 @@ def search_from(
     search.repeats = repeats_structure(base.data, rng)
     for score in scanned.scores[: SEARCH.singles]:
         search.grown.append(grown_with(search, score))
-        progress(_told(search.grown[-1]))
+        fitted(_single(search.grown[-1]))
     sort_by_evidence(search)
     search.grown[1 : SEARCH.beam] = [
         _from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]
@@ -89,9 +88,8 @@ def search_from(
     return search
 
 
-def _told(grown: Grown) -> FittedStage:
-    left = percent(grown.refit.relative_rms)
-    return FittedStage(f"{grown.names[0]} would leave {left}", grown)
+def _single(grown: Grown) -> TriedEffect:
+    return TriedEffect(grown.effects[0], grown.refit.model, grown.refit.theta)
 
 
 def _is_the_materials_own(base: Refit, effect: Effect) -> bool:

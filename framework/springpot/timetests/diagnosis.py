@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.diagnosis.in_practice import Accuracy, in_practice
-from springpot.diagnosis.result import Diagnosis
+from springpot.diagnosis.result import Diagnosis, Fitted, unseen
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -114,10 +114,11 @@ def examine(
     *,
     base: Identification | None = None,
     accuracy: Accuracy | None = None,
+    fitted: Fitted = unseen,
 ) -> TimeCase:
     """The same with the fits behind it; `base` is that of the model, where it is known already.
 
-    `accuracy` is what the instrument promises.
+    `accuracy` is what the instrument promises; `fitted` is given each effect that was fitted.
     """
     given = _listed(tests)
     if isinstance(model, str):
@@ -128,12 +129,12 @@ def examine(
     model = at_rigs(model, given)
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
-    case = _judged(given, model, library, base, None)
+    case = _judged(given, model, library, base, None, fitted)
     noise = _noise_beside(parts_of_specimen(given), case)
     if noise is not None:
         # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
         # second.
-        case = _judged(given, model, library, None, noise)
+        case = _judged(given, model, library, None, noise, fitted)
     told = in_practice(case.diagnosis, case.misfits, accuracy)
     lowest = material_floor(case.base).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
@@ -184,6 +185,7 @@ def _judged(
     effects: Sequence[Effect],
     base: Identification | None,
     known: Sequence[Real | None] | None,
+    fitted: Fitted,
 ) -> TimeCase:
     """The diagnosis with a certain noise."""
     if base is None:
@@ -198,11 +200,11 @@ def _judged(
     left_out: dict[str, str] = {}
     if is_material(base.model):
         leading = leading_of_scan(promises, before)
-        tried = of_material(given, parts, base, leading, known, left_out)
+        tried = of_material(given, parts, base, leading, known, left_out, fitted)
     else:
-        nearly = nearly_all(base, parts, quick, promises, before, left_out)
+        nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
         nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
-        tried = exactly_fitted(given, parts, base, nearly, before, known, left_out)
+        tried = exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
     tried = _one_of_each([_no_worse(each, before) for each in tried])

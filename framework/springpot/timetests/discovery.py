@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by, with_rivals
-from springpot.diagnosis.result import Progress, silent
+from springpot.diagnosis.result import Fitted, Progress, silent, unseen
 from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
@@ -29,6 +29,7 @@ def discover(
     reached: Reached | None = None,
     accuracy: Accuracy | None = None,
     begun: Ladder | None = None,
+    fitted: Fitted = unseen,
 ) -> Ladder:
     """Add missing effects one by one; see `springpot.diagnosis.ladder.climbed`.
 
@@ -44,6 +45,8 @@ def discover(
         As for `climbed`.
     accuracy : Accuracy, optional
         What the instrument promises.
+    fitted : callable
+        Given each effect that was fitted by itself.
 
     Raises
     ------
@@ -54,7 +57,8 @@ def discover(
         model = parse_model(model)
     if effects is None:
         effects = list(plugins().items("effect"))
-    return climbed(TimeRungs(tests, effects, accuracy), model, accept, progress, reached, begun)
+    rungs = TimeRungs(tests, effects, accuracy, fitted=fitted)
+    return climbed(rungs, model, accept, progress, reached, begun)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +79,8 @@ class TimeRungs:
         Those of the first such set that are still to be accepted.
     sought : list of str
         The model of which a set was looked for.
+    fitted : callable
+        Given each effect that was fitted by itself.
     """
 
     tests: Sequence[Test]
@@ -83,6 +89,7 @@ class TimeRungs:
     sets: list[FoundSet] = field(default_factory=list)
     plan: list[Effect] = field(default_factory=list)
     sought: list[str] = field(default_factory=list)
+    fitted: Fitted = unseen
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -95,9 +102,11 @@ class TimeRungs:
         if isinstance(known, TimeCase):
             fits.append(known.best_fit)
         base = next((fit for fit in fits if sorted(fit.model.names) == sorted(model.names)), None)
-        if base is None:
-            return examine(self.tests, model, self.effects, accuracy=self.accuracy)
-        return examine(self.tests, base.model, self.effects, base=base, accuracy=self.accuracy)
+        if base is not None:
+            model = base.model
+        return examine(
+            self.tests, model, self.effects, base=base, accuracy=self.accuracy, fitted=self.fitted
+        )
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
         """The effect that the evidence asks for, if it is the only one that does what it does.

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect
@@ -111,6 +112,7 @@ def of_material(
     leading: Sequence[list[Promise]],
     known: Sequence[Real | None] | None,
     left_out: dict[str, str],
+    fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
     from .fitting import identify
@@ -133,6 +135,7 @@ def of_material(
             continue
         left = Left.by(fit.model, fit.theta, fit.reference, parts)
         tried.append(Tried(effect, fit.model, fit.theta, left, 0.0, fit))
+        fitted(TriedEffect(effect, fit.model, fit.theta))
     return tried
 
 
@@ -144,10 +147,12 @@ def nearly_fitted(
     before: Left,
     left_out: dict[str, str],
     starts: int = STARTS,
+    fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The leading effects fitted by fixed exponentials, and what is left of the exact response.
 
-    Those that swing by the exact response, if they lead; each from so many `starts`.
+    Those that swing by the exact response, if they lead; each from so many `starts`. `fitted` is
+    given each as it comes.
     """
     tried = []
     best = max((promises[0].drop for promises in leading), default=0.0)
@@ -182,6 +187,7 @@ def nearly_fitted(
             left_out[effect.name] = str(error)
             continue
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
+        fitted(TriedEffect(effect, model, search.theta(u)))
     return tried
 
 
@@ -192,12 +198,13 @@ def nearly_all(
     promises: dict[str, list[Promise]],
     before: Left,
     left_out: dict[str, str],
+    fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The leading effects nearly fitted, and the others where those miss the tests by far."""
     leading = leading_of_scan(promises, before)
-    nearly = nearly_fitted(base, parts, quick, leading, before, left_out)
+    nearly = nearly_fitted(base, parts, quick, leading, before, left_out, fitted=fitted)
     others = passed_over(promises, nearly, before)
-    return nearly + nearly_fitted(base, parts, quick, others, before, left_out)
+    return nearly + nearly_fitted(base, parts, quick, others, before, left_out, fitted=fitted)
 
 
 def from_the_best(
@@ -232,6 +239,7 @@ def exactly_fitted(
     before: Left,
     known: Sequence[Real | None] | None,
     left_out: dict[str, str],
+    fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The best of them fitted exactly, and the others as they are."""
     from .fitting import identify
@@ -264,6 +272,7 @@ def exactly_fitted(
             continue
         left = Left.by(fit.model, fit.theta, fit.reference, parts)
         tried.append(replace(each, model=fit.model, theta=fit.theta, left=left, fit=fit))
+        fitted(TriedEffect(each.effect, fit.model, fit.theta))
     return tried
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.result import silent
+from springpot.diagnosis.result import Fitted, silent, unseen
 from springpot.errors import DataError, SpringpotError
 from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
@@ -79,11 +79,16 @@ SCHEMA = "springpot.workbench/1"
 
 
 def ladder_of(
-    state: State, measurement: Opened, told: Told = silent, begun: Ladder | None = None
+    state: State,
+    measurement: Opened,
+    told: Told = silent,
+    begun: Ladder | None = None,
+    fitted: Fitted = unseen,
 ) -> Ladder:
     """The ladder of a state; the same bits for the same state and data.
 
     `begun` is that of the state before its last effect, where it is known: it is not climbed again.
+    `fitted` is given each effect that was fitted by itself.
 
     Raises
     ------
@@ -94,7 +99,14 @@ def ladder_of(
     # A list, though it may be empty: without one the evidence would accept effects by itself.
     accepted, model = list(state.accepted), state.model or None
     ladder = discover(
-        used, model, accept=accepted, seed=state.seed, progress=told, begun=begun, **state.known
+        used,
+        model,
+        accept=accepted,
+        seed=state.seed,
+        progress=told,
+        begun=begun,
+        fitted=fitted,
+        **state.known,
     )
     assert isinstance(ladder, Ladder)
     return ladder
@@ -152,12 +164,12 @@ def _measured(text: str) -> Measurement:
     return data
 
 
-def _ladder(state: State, text: str, told: Told) -> Ladder:
+def _ladder(state: State, text: str, told: Told, fitted: Fitted = unseen) -> Ladder:
     # What one leaves with is asked after the answer: its ladder need not be climbed twice.
     if state.key not in _ladders:
         before = replace(state, accepted=state.accepted[:-1])
         begun = _ladders.get(before.key) if state.accepted else None
-        _ladders[state.key] = ladder_of(state, _opened(text), told, begun)
+        _ladders[state.key] = ladder_of(state, _opened(text), told, begun, fitted)
         while len(_ladders) > LADDERS:
             _ladders.popitem(last=False)
     # The one asked for last goes last: what somebody works with stays, however early it was
@@ -390,7 +402,7 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.tasks.answer`; its ladder is kept for what one leaves with."""
     asked = State.of(state)
-    ladder = _ladder(asked, text, telling(told, asked, _opened(text)))
+    ladder = _ladder(asked, text, told, telling(told, asked, _opened(text)))
     # Told, as the previews of a large library take a while themselves.
     told("drawing what each effect would change")
     return answer(asked, ladder, _opened(text))

@@ -17,17 +17,22 @@ from springpot.comparison.comparing import compare
 from springpot.comparison.result import Comparison, Judgement
 from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
-from springpot.diagnosis.result import FittedStage, Progress
+from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.misfit.refit import Refit
+from springpot.misfit.words import percent
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import drawn_at_once, preview
 from springpot.report.interactive.hypotheses import Preview
-from springpot.report.interactive.in_time import TimeScene, drawn_in_time_at_once
+from springpot.report.interactive.in_time import (
+    TimeScene,
+    drawn_effect,
+    drawn_in_time_at_once,
+)
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -36,6 +41,7 @@ from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
 from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.residuals_of_tests import units_of
+from springpot.timetests.specimen import reference_of
 
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
@@ -170,40 +176,50 @@ def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -
 def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str, Any]:
     if isinstance(data, Specimen):
         assert isinstance(fit, Identification)
-        told = {"model": fit.model.name, "error": fit.relative_rms, "refitted": True}
-        return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
+        stays = TimeScene(kept(data, state.excluded).tests)
+        return drawn_effect(TimeScene(data.tests), stays, fit.model, fit.theta, fit.reference)
     data = model_and_data(state, data)[1]
     used = kept(data, state.excluded)
     return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
 
 
-def telling(told: Told, state: State, data: Opened) -> Progress:
-    """What tells stages, and of each effect that was tried by itself an ``action`` as in an answer.
+def telling(told: Told, state: State, data: Opened) -> Fitted:
+    """What tells of each effect that was tried by itself an ``action`` as in an answer.
 
-    With its ``preview``; only beside new sweeps: beside a further rung the answer before is there.
+    With its ``preview``; only beside new data: beside a further rung the answer before is there.
     """
-    if state.accepted or isinstance(data, Specimen):
-        return told
-    data = model_and_data(state, data)[1]
-    scene, used = PageScene(data), kept(data, state.excluded)
-    drawn_as: dict[Effect, str] = {}
+    if state.accepted:
+        return unseen
+    draw, units = _drawing(state, data), units_in(data)
+    left: dict[str, str] = {}
 
-    def tell(stage: str) -> None:
+    def tell(tried: TriedEffect) -> None:
+        name, shown = tried.effect.name, draw(tried)
+        leaves = f"{name} would leave {percent(shown['error'])}"
         # Tried again in another noise, most leave the same.
-        if not isinstance(stage, FittedStage) or drawn_as.get(stage.grown.effects[0]) == stage:
-            told(stage)
+        if left.get(name) == leaves:
             return
-        [effect], fit = stage.grown.effects, stage.grown.refit
-        drawn_as[effect] = stage
-        size = effect.element.parameters[0]
-        factor, unit = used.units.of(size.unit)
-        value = f"{size.name} = {factor * size_of(fit, effect):.3g} {unit.strip('-')}".strip()
-        action: dict[str, Any] = {"name": effect.name, "label": effect.name, "says": effect.summary}
-        action |= {"shown": value, "accept": [effect.name], "exclude": []}
-        drawn = preview(scene, used, Preview(effect.name, fit.model, fit.theta, True))
-        told({"stage": stage, "action": action, "preview": drawn})
+        left[name] = leaves
+        size = tried.effect.element.parameters[0]
+        factor, unit = units.of(size.unit)
+        value = factor * size_of(tried.model, tried.theta, tried.effect)
+        action: dict[str, Any] = {"name": name, "label": name, "says": tried.effect.summary}
+        action |= {"shown": f"{size.name} = {value:.3g} {unit.strip('-')}".strip()}
+        action |= {"accept": [name], "exclude": []}
+        told({"stage": leaves, "action": action, "preview": shown})
 
     return tell
+
+
+def _drawing(state: State, data: Opened) -> Callable[[TriedEffect], dict[str, Any]]:
+    """How the previews of these data are drawn."""
+    if isinstance(data, Specimen):
+        scene, stays = TimeScene(data.tests), TimeScene(kept(data, state.excluded).tests)
+        reference = reference_of(stays.tests)
+        return lambda one: drawn_effect(scene, stays, one.model, one.theta, reference)
+    data = model_and_data(state, data)[1]
+    page, used = PageScene(data), kept(data, state.excluded)
+    return lambda one: preview(page, used, Preview(one.effect.name, one.model, one.theta, True))
 
 
 def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:

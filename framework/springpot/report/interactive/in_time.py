@@ -282,6 +282,14 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
     }
 
 
+def drawn_effect(
+    scene: TimeScene, used: TimeScene, model: Model, theta: Real, reference: float
+) -> dict[str, Any]:
+    """A grown model as the page draws it, with its relative error over the rows that are used."""
+    told = {"model": model.name, "error": used.error(model, theta, reference), "refitted": True}
+    return {**told, **scene.curve(model, theta, reference)}
+
+
 def drawn_in_time_at_once(base: Identification, scene: TimeScene) -> dict[str, Any]:
     """A fitted model as `drawn_in_time`, without anything that it may lack."""
     whole = scene.curve(base.model, base.theta, base.reference, whole=True)
