@@ -65,7 +65,7 @@ def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     test = TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name="relaxation")
     found = springpot.discover(test, "maxwell", accept=["parallel-spring"])
     assert images.open(found.plot(tmp_path / "replay.gif")).n_frames == replay.FRAMES + 1
-    stage = replay.ReplayInTime(found)
+    [stage] = replay.ReplayInTime(found).played
     with blank() as figure:
         curve, left = figure.subplots(1, 2)
         stage.curve(curve, 1, 0.5)
@@ -76,6 +76,26 @@ def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     [points] = left.get_lines()
     np.testing.assert_allclose(points.get_ydata(), np.mean(stage.left, axis=0)[0])
     assert np.max(np.abs(stage.left[0])) > 10.0 > np.max(np.abs(stage.left[1]))
+
+
+def test_several_tests_are_played_beside_one_another(monkeypatch):
+    """Each of them, in their order; further ones below."""
+    monkeypatch.setattr(replay, "DOTS", 30)
+    rng, time = np.random.default_rng(5), np.geomspace(0.05, 5.0, 16)
+    tests = [
+        TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + rise) * noise, name=f"at-{rise}")
+        for rise, noise in zip((1.0, 3.0), 1.0 + 0.01 * rng.normal(size=(2, 16)), strict=True)
+    ]
+    found = springpot.discover(tests, "maxwell", accept=["parallel-spring"], only=["friction"])
+    stage = replay.ReplayInTime(found)
+    assert [one.name for one in stage.played] == ["at-1.0", "at-3.0"]
+    assert stage.at(1, 0.5).size == (14 * 30, 5 * 30)
+    assert replay._mosaic(4, 2) == [
+        ["curve 0", "curve 1", "ladder"],
+        ["residual 0", "residual 1", "ladder"],
+        ["curve 2", "curve 3", "ladder"],
+        ["residual 2", "residual 3", "ladder"],
+    ]
 
 
 def test_each_way_begins_after_one_fit_and_ends_on_the_next():

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from browsing import IN_A_BROWSER, SMALL, violations_on
 
@@ -73,3 +74,31 @@ def test_the_ladder_is_played_and_scrubbed(shown: Shown):
     assert page.inner_text("#verdict").startswith(f"{MODEL} + inertia: adequate")
     page.click("#play")
     assert page.locator("#scrub").input_value() == "0"
+
+
+def test_tests_in_time_are_played_each_on_its_own_axes(browser: Any, tmp_path: Path):
+    rng, time = np.random.default_rng(5), np.geomspace(0.05, 5.0, 20)
+    tests = [
+        springpot.TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name=name)
+        for name, noise in zip(("one", "other"), 1.0 + 0.01 * rng.normal(size=(2, 20)), strict=True)
+    ]
+    only = ["parallel-spring", "parallel-springpot"]
+    ladder = springpot.discover(tests, "maxwell", accept=["parallel-spring"], only=only)
+    (tmp_path / "report.html").write_text(report_html(ladder, tests, ["springpot"]), "utf-8")
+    context = browser.new_context(viewport={"width": 1024, "height": 800}, offline=True)
+    page = context.new_page()
+    faults: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.goto((tmp_path / "report.html").as_uri())
+    page.select_option("#view", label="other: stress over time")
+    page.select_option("#second", label="and one: stress over time")
+    page.fill("#scrub", "0")
+    assert page.inner_text("#verdict").startswith("maxwell: ")
+    page.locator("[data-effect='parallel-spring']").hover()
+    assert page.locator("#plot-second .line.preview").count() == 1
+    page.click("#play")
+    page.wait_for_function("() => document.querySelector('#scrub').value === '1'")
+    assert "maxwell + parallel-spring" in page.inner_text("#key")
+    assert faults == []
+    assert violations_on(page) == []
+    context.close()

@@ -36,6 +36,7 @@ from .canvas import require_matplotlib
 from .fit_text import parameters_table
 from .interactive.answers import rungs
 from .interactive.bench import PageParts, bench_of
+from .interactive.in_time import TimeScene
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
 from .network import network_svg
@@ -104,19 +105,20 @@ def write_report(
 def report_html(ladder: Ladder, data: Measurement | Sequence[Test], command: Sequence[str]) -> Html:
     """The report as text; parameters as in `write_report`."""
     tests: Sequence[Test] = [data] if isinstance(data, Measurement) else data
-    if (sweep := sweep_of(tests)) is not None:
-        bench = _bench(ladder, sweep)
-        pointing = [tag("h2", "Point at it"), tag("p", POINTING, class_="quiet"), bench.body]
-        style, script, scenes = bench.style, bench.policy, _scenes(ladder, sweep)
+    sweep = sweep_of(tests)
+    bench = _bench(ladder, tests if sweep is None else sweep)
+    if sweep is not None:
+        scenes = _scenes(ladder, sweep)
         pictures = [*_seen(scenes), *_places(ladder), *_planes(scenes)]
     else:
-        pointing, style, script = [], "", ""
         pictures = [*_drawn_tests(ladder, tests), *_places(ladder)]
     body = [
         # The answer first, then what can be pointed at, then the evidence, and last how to repeat
         # it.
         *_head(ladder),
-        *pointing,
+        tag("h2", "Point at it"),
+        tag("p", POINTING, class_="quiet"),
+        bench.body,
         *_ladder(ladder),
         *pictures,
         *_rankings(ladder),
@@ -126,7 +128,7 @@ def report_html(ladder: Ladder, data: Measurement | Sequence[Test], command: Seq
         *_repeat(ladder, tests, command),
     ]
     title = f"{ladder.steps[0].model.name} of {ladder.data}"
-    return page(title, *body, style=style, script=script)
+    return page(title, *body, style=bench.style, script=bench.policy)
 
 
 def _seen(scenes: dict[str, Scene]) -> Iterator[Html]:
@@ -178,16 +180,14 @@ READING = (
 )
 
 
-def _bench(ladder: Ladder, measurement: Measurement) -> PageParts:
+def _bench(ladder: Ladder, data: Measurement | Sequence[Test]) -> PageParts:
     """The panels of the workbench, with every step of the ladder."""
     # The same scene as the workbench, so that a report and the page cannot say different things.
-    scene = PageScene(measurement)
-    given = {
-        "scene": scene.to_dict(),
-        "rungs": rungs(ladder, measurement),
-        "excluded": excluded_rows(ladder, measurement),
-    }
-    return bench_of(given)
+    if isinstance(data, Measurement):
+        scene, excluded = PageScene(data).to_dict(), excluded_rows(ladder, data)
+    else:
+        scene, excluded = TimeScene(data).to_dict(), []
+    return bench_of({"scene": scene, "rungs": rungs(ladder, data), "excluded": excluded})
 
 
 def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:

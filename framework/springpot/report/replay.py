@@ -19,7 +19,6 @@ from springpot.diagnosis.case import Case
 from springpot.diagnosis.ladder import Ladder
 from springpot.files import write_with
 from springpot.rheology.points import Complex, Points, Real
-from springpot.timetests.verdict import worst_of
 
 from . import views
 from .canvas import COLOURS as LINES
@@ -46,6 +45,8 @@ DOTS = 100
 """Per inch."""
 NOISE = 2.0
 """Standard deviations within which a residual may be noise."""
+ABREAST, MOST_PLAYED = 3, 6
+"""Tests beside one another, and at most: those that the first model misses most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,13 +134,10 @@ class Replay(ABC):
             draw_ladder(whole, ladder)
             self.ends = whole.get_xlim(), whole.get_ylim()
 
+    @property
     @abstractmethod
-    def curve(self, axes: Axes, step: int, share: float) -> None:
-        """Draw the data, and the curve on its way to a step."""
-
-    @abstractmethod
-    def residual(self, axes: Axes, step: int, share: float) -> None:
-        """Draw what is left there."""
+    def played(self) -> Sequence[Played]:
+        """The pictures that move, one for each test."""
 
     def at(self, step: int, share: float) -> Image:
         """The frame on the way to a step."""
@@ -149,18 +147,25 @@ class Replay(ABC):
         reached = step + 1
         if share < 1.0:
             reached = step
-        with blank(9.0, 5.0) as figure:
+        tiers = -(-len(self.played) // ABREAST)
+        abreast = -(-len(self.played) // tiers)
+        with blank(4.0 + 5.0 * abreast, 5.0 * tiers) as figure:
             panels = figure.subplot_mosaic(
-                [["curve", "ladder"], ["residual", "ladder"]],
-                width_ratios=(1.25, 1.0),
-                height_ratios=(1.5, 1.0),
+                _mosaic(len(self.played), abreast),
+                width_ratios=(*abreast * (1.25,), 1.0),
+                height_ratios=tiers * (1.5, 1.0),
             )
-            self.curve(panels["curve"], step, share)
-            panels["curve"].set_xlabel("")
-            self.residual(panels["residual"], step, share)
+            for i, one in enumerate(self.played):
+                one.curve(panels[f"curve {i}"], step, share)
+                panels[f"curve {i}"].set_xlabel("")
+                one.residual(panels[f"residual {i}"], step, share)
+                if i:
+                    entitled(panels[f"curve {i}"], one.name)
             self._ladder(panels["ladder"], reached)
-            model = self.ladder.steps[reached - 1].model
-            entitled(panels["curve"], f"{model.name} of {self.ladder.data}")
+            model, of = self.ladder.steps[reached - 1].model, self.ladder.data
+            if len(self.played) > 1:
+                of = self.played[0].name
+            entitled(panels["curve 0"], f"{model.name} of {of}")
             stream = BytesIO()
             figure.savefig(stream, format="png", dpi=DOTS)
         return images.open(stream).convert("RGB").quantize(COLOURS)
@@ -170,7 +175,37 @@ class Replay(ABC):
         axes.set(xlim=self.ends[0], ylim=self.ends[1])
 
 
-class ReplayOfSweeps(Replay):
+def _mosaic(count: int, abreast: int) -> Any:
+    """Where the pictures stand: each residual below its curve, the ladder beside all."""
+    rows = []
+    for first in range(0, count, abreast):
+        for kind in ("curve", "residual"):
+            named = [f"{kind} {i}" for i in range(first, min(first + abreast, count))]
+            rows.append([*named, *(abreast - len(named)) * ["."], "ladder"])
+    return rows
+
+
+class Played(ABC):
+    """What moves of one test.
+
+    Attributes
+    ----------
+    name : str
+        What the test is called.
+    """
+
+    name: str = ""
+
+    @abstractmethod
+    def curve(self, axes: Axes, step: int, share: float) -> None:
+        """Draw the data, and the curve on its way to a step."""
+
+    @abstractmethod
+    def residual(self, axes: Axes, step: int, share: float) -> None:
+        """Draw what is left there."""
+
+
+class ReplayOfSweeps(Replay, Played):
     """Storage and loss, and the error at each point."""
 
     def __init__(self, ladder: Ladder) -> None:
@@ -185,6 +220,11 @@ class ReplayOfSweeps(Replay):
             for fit in self.fits
         )
         self.noise = 2.0 * float(np.median(np.abs(bases[-1].noise.sd) / size))
+
+    @property
+    def played(self) -> Sequence[Played]:
+        """All sweeps in one picture."""
+        return [self]
 
     def _scene(self, step: int, share: float) -> Scene:
         there, before = self.fits[step], self.fits[max(step - 1, 0)]
@@ -205,18 +245,43 @@ class ReplayOfSweeps(Replay):
 
 
 class ReplayInTime(Replay):
-    """Of tests in time the one that the first model misses most, as the page draws it."""
+    """Tests in time as the page draws them, each beside the others."""
 
     def __init__(self, ladder: Ladder) -> None:
         super().__init__(ladder)
         bases = [case_of(step).base for step in ladder.steps]
-        scene, at = TimeScene(bases[0].data), worst_of(ladder.steps[0].tests)
+        scene = TimeScene(bases[0].data)
         told = scene.to_dict()
+        whole = [scene.curve(base.model, base.theta, base.reference, whole=True) for base in bases]
+        tests = ladder.steps[0].tests
+        missed = sorted(range(len(tests)), key=lambda i: -tests[i].over_floor)[:MOST_PLAYED]
+        self._played = [PlayedTest(told, whole, at) for at in sorted(missed)]
+
+    @property
+    def played(self) -> Sequence[Played]:
+        """The tests, in their order."""
+        return self._played
+
+
+class PlayedTest(Played):
+    """One test in time.
+
+    Parameters
+    ----------
+    told : dict
+        See `TimeScene.to_dict`.
+    whole : sequence of dict
+        What each step computes, see `TimeScene.curve`.
+    at : int
+        Which test.
+    """
+
+    def __init__(self, told: dict[str, Any], whole: Sequence[dict[str, Any]], at: int) -> None:
+        self.name = told["sweeps"][at]["label"]
         self.view, self.grid = told["views"][f"test-{at}"], told["grids"][at]["x"]
         rows = np.equal(told["sweep"], at)
         self.x = np.array(told["x"])[rows]
         self.measured = _parts(told, self.view, rows)
-        whole = [scene.curve(base.model, base.theta, base.reference, whole=True) for base in bases]
         self.curves = [_parts(drawn["curves"][at], self.view) for drawn in whole]
         self.left = [
             _parts(drawn["planes"][PLANE], self.view, rows)

@@ -19,14 +19,22 @@ KEPT = 64 << 20
 """Bytes of answers that are kept: some hundred rungs."""
 
 PROGRAM = "from springpot.web.worker import main; main()"
+ASIDE = "import os; getattr(os, 'nice', int)(15)"
 Line = bytes
 
 
 class DeskWorker:
-    """One process, which does one task after another."""
+    """One process, which does one task after another.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    aside : bool
+        Whether it stands back for all others on a machine that has no processor left.
+    """
+
+    def __init__(self, aside: bool = False) -> None:
         self._process: asyncio.subprocess.Process | None = None
+        self._program = f"{ASIDE}; {PROGRAM}" if aside else PROGRAM
 
     async def start(self) -> None:
         """Start the process; it imports what it needs while it waits."""
@@ -34,7 +42,7 @@ class DeskWorker:
             sys.executable,
             # With the path of the server, so that both import the same.
             "-c",
-            f"import sys; sys.path[:] = {sys.path!r}; {PROGRAM}",
+            f"import sys; sys.path[:] = {sys.path!r}; {self._program}",
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             # A pipe that nobody reads would fill, and stop the worker.
@@ -114,7 +122,7 @@ class _Running:
 
 
 class Desk:
-    """Workers for short and for long tasks, and the answers that they gave.
+    """Workers for short and for long tasks, one for what nobody waits for, and their answers.
 
     Parameters
     ----------
@@ -123,7 +131,11 @@ class Desk:
     """
 
     def __init__(self, long: int = 2) -> None:
-        self._lanes = {"short": [DeskWorker()], "long": [DeskWorker() for _ in range(long)]}
+        self._lanes = {
+            "short": [DeskWorker()],
+            "long": [DeskWorker() for _ in range(long)],
+            "quiet": [DeskWorker(aside=True)],
+        }
         self._free: dict[str, asyncio.Queue[DeskWorker]] = {}
         self._queues: dict[str, list[_Running]] = {lane: [] for lane in self._lanes}
         self._running: dict[str, _Running] = {}
@@ -131,7 +143,7 @@ class Desk:
         self._kept: OrderedDict[str, Line] = OrderedDict()
 
     async def open(self) -> None:
-        """Start a worker of each kind, so that the first answer need not wait for their imports.
+        """Start a worker of each kind that is waited for, so that no answer waits for its imports.
 
         Further ones start when they are needed: they would only take time from the first.
         """
@@ -139,7 +151,8 @@ class Desk:
             # The last who worked is the first who works again: it has the imports, and remembers
             # ladders.
             self._free[lane] = asyncio.LifoQueue()
-            await workers[0].start()
+            if lane != "quiet":
+                await workers[0].start()
             for worker in reversed(workers):
                 self._free[lane].put_nowait(worker)
 
@@ -163,7 +176,7 @@ class Desk:
         ----------
         task, arguments
             What is to be done, see `springpot.web.tasks`.
-        lane : {"short", "long"}
+        lane : {"short", "long", "quiet"}
             Which workers do it.
         key : str
             Of an answer that is the same whenever it is asked: it is computed once and kept. When

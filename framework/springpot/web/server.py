@@ -398,7 +398,8 @@ class Server:
         key = ""
         if task in KEPT:
             key = f"{task} {state.key}"
-        return self._stream(task, arguments, LANES[task], key)
+        lane = "quiet" if given.get("quiet") else LANES[task]
+        return self._stream(task, arguments, lane, key)
 
     def _watch(self, given: dict[str, Any]) -> Response:
         """What is new in the folder that the command line named; of none, nothing."""

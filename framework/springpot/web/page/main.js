@@ -16,6 +16,7 @@ import { Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
 import { Race } from "./race.js";
+import { Resting } from "./resting.js";
 import { looksOf } from "./views.js";
 import { Watch } from "./watch.js";
 import { answerTo, heldWith, keyOf, lacking, ofModel, rowsOf, textOf } from "./wants.js";
@@ -57,6 +58,7 @@ class App {
     ];
     this.race = new Race(byId("race"));
     this.watch = new Watch(this, byId("odds-body"));
+    this.resting = new Resting(this);
   }
 
   get state() { return this.history.state; }
@@ -402,6 +404,7 @@ class App {
     } finally {
       this.pursuing = false;
       this.render();
+      this.resting.settle();
     }
   }
 
@@ -440,6 +443,7 @@ class App {
     this.compare.preview(effect);
     this.ladder.preview(effect);
     this.missing.show(effect);
+    this.resting.bring();
   }
 
   look(change) {

@@ -13,6 +13,7 @@ export const rowsOf = ({ data, excluded, seed }) => JSON.stringify([data, exclud
 // Names under which what is wanted is known while it runs, and after it was refused.
 export const textOf = (data) => `data ${data}`;
 export const answerTo = (state) => `answer ${keyOf(state)}`;
+export const rankingOf = (rows) => `ranking ${rows}`;
 
 // Another model has other parameters: nothing of it is held or tied.
 export const ofModel = ({ fixed, options, ...state }, model) => ({ ...state, model, accepted: [] });
@@ -22,7 +23,7 @@ export function heldWith({ fixed = {}, ...state }) {
   const kept = Object.entries(fixed).filter(([name]) => there(name));
   return kept.length ? { ...state, fixed: Object.fromEntries(kept) } : state;
 }
-const withoutModel = (state) => ofModel(state, "");
+export const withoutModel = (state) => ofModel(state, "");
 
 // Each is named, asks, keeps what came, and is left alone when it was refused or cancelled.
 export function lacking(app) {
@@ -66,7 +67,7 @@ function theRanking(app, state) {
   const of = rowsOf(state);
   if (app.toRank !== of || app.ranking?.of === of) return null;
   return {
-    name: `ranking ${of}`,
+    name: rankingOf(of),
     ask: (how) => api.ask("ranking", { state: withoutModel(state) }, how),
     take: (found) => { app.ranking = { ...found, of }; },
     leave: () => { app.toRank = null; },
