@@ -283,7 +283,9 @@ function othersOf({ answer, laws, others }) {
     });
     return { effect: text, label: pretty(text.replace(/^.*?= */, "")), says: `${sizes.join("; ")}; ${says}`, shown: sizes[0], probability, shelf: titleOf(laws) };
   });
-  const instead = (others?.actions || []).filter(({ label }) => label !== answer.discovery.diagnosis.model)
+  // The present one with an effect more is a cause's own card.
+  const { model } = answer.discovery.diagnosis;
+  const instead = (others?.actions || []).filter(({ label }) => label !== model && !label.startsWith(`${model} + `))
     .map(({ name, label, says, shown }) => ({ effect: name, label, says, shown, shelf: INSTEAD }));
   return [...found, ...acts, ...instead].map((one) => ({ ...one, class: [], error_after: answer.previews[one.effect].error }));
 }
