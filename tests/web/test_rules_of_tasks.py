@@ -69,7 +69,9 @@ def test_the_ladders_asked_for_last_are_kept(monkeypatch):
     climbed = []
     monkeypatch.setattr(tasks, "_ladders", type(tasks._ladders)())
     monkeypatch.setattr(
-        tasks, "ladder_of", lambda state, data, told, begun: climbed.append(begun) or state.key
+        tasks,
+        "ladder_of",
+        lambda state, data, told, begun, fitted: climbed.append(begun) or state.key,
     )
     states = [
         State.of({"data": "a", "model": "kelvin", "seed": i}) for i in range(tasks.LADDERS + 1)
