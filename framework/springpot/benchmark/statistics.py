@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import comb, factorial, inf, sqrt
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .plan import stream_of
+
+Numbers = TypeVar("Numbers", float, Real)
 
 EXACT = 50
 """Blocks up to which the signed-rank test is exact."""
@@ -46,7 +49,7 @@ def wilson(successes: int, trials: int) -> Interval | None:
     return Interval(rate, low, high)
 
 
-def target_value(best: float, reference: float, fraction: float) -> float:
+def target_value(best: Numbers, reference: Numbers, fraction: float) -> Numbers:
     """Objective that counts as success (Moré and Wild): best + fraction (reference - best)."""
     return best + fraction * (reference - best)
 
@@ -95,13 +98,15 @@ def running_time_interval(
     cost = np.where(np.isfinite(hits), hits, spent)
     success = np.isfinite(hits)
     means = np.full(draws, inf)
-    # In blocks, so that the table of draws stays within a few megabytes.
-    rows = max(1, 2**20 // n)
+    if not success.any():
+        return Interval(inf, inf, inf)
+    # In blocks, so that the table of draws stays within the processor's cache.
+    rows = max(1, 2**15 // n)
     for first in range(0, draws, rows):
         block = means[first : first + rows]
         # Whole trials are drawn, hits with what they spent: the two are not independent.
         chosen = rng.integers(0, n, size=(len(block), n))
-        successes = success[chosen].sum(axis=1)
+        successes = n if success.all() else success[chosen].sum(axis=1)
         np.divide(cost[chosen].sum(axis=1), successes, out=block, where=successes > 0)
     # Nearest rank rather than interpolation, which has no meaning next to infinity.
     low, high = np.sort(means)[[int(0.025 * draws), int(np.ceil(0.975 * draws)) - 1]]
