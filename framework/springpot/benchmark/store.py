@@ -81,8 +81,8 @@ def seal(values: Sequence[Any], layout: int = SCHEMA) -> bytes:
     apart: list[bytes] = []
     if layout >= BYTES_APART:
         # As text they would be four times as long, and a trace is most of what a row holds.
-        apart = [value for value in values if isinstance(value, bytes)]
-        values = [(len(value),) if isinstance(value, bytes) else value for value in values]
+        apart = [value for value in values if type(value) is bytes]
+        values = [(len(value),) if type(value) is bytes else value for value in values]
     # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
     text = repr(tuple(values)).encode("utf-8", "surrogatepass")
     return blake2b(b"".join([text, *apart]), digest_size=SIZE).digest()
@@ -513,12 +513,8 @@ class Store:
         return least | optima
 
     def _sound_bests(self) -> Iterator[sqlite3.Row]:
-        damaged = self._damaged()
-        return (
-            row
-            for row in self._rows(TRIAL_BESTS)
-            if (row["cell"], row["repetition"]) not in damaged
-        )
+        damaged, rows = self._damaged(), self._rows(TRIAL_BESTS)
+        return (row for row in rows if row[:2] not in damaged) if damaged else rows
 
     def _damaged(self) -> set[tuple[object, object]]:
         """Keys of the trials that are, each looked at once as long as nobody writes."""
