@@ -10,8 +10,7 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.schema import SCHEMA, UPGRADES, columns, create, expected, trials_of
-from springpot.benchmark.store import seal
+from springpot.benchmark.schema import SCHEMA, UPGRADES, columns, create, expected, seal, trials_of
 from springpot.benchmark.traces import at, geometric_grid, improvements
 from springpot.benchmark.trial import TwinProblem
 from springpot.errors import StudyError

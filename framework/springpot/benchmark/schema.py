@@ -5,16 +5,19 @@ Its tables, what asks for their rows, and what a row of them means.
 What can be saved of a store whose file is damaged.
 
 Every row that can still be reached, in a fresh store.
+
+Seals: a checksum of every row, so that damage is noticed and named instead of shown as a result.
 """
 
 from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import fields
 from functools import cache
+from hashlib import blake2b
 from typing import Any
 
 from .plan import Cell, Plan, RaceCase
@@ -163,6 +166,30 @@ SEALED = 3
 """The layout from which on every row has a seal."""
 BYTES_APART = 6
 """That from which on a seal is of bytes themselves, and not of their representation as text."""
+
+SIZE = 8
+"""Bytes of a checksum: of 2^64 damaged rows one would pass."""
+
+
+def seal(values: Sequence[Any], layout: int = SCHEMA) -> bytes:
+    """Checksum of a row's values as a layout has it.
+
+    Texts, numbers, bytes or None, of which each has one way to be written.
+    """
+    apart: list[bytes] = []
+    if layout >= BYTES_APART:
+        # As text they would be four times as long, and a trace is most of what a row holds.
+        apart = [value for value in values if type(value) is bytes]
+        values = [(len(value),) if type(value) is bytes else value for value in values]
+    # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
+    text = repr(tuple(values)).encode("utf-8", "surrogatepass")
+    return blake2b(b"".join([text, *apart]), digest_size=SIZE).digest()
+
+
+def sound(row: Sequence[Any], layout: int = SCHEMA) -> bool:
+    """Whether the last value of a row is the seal of those before it."""
+    return bool(row[-1] == seal(row[:-1], layout))
+
 
 FACTS = "SELECT name, value, seal FROM fact ORDER BY name"
 PROBLEMS = """SELECT id, digest, dataset, kind, points, stiffness_unit, model, objective,

@@ -1,10 +1,6 @@
 """The store of a study.
 
 One SQLite file that only the coordinator writes, a transaction per batch of results.
-
-Seals: a checksum of every row of a store.
-
-So that damage is noticed and named instead of shown as a result.
 """
 
 from __future__ import annotations
@@ -12,14 +8,12 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import closing
-from hashlib import blake2b
 from itertools import groupby
 from math import inf
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
 from springpot.errors import StudyError
 from springpot.suggestions import suggested
@@ -38,7 +32,6 @@ from .database import (
 from .plan import ASKED, COMMON, Plan
 from .schema import (
     ALL_TRIALS,
-    BYTES_APART,
     CELLS,
     DROP_STRAY,
     FACTS,
@@ -59,6 +52,8 @@ from .schema import (
     problem_of,
     readable,
     save,
+    seal,
+    sound,
     statements,
     trace_columns,
     trial_columns,
@@ -68,29 +63,6 @@ from .schema import (
 )
 from .summary import CellRow, TrialRow
 from .trial import Status, TrialResult
-
-SIZE = 8
-"""Bytes of a checksum: of 2^64 damaged rows one would pass."""
-
-
-def seal(values: Sequence[Any], layout: int = SCHEMA) -> bytes:
-    """Checksum of a row's values as a layout has it.
-
-    Texts, numbers, bytes or None, of which each has one way to be written.
-    """
-    apart: list[bytes] = []
-    if layout >= BYTES_APART:
-        # As text they would be four times as long, and a trace is most of what a row holds.
-        apart = [value for value in values if type(value) is bytes]
-        values = [(len(value),) if type(value) is bytes else value for value in values]
-    # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
-    text = repr(tuple(values)).encode("utf-8", "surrogatepass")
-    return blake2b(b"".join([text, *apart]), digest_size=SIZE).digest()
-
-
-def sound(row: Sequence[Any], layout: int = SCHEMA) -> bool:
-    """Whether the last value of a row is the seal of those before it."""
-    return bool(row[-1] == seal(row[:-1], layout))
 
 
 class Store:
