@@ -24,7 +24,8 @@ from springpot.diagnosis.discovery import discover as discover_objects
 from springpot.diagnosis.examination import diagnose as diagnose_objects
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.result import Diagnosis, Fitted, Progress, silent, unseen
+from springpot.diagnosis.meanwhile import Fitted, unseen
+from springpot.diagnosis.result import Diagnosis, Progress, silent
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.calibration import calibration_of
 from springpot.identification.fitting import identify as identify_objects

@@ -20,7 +20,8 @@ from .examination import examine
 from .grown import at_its_limit
 from .in_practice import Accuracy
 from .ladder import Ladder, Reached, Step, climbed, replaced_by
-from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
+from .meanwhile import Fitted, unseen
+from .result import Candidate, Diagnosis, Progress, silent
 from .scan import scan_effects
 from .sets import EffectSet, complete_set, likeliest_set
 

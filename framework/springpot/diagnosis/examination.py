@@ -45,7 +45,8 @@ from .case import Case
 from .evidence import Evidence
 from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
-from .result import Diagnosis, Fitted, Progress, silent, unseen
+from .meanwhile import Fitted, unseen
+from .result import Diagnosis, Progress, silent
 from .search import search_from
 from .verdict import facts_of, rule_for
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.identification.value import PartResult, Value, parts_of, values_of
@@ -16,7 +16,6 @@ from springpot.plain_data import jsonable, number
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from .actions import ToDo, accepting
@@ -38,28 +37,6 @@ RENAMED = frozenset({"physics", "alike"})
 
 Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
-
-
-class TriedEffect(NamedTuple):
-    """An effect that was fitted by itself, for those who draw it before the answer is there.
-
-    Attributes
-    ----------
-    effect : Effect
-        The effect.
-    model : Model
-        The model with it.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    """
-
-    effect: Effect
-    model: Model
-    theta: Real
-
-
-Fitted: TypeAlias = Callable[[TriedEffect], None]
-"""Called with each effect as its fit comes, and once more where a better one does."""
 
 
 @dataclass(frozen=True)
@@ -432,10 +409,6 @@ class Diagnosis:
 
 def silent(stage: str) -> None:
     """For those who do not ask."""
-
-
-def unseen(tried: TriedEffect) -> None:
-    """For those who wait for the answer."""
 
 
 def within(whole: str, progress: Progress) -> Progress:

@@ -34,9 +34,9 @@ from .answers import (
 )
 from .canvas import require_matplotlib
 from .fit_text import parameters_table
-from .interactive.answers import rungs
+from .interactive.answers import drawn, rungs
 from .interactive.bench import PageParts, bench_of
-from .interactive.in_time import TimeScene
+from .interactive.in_time import TimeScene, drawn_in_time
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
 from .network import network_svg
@@ -185,9 +185,11 @@ def _bench(ladder: Ladder, data: Measurement | Sequence[Test]) -> PageParts:
     # The same scene as the workbench, so that a report and the page cannot say different things.
     if isinstance(data, Measurement):
         scene, excluded = PageScene(data).to_dict(), excluded_rows(ladder, data)
+        steps = rungs(ladder, lambda part: drawn(part, data))
     else:
         scene, excluded = TimeScene(data).to_dict(), []
-    return bench_of({"scene": scene, "rungs": rungs(ladder, data), "excluded": excluded})
+        steps = rungs(ladder, lambda part: drawn_in_time(part, data))
+    return bench_of({"scene": scene, "rungs": steps, "excluded": excluded})
 
 
 def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:

@@ -15,7 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.diagnosis.in_practice import Accuracy, in_practice
-from springpot.diagnosis.result import Diagnosis, Fitted, unseen
+from springpot.diagnosis.meanwhile import Fitted, unseen
+from springpot.diagnosis.result import Diagnosis
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -191,13 +192,12 @@ def _judged(
     if base is None:
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
-    quick = quick_parts(parts)
+    quick, left_out = quick_parts(parts), dict[str, str]()
     # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed
     # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = TimeScan(base, quick).promises(beside)
-    left_out: dict[str, str] = {}
     if is_material(base.model):
         leading = leading_of_scan(promises, before)
         tried = of_material(given, parts, base, leading, known, left_out, fitted)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by, with_rivals
-from springpot.diagnosis.result import Fitted, Progress, silent, unseen
+from springpot.diagnosis.meanwhile import Fitted, unseen
+from springpot.diagnosis.result import Progress, silent
 from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.diagnosis.result import Fitted, TriedEffect, unseen
+from springpot.diagnosis.meanwhile import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect

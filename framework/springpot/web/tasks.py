@@ -19,16 +19,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.result import Fitted, silent, unseen
+from springpot.diagnosis.meanwhile import Fitted, unseen
+from springpot.diagnosis.result import silent
 from springpot.errors import DataError, SpringpotError
 from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import runs_of
-from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
+from springpot.measurement.reader import OpenQuestion, Part
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
@@ -73,6 +71,7 @@ from .trying import (
     units_in,
     with_law,
 )
+from .understanding import understood_sweeps
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
@@ -138,14 +137,6 @@ def answer(state: State, ladder: Ladder, measurement: Opened) -> dict[str, Any]:
 
 LADDERS = 8
 """Ladders that a worker remembers, for exports of what is on the page; each holds some MB."""
-MOST_LEVELS = 40
-"""Levels of a condition that are offered for a choice of rows.
-
-Of more, hardly a row would belong to each.
-"""
-MOST_RUNS = 200
-"""Sweeps that are listed of one measurement."""
-
 _SCHEMA = re.compile(rb'\s*{\s*"schema"\s*:\s*"(springpot\.[\w./-]{1,40})"')
 """The beginning of a file that springpot wrote, and of no data."""
 
@@ -341,62 +332,7 @@ def _understood(
     whole = {"digest": digest_of(text), "text": text, "source": source, "joined": joined}
     if isinstance(data, Specimen):
         return {**whole, **understood_in_time(data)}
-    return {**whole, **_understood_sweeps(data, parts)}
-
-
-def _understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict[str, Any]:
-    columns = [("frequency", "Hz", measurement.frequency)]
-    columns += [("storage", measurement.units.stiffness, measurement.storage)]
-    columns += [("loss", measurement.units.stiffness, measurement.loss)]
-    units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
-    columns += [
-        (name, units.get(name, ""), column) for name, column in measurement.conditions.items()
-    ]
-    runs = list(runs_of(measurement))
-    # A single sweep is all of the data: there is nothing to choose.
-    if len(runs) == 1:
-        runs = []
-    repeats = 0
-    if measurement.repeat is not None:
-        repeats = len(np.unique(measurement.repeat))
-    return {
-        "scene": PageScene(measurement).to_dict(),
-        "columns": [
-            {
-                "name": name,
-                "unit": unit,
-                "from": float(np.nanmin(column)),
-                "to": float(np.nanmax(column)),
-            }
-            for name, unit, column in columns
-        ],
-        "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]],
-        "levels": _levels(measurement),
-        "repeats": repeats,
-        "deviations": measurement.sd is not None,
-        "parts": [
-            {"number": i, "name": part.name, "usable": part.usable}
-            for i, part in enumerate(parts_as_opened(parts, measurement), 1)
-        ],
-        "provenance": {key: str(value) for key, value in measurement.provenance.items()},
-    }
-
-
-def _levels(measurement: Measurement) -> list[dict[str, Any]]:
-    """Rows of each level of a condition, where there are several."""
-    units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
-    levels = []
-    for name, column in measurement.conditions.items():
-        numbers = measurement.levels(name)
-        count = int(numbers.max()) + 1
-        # A column that goes on with each row was measured, and not set.
-        if not 1 < count <= min(MOST_LEVELS, len(measurement) / 2):
-            continue
-        for number in range(count):
-            rows = np.flatnonzero(numbers == number)
-            label = f"{name} {np.mean(column[rows]):.4g} {units.get(name, '')}".strip()
-            levels.append({"name": label, "column": name, "rows": rows.tolist()})
-    return levels
+    return {**whole, **understood_sweeps(data, parts)}
 
 
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:

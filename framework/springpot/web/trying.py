@@ -17,7 +17,7 @@ from springpot.comparison.comparing import compare
 from springpot.comparison.result import Comparison, Judgement
 from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
-from springpot.diagnosis.result import Fitted, TriedEffect, unseen
+from springpot.diagnosis.meanwhile import Fitted, TriedEffect, unseen
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention

@@ -6,7 +6,7 @@ candidate would make of the curve, from fits that the diagnosis has already done
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -18,11 +18,9 @@ from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import Refit
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
-from springpot.timetests.residuals_of_tests import Test
 
 from ..answers import reference_note
 from .hypotheses import Preview, acted, grown_by_each
-from .in_time import drawn_in_time
 from .scene import PageScene, in_parts, parameters_of, proposed_points, relative_error, rounded
 
 DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
@@ -98,19 +96,13 @@ def drawn_at_once(base: Refit, measurement: Measurement) -> dict[str, Any]:
     }
 
 
-def rungs(ladder: Ladder, data: Measurement | Sequence[Test]) -> list[dict[str, Any]]:
-    """Each rung of a ladder as `drawn`, or as `drawn_in_time` where the data are tests in time.
-
-    Every ladder is the beginning of the next, to the bit.
-    """
+def rungs(ladder: Ladder, draw: Callable[[Ladder], dict[str, Any]]) -> list[dict[str, Any]]:
+    """Each rung of a ladder, drawn: every ladder is the beginning of the next, to the bit."""
     answers = []
     for count, step in enumerate(ladder.steps):
         diagnosis = step.diagnosis
         part = Ladder(ladder.data, ladder.steps[: count + 1], diagnosis.verdict, diagnosis)
-        if isinstance(data, Measurement):
-            answers.append(drawn(part, data))
-        else:
-            answers.append(drawn_in_time(part, data))
+        answers.append(draw(part))
     return answers
 
 
