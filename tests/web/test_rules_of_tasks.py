@@ -10,7 +10,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
-from springpot.web import launch, leaving, tasks, testing, trying, watching
+from springpot.web import launch, leaving, tasks, testing, trying, understanding, watching
 from springpot.web.sessions import LONGEST_NAME, State
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
@@ -159,7 +159,7 @@ def test_a_law_may_be_as_long_as_a_name(more):
 def test_a_column_was_set_where_it_has_two_rows_at_each_level(levels, told):
     column = np.append(np.arange(levels), np.zeros(12 - levels)) * 10.0
     held = Measurement(OMEGA, SWEEP.stiffness, conditions={"temperature": column})
-    assert len(tasks._levels(held)) == told
+    assert len(understanding._levels(held)) == told
 
 
 @pytest.mark.parametrize(
