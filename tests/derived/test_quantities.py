@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,9 +11,9 @@ import pytest
 
 import springpot
 from springpot.derived import quantities
-from springpot.derived.from_data import AROUND, _plateau, linear_limit
 from springpot.distributions import student
 from springpot.errors import SpringpotError
+from springpot.identification.derived.from_data import AROUND, _plateau, linear_limit
 
 OMEGA = np.geomspace(0.01, 100.0, 30)
 KN = springpot.Units("kN/m", "mm")
@@ -215,10 +216,17 @@ def test_the_answer_of_a_kept_fit_is_the_same(tmp_path):
 
 
 def test_a_condition_that_the_model_needs_is_asked_for():
-    model = "maxwell + wlf-shift"
+    """All but the temperature, which is that at which shifts are one."""
     data = springpot.read("nist-srm2491")
-    with pytest.raises(SpringpotError, match="temperature="):
-        quantities(data, model)
+    found = quantities(data, "maxwell + wlf-shift")
+    assert {row.at["temperature"] for row in found} == {20.0}
+    strained = sweep("kelvin", {"k": 100.0, "c": 2.0}, amplitude=1.0)
+    strained = replace(strained, conditions={"amplitude": np.geomspace(1.0, 5.0, len(OMEGA))})
+    with pytest.raises(SpringpotError, match="amplitude="):
+        quantities(strained, "kelvin + payne")
+    fit = springpot.identify(strained, "kelvin + payne")
+    assert not fit.quantities.rows
+    assert "amplitude=" in fit.quantities.notes[0]
 
 
 @pytest.mark.parametrize("power", [0.8, 2.4])

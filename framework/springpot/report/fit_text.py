@@ -20,6 +20,7 @@ from ..numerics import NEGLIGIBLE
 from .answers import reference_note
 from .figures import beside_floors, in_words
 from .population import population_passages
+from .quantities import quantities_passages
 from .text import (
     OPEN,
     Listing,
@@ -73,6 +74,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         search,
         Prose(reference_note(identified.sweep, [identified.model.network])),
         Prose(_spectrum(identified)),
+        *quantities_passages(identified.quantities, verbose),
         tests,
         Listing(_lines(identified, verbose), hang=HANG),
     ]
