@@ -289,9 +289,7 @@ def answer(
         quantities=quantities,
     )
     # A factor at each temperature would be another name for the time.
-    if course is None:
-        diagnosis = _with_factors(diagnosis, search, evidence, library)
-    return diagnosis
+    return diagnosis if course else _with_factors(diagnosis, search, evidence, library)
 
 
 def _steps(

@@ -38,6 +38,7 @@ from .kept import (
     measurement_of,
     measurement_to_dict,
     rates_of,
+    words_in,
 )
 from .material import is_material
 from .native import Fit
@@ -115,6 +116,7 @@ def known_of_sweep(known: Uncertainty) -> Known:
         dof=dof,
         covered=Covered.of([data]),
         sweep=data,
+        words=words_in(data),
     )
 
 
@@ -295,7 +297,8 @@ class Identification(Known):
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
         values = self._factors * self.theta
-        return populations(self.model, values, self._printed, self.units, self.sweep)
+        known = self.model, values, self._printed, self.units, self.words
+        return populations(*known, self.sweep)
 
     @cached_property
     def quantities(self) -> Quantities:
@@ -494,6 +497,8 @@ class Identification(Known):
         }
         if self.model.ties:
             kept["ties"] = list(self.model.ties)
+        if self.model.own and self.uncertainty is None:
+            kept |= {"levels": self.model.level_values, "words": self.words}
         if self.calibration is not None:
             kept["calibration"] = self.calibration.to_dict()
         if self.uncertainty is not None:
@@ -550,6 +555,7 @@ class Identification(Known):
             misfit=number(answer["relative_rms"]),
             dof=spare(tests, theta),
             covered=Covered.read(answer["measured"]),
+            words=kept.get("words", {}),
             low=low,
             high=high,
             parts=tests,

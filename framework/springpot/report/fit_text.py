@@ -211,9 +211,9 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
     )
     numbered: set[str] = set()
     # Which number a specimen has, where no parameter is told by its number.
-    if identified.sweep is not None and not verbose and not _few(identified):
+    if not verbose and not _few(identified):
         columns = identified.model.own.values()
-        numbered = {note_on_levels(identified.sweep, column) for column in columns}
+        numbered = {note_on_levels(identified.words, column) for column in columns}
     return lines + [f"note        {note}" for note in notes if note not in numbered]
 
 
