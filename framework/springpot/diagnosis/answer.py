@@ -258,7 +258,9 @@ def answer(
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
     if verdict != "adequate":
-        split = _split(search, floor, doubted or only_points(search, outliers))
+        # Rows that a column sets apart are of no one material, whatever a spectrum could follow.
+        apart = isinstance(cause, Column)
+        split = _split(search, floor, doubted or apart or only_points(search, outliers))
         classes = evidence.classes
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
