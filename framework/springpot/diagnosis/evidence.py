@@ -346,9 +346,7 @@ class Evidence:
             return ()
         return others[0].names
 
-    def stand_ins(
-        self, names: Sequence[str], of_any_size: bool = False
-    ) -> list[dict[str, float]]:
+    def stand_ins(self, names: Sequence[str], of_any_size: bool = False) -> list[dict[str, float]]:
         """For each effect of a set, what may stand in its place, with their chances.
 
         In sets `of_any_size` two may stand in the place of one, and one in that of two.

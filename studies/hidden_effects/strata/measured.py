@@ -70,9 +70,9 @@ class Written:
         return f"{self.seed:06d}-{self.stratum}-{self.detail}-{self.kind}"
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write what a tool may see, and nothing of the truth; what is no number is left blank."""
+        """Write what a tool may see, and nothing of the truth; a gap as n/a."""
         written = write_table(self.columns, path)
-        written.write_text(written.read_text("utf-8").replace("nan", ""), encoding="utf-8")
+        written.write_text(written.read_text("utf-8").replace("nan", "n/a"), encoding="utf-8")
         return written
 
     def summary(self) -> dict[str, Any]:
