@@ -352,9 +352,7 @@ class Evidence:
         In sets `of_any_size` two may stand in the place of one, and one in that of two.
         """
         chances: list[dict[str, float]] = [{} for _ in names]
-        sets = self.explanations
-        if not of_any_size:
-            sets = [one for one in sets if len(one.names) == len(names)]
+        sets = [one for one in self.explanations if of_any_size or len(one.names) == len(names)]
         # Those first that differ in one place: they tell whose place it is where two differ.
         for one in sorted(sets, key=lambda one: len(without(one.names, names))):
             for place, other in _paired(names, one.names, chances):
