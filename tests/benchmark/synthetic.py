@@ -13,7 +13,8 @@ from benchmark_fakes import TRUTH, Walk, measurement
 from springpot.benchmark import Store, Study
 from springpot.benchmark.plan import Plan
 from springpot.benchmark.runner import provenance
-from springpot.benchmark.trial import Status, TrialResult, pack
+from springpot.benchmark.traces import pack
+from springpot.benchmark.trial import Status, TrialResult
 from springpot.measurement import DataSet
 
 BUDGET = 8000

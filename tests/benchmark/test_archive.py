@@ -16,7 +16,8 @@ from springpot.benchmark.archive import Archive, write_archive
 from springpot.benchmark.beside import opened, study_of
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
-from springpot.benchmark.trial import Status, pack
+from springpot.benchmark.traces import pack
+from springpot.benchmark.trial import Status
 from springpot.errors import StudyError
 from springpot.measurement import DataSet
 

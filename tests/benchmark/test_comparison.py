@@ -26,7 +26,7 @@ from springpot.benchmark.comparison import (
 from springpot.benchmark.standings import rank_table
 from springpot.benchmark.statistics import expected_running_time
 from springpot.benchmark.summary import CellRow, ProblemRow
-from springpot.benchmark.trial import at
+from springpot.benchmark.traces import at
 
 INF = np.inf
 SCALE = JudgingScale(1e-6, 2000)

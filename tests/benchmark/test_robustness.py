@@ -12,13 +12,15 @@ from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_
 from springpot.benchmark.robustness import WithoutSome, _moved, without_each
 from springpot.benchmark.standings import RANKING, study_tables
 from springpot.benchmark.statistics import ROPE, signed_rank_posterior
+from springpot.benchmark.traces import Traces
 
 SCALE = JudgingScale(1e-4, 100)
 
 
 def area(*steps, scale=SCALE):
     evaluations, excess = zip(*steps, strict=True)
-    return area_over_curve(np.array(evaluations), np.array(excess), scale)
+    traces = Traces(np.array([len(steps)]), np.array(evaluations), np.array(excess))
+    return float(area_over_curve(traces, traces.values, scale)[0])
 
 
 def test_the_area_is_that_over_the_curve_in_decades():

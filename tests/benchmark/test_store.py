@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from springpot.benchmark import Status, Store
 from springpot.benchmark.schema import SCHEMA
-from springpot.benchmark.trial import TrialResult, pack, unpack
+from springpot.benchmark.traces import pack, unpack
+from springpot.benchmark.trial import TrialResult
 from springpot.errors import StudyError
 
 

@@ -21,7 +21,8 @@ from springpot.benchmark.gate import baseline, changes, regression
 from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
-from springpot.benchmark.trial import Status, TrialResult, pack, pack_values
+from springpot.benchmark.traces import pack, pack_values
+from springpot.benchmark.trial import Status, TrialResult
 from springpot.measurement import DataSet
 
 BUDGET = 2500

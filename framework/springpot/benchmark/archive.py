@@ -30,7 +30,8 @@ from springpot.identification.runs import miscounted, mistraced
 from .comparison import JudgingScale, goal_of, judged, reference_of
 from .store import Store
 from .summary import CellRow, ProblemRow, TrialRow
-from .trial import Status, TrialResult, pack, pack_values, unpack
+from .traces import pack, pack_values, unpack
+from .trial import Status, TrialResult
 
 SCHEMA = "springpot.archive/1"
 STAMP = (1980, 1, 1, 0, 0, 0)

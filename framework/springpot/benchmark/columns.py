@@ -16,7 +16,7 @@ from .statistics import hitting_time
 from .store import Store
 from .study import Study
 from .summary import CellRow, TrialRow, store_path
-from .trial import at, geometric_grid
+from .traces import at, geometric_grid
 
 Columns = dict[str, list[Any]]
 """Values by column, all of one length; None where there is nothing to say."""

@@ -39,7 +39,6 @@ from .statistics import (
     data_profile,
     expected_running_time,
     friedman,
-    hitting_time,
     least_mann_whitney,
     least_signed_rank,
     mann_whitney_holm,
@@ -54,7 +53,7 @@ from .statistics import (
 )
 from .store import Store
 from .summary import CellRow, ProblemRow, TrialRow
-from .trial import at, geometric_grid
+from .traces import Traces, at, geometric_grid
 
 MARKS = (100, 500, 2000, 8000, 40_000, 200_000, 1_000_000)
 """Budgets at which optimisers are compared, beside a study's own.
@@ -179,64 +178,66 @@ def goal_of(reference: float, best: float, target: float) -> float:
     return target_value(best, reference, target)
 
 
+def goals_of(references: Real, bests: Real, target: float) -> Real:
+    """`goal_of` for each trial (n,)."""
+    known = np.isfinite(bests)
+    goals = target_value(np.where(known, bests, 0.0), references, target)
+    return np.where(known, goals, -np.inf)
+
+
 def score_cell(
     cell: CellRow, trials: Sequence[TrialRow], best: Real | float, scale: JudgingScale
 ) -> CellScores:
     """Scores of a cell on data whose best known objective is `best`, (n,) or one for all."""
     bests = np.broadcast_to(best, len(trials))
     references = np.array([reference_of(cell.problem, trial) for trial in trials])
-    along = np.full((len(trials), len(scale.grid)), np.inf)
-    hits, area = np.full(len(trials), np.inf), np.zeros(len(trials))
-    dimension = 0
-    for row, trial in enumerate(trials):
-        # A trial that failed keeps its infinite time: it is never given a number.
-        if trial.best is None:
-            continue
-        evaluations, values = trial.improvements()
-        along[row] = at(evaluations, values, scale.grid)
-        goal = goal_of(float(references[row]), float(bests[row]), scale.target)
-        hits[row] = hitting_time(evaluations, values, goal)
-        excess = _excess(values, bests[row], references[row])
-        area[row] = area_over_curve(evaluations, excess, scale)
-        dimension = dimension or len(trial.theta)
-    # Only now, on the few evaluations of the grid: the traces may have thousands.
-    along = _excess(along, bests[:, None], references[:, None])
+    # A trial that failed keeps its infinite time: it is never given a number.
+    traces = Traces.of([trial.trace if trial.best is not None else b"" for trial in trials])
+    owners, goals = traces.owners, goals_of(references, bests, scale.target)
+    excess = _excess(traces.values, bests[owners], references[owners])
+    # On the few evaluations of the grid: the traces may have thousands.
+    along = _excess(traces.at(scale.grid), bests[:, None], references[:, None])
     return CellScores(
         cell,
         repetitions=np.array([trial.repetition for trial in trials]),
-        hits=hits,
+        hits=traces.hits(goals),
         spent=np.array([trial.evaluations for trial in trials], dtype=float),
         values=along[:, np.searchsorted(scale.grid, scale.marks)],
         attained=np.searchsorted(-scale.targets, -along, side="right").mean(axis=0)
         / len(scale.targets),
         curve=bands(along),
         clean=_clean(trials, scale),
-        dimension=dimension,
+        dimension=next((len(trial.theta) for trial in trials if trial.best is not None), 0),
         oracles=_told(trials, "oracle", np.inf),
         errors=_told(trials, "parameter_error", np.inf),
         covered=_told(trials, "covered", 0.0),
-        area=area,
+        area=area_over_curve(traces, excess, scale),
     )
 
 
-def area_over_curve(evaluations: NDArray[np.int64], excess: Real, scale: JudgingScale) -> float:
+def area_over_curve(traces: Traces, excess: Real, scale: JudgingScale) -> Real:
     """One less the mean of log10 of the excess over all evaluations of the budget.
 
     In decades from 1 down to the target, outside of which nothing counts.
 
     Parameters
     ----------
-    evaluations, excess : ndarray, shape (n,)
-        The improvements of a trial.
+    traces : Traces
+        The improvements of n trials.
+    excess : ndarray, shape (N,)
+        Of each improvement.
     scale : JudgingScale
         Target and budget.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Of each trial.
     """
-    # Each improvement stands until the next one; before the first there is nothing.
-    lasting = np.diff(np.append(evaluations, scale.budget + 1))
     # A target of no decade leaves no area: it is then taken over one.
     lowest = min(scale.target, 0.1)
     decades = np.log10(np.clip(excess, lowest, 1.0)) / np.log10(lowest)
-    return float(lasting @ decades) / scale.budget
+    return traces.means(decades, scale.budget)
 
 
 def _told(trials: Sequence[TrialRow], name: str, failed: float) -> Real:

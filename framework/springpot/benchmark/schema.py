@@ -5,16 +5,19 @@ Its tables, what asks for their rows, and what a row of them means.
 What can be saved of a store whose file is damaged.
 
 Every row that can still be reached, in a fresh store.
+
+Seals: a checksum of every row, so that damage is noticed and named instead of shown as a result.
 """
 
 from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import fields
 from functools import cache
+from hashlib import blake2b
 from typing import Any
 
 from .plan import Cell, Plan, RaceCase
@@ -110,7 +113,7 @@ def _save_singly(damaged: sqlite3.Connection, fresh: sqlite3.Connection) -> None
                 fresh.execute(put, row)
 
 
-SCHEMA = 5
+SCHEMA = 6
 """Number of the layout below, kept in the file as ``user_version``."""
 
 TABLES = """
@@ -156,10 +159,37 @@ ALTER TABLE trial ADD COLUMN known REAL;
 ALTER TABLE trial ADD COLUMN optimum REAL;
 ALTER TABLE trial ADD COLUMN covered REAL"""
     ),
+    5: "",
 }
-"""What turns each older layout into the next."""
+"""What turns each older layout into the next: nothing where only seals are others."""
 SEALED = 3
 """The layout from which on every row has a seal."""
+BYTES_APART = 6
+"""That from which on a seal is of bytes themselves, and not of their representation as text."""
+
+SIZE = 8
+"""Bytes of a checksum: of 2^64 damaged rows one would pass."""
+
+
+def seal(values: Sequence[Any], layout: int = SCHEMA) -> bytes:
+    """Checksum of a row's values as a layout has it.
+
+    Texts, numbers, bytes or None, of which each has one way to be written.
+    """
+    apart: list[bytes] = []
+    if layout >= BYTES_APART:
+        # As text they would be four times as long, and a trace is most of what a row holds.
+        apart = [value for value in values if type(value) is bytes]
+        values = [(len(value),) if type(value) is bytes else value for value in values]
+    # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
+    text = repr(tuple(values)).encode("utf-8", "surrogatepass")
+    return blake2b(b"".join([text, *apart]), digest_size=SIZE).digest()
+
+
+def sound(row: Sequence[Any], layout: int = SCHEMA) -> bool:
+    """Whether the last value of a row is the seal of those before it."""
+    return bool(row[-1] == seal(row[:-1], layout))
+
 
 FACTS = "SELECT name, value, seal FROM fact ORDER BY name"
 PROBLEMS = """SELECT id, digest, dataset, kind, points, stiffness_unit, model, objective,
@@ -170,6 +200,11 @@ AND NOT EXISTS (SELECT 1 FROM trial WHERE cell = ?1 AND repetition = ?2)"""
 
 _TRACE = {"points": "trace", "recommended": "recommended", "seen": "seen"}
 """Columns of a trace, and what they hold of a trial."""
+
+
+def statements(version: int) -> list[str]:
+    """What turns a layout into the next, one statement each."""
+    return [each for each in UPGRADES[version].split(";") if each]
 
 
 @cache
@@ -224,7 +259,7 @@ def create(db: sqlite3.Connection, version: int = SCHEMA) -> None:
     for statement in TABLES.split(";"):
         db.execute(statement)
     for later in range(version, SCHEMA):
-        for statement in UPGRADES[later].split(";"):
+        for statement in statements(later):
             table, _, column = statement.strip().partition(" ADD COLUMN ")
             db.execute(f"{table} DROP COLUMN {column.split()[0]}")
     db.execute(f"PRAGMA user_version = {version}")
@@ -240,8 +275,8 @@ FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
 ALL_TRIALS = trials_of(expected()["trial"])
 
 
-DRAWN_TRIALS = ALL_TRIALS.replace("ORDER BY", "WHERE reference IS NOT NULL ORDER BY")
-"""Those whose data have noise of their own."""
+TRIAL_BESTS = "SELECT cell, repetition, best, reference, known, optimum FROM trial"
+"""What is known of the data of all trials, without their traces."""
 
 
 def problem_columns(case: RaceCase) -> dict[str, Any]:
@@ -299,13 +334,17 @@ def trace_columns(result: TrialResult) -> dict[str, bytes | None]:
 
 def trial_of(row: sqlite3.Row) -> TrialRow:
     """The trial of a row of `ALL_TRIALS`."""
-    kept = {name: row[name] for name in _names("trial")}
-    kept |= {own: row[name] for name, own in _TRACE.items()}
-    kept |= {"status": Status(row["status"]), "trace": row["points"] or b""}
-    kept["theta"] = {}
-    if row["theta"]:
-        kept["theta"] = json.loads(row["theta"])
+    # By place, and its seal left out: looked up by name a million rows would take seconds.
+    kept = dict(zip(_fields(), row, strict=False))
+    kept |= {"status": Status(kept["status"]), "trace": kept["trace"] or b""}
+    kept["theta"] = json.loads(kept["theta"]) if kept["theta"] else {}
     return TrialRow(**kept)
+
+
+@cache
+def _fields() -> tuple[str, ...]:
+    """What each column of `ALL_TRIALS` holds of a trial."""
+    return (*_names("trial"), *_TRACE.values())
 
 
 def problem_of(row: sqlite3.Row) -> ProblemRow:

@@ -1,10 +1,6 @@
 """The store of a study.
 
 One SQLite file that only the coordinator writes, a transaction per batch of results.
-
-Seals: a checksum of every row of a store.
-
-So that damage is noticed and named instead of shown as a result.
 """
 
 from __future__ import annotations
@@ -12,13 +8,12 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import closing
-from hashlib import blake2b
 from itertools import groupby
 from math import inf
+from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
 from springpot.errors import StudyError
 from springpot.suggestions import suggested
@@ -38,13 +33,13 @@ from .plan import ASKED, COMMON, Plan
 from .schema import (
     ALL_TRIALS,
     CELLS,
-    DRAWN_TRIALS,
     DROP_STRAY,
     FACTS,
     KEYS,
     PROBLEMS,
     SCHEMA,
     SEALED,
+    TRIAL_BESTS,
     UPGRADES,
     cell_columns,
     cells_told,
@@ -57,6 +52,9 @@ from .schema import (
     problem_of,
     readable,
     save,
+    seal,
+    sound,
+    statements,
     trace_columns,
     trial_columns,
     trial_of,
@@ -65,23 +63,6 @@ from .schema import (
 )
 from .summary import CellRow, TrialRow
 from .trial import Status, TrialResult
-
-SIZE = 8
-"""Bytes of a checksum: of 2^64 damaged rows one would pass."""
-
-
-def seal(values: Sequence[Any]) -> bytes:
-    """Checksum of a row's values.
-
-    Texts, numbers, bytes or None, of which each has one way to be written.
-    """
-    # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
-    return blake2b(repr(tuple(values)).encode("utf-8", "surrogatepass"), digest_size=SIZE).digest()
-
-
-def sound(row: Sequence[Any]) -> bool:
-    """Whether the last value of a row is the seal of those before it."""
-    return bool(row[-1] == seal(row[:-1]))
 
 
 class Store:
@@ -109,6 +90,7 @@ class Store:
     def __init__(self, path: Path, write: bool = False, mend: bool = False) -> None:
         self.path = path
         self._told = self._saved = False
+        self._looked: tuple[tuple[int, int], set[tuple[object, object]]] | None = None
         with one_line(path):
             if write:
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -196,9 +178,9 @@ class Store:
         sealed, damaged = first >= SEALED, set()
         if sealed:
             before = self._rows(trials_of(columns(self._db)["trial"]))
-            damaged = {(row["cell"], row["repetition"]) for row in before if not sound(row)}
+            damaged = {(row["cell"], row["repetition"]) for row in before if not sound(row, first)}
         for version in range(first, SCHEMA):
-            for statement in UPGRADES[version].split(";"):
+            for statement in statements(version):
                 self._db.execute(statement)
         self._db.execute(f"PRAGMA user_version = {SCHEMA}")
         if not sealed:
@@ -216,7 +198,7 @@ class Store:
         """
         keys = KEYS[table].split(", ")
         match = " AND ".join(f"{key} = ?" for key in keys)
-        sealed = [row for row in self._rows(query) if readable(table, row)]
+        sealed = (row for row in self._rows(query) if readable(table, row))
         rows = [(tuple(row[key] for key in keys), seal(row[:-1])) for row in sealed]
         seals = [(checksum, *key) for key, checksum in rows if key not in damaged]
         self._db.executemany(f"UPDATE {table} SET seal = ? WHERE {match}", seals)
@@ -477,9 +459,9 @@ class Store:
             known = {row["id"]: row["known"] for row in problems if row["known"] is not None}
             problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
             least: dict[int, float] = {}
-            for row in self._rows(ALL_TRIALS):
+            for row in self._sound_bests():
                 number = problem.get(row["cell"])
-                if number is not None and row["best"] is not None and sound(row):
+                if number is not None and row["best"] is not None:
                     least[number] = min(least.get(number, inf), row["best"])
         return {
             number: min(least.get(number, inf), known.get(number, inf)) for number in least | known
@@ -491,8 +473,8 @@ class Store:
         least: dict[tuple[int, int], float] = {}
         with one_line(self.path):
             problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
-            for row in self._rows(DRAWN_TRIALS):
-                if row["cell"] not in problem or not sound(row):
+            for row in self._sound_bests():
+                if row["cell"] not in problem or row["reference"] is None:
                     continue
                 key = (problem[row["cell"]], row["repetition"])
                 if row["optimum"] is not None:
@@ -501,6 +483,19 @@ class Store:
                 least[key] = min([least.get(key, inf), *values])
         # Where trials end at a target, it is the one that they raced for.
         return least | optima
+
+    def _sound_bests(self) -> Iterator[sqlite3.Row]:
+        damaged, rows = self._damaged(), self._rows(TRIAL_BESTS)
+        return (row for row in rows if row[:2] not in damaged) if damaged else rows
+
+    def _damaged(self) -> set[tuple[object, object]]:
+        """Keys of the trials that are, each looked at once as long as nobody writes."""
+        state = self._db.execute("PRAGMA data_version").fetchone()[0], self._db.total_changes
+        if self._looked is None or self._looked[0] != state:
+            rows = self._rows(ALL_TRIALS)
+            found = {row[:2] for row in rows if not sound(row)}
+            self._looked = state, found
+        return self._looked[1]
 
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
         """Cell number and trials of every cell, up to the study's repetitions.
@@ -519,8 +514,13 @@ class Store:
             known = {
                 row["id"] for row in self._rows(CELLS) if sound(row) and row["problem"] in problems
             }
-            for cell, group in groupby(self._rows(ALL_TRIALS), key=lambda row: row["cell"]):
-                rows = [self._trial(row, labels.get(cell, f"cell {cell}")) for row in group]
+            damaged = self._damaged()
+            for cell, group in groupby(self._rows(ALL_TRIALS), key=itemgetter(0)):
+                where = labels.get(cell, f"cell {cell}")
+                rows = [
+                    self._broken(row, where) if damaged and row[:2] in damaged else trial_of(row)
+                    for row in group
+                ]
                 kept = [row for row in rows if row is not None and row.repetition < limit]
                 if kept and cell in known:
                     yield cell, kept
@@ -530,10 +530,8 @@ class Store:
         cells = {cell.id: cell for cell in self.cells()}
         return ((cells[number], rows) for number, rows in self.trials() if number in cells)
 
-    def _trial(self, row: sqlite3.Row, where: str) -> TrialRow | None:
-        """A trial; a damaged one has no numbers, and one whose own number is damaged is none."""
-        if sound(row):
-            return trial_of(row)
+    def _broken(self, row: sqlite3.Row, where: str) -> TrialRow | None:
+        """A damaged trial, without numbers; one whose own number is damaged is none."""
         repetition = row["repetition"]
         self._tell(f"the trial {where}, repetition {repetition} is damaged and counted as failed")
         if not isinstance(repetition, int) or repetition < 0:

@@ -29,7 +29,8 @@ from springpot.rheology.points import Real
 from .plan import stream_of
 from .statistics import Interval, median, running_time_interval, wilson
 from .study import Study
-from .trial import TrialResult, unpack, unpack_values
+from .traces import unpack, unpack_values
+from .trial import TrialResult
 
 
 def load_script(path: Path) -> ModuleType:

@@ -29,7 +29,8 @@ from ..numerics import ALIKE
 from .cases import drawn
 from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel, answer
 from .plan import Plan, WorkOrder
-from .trial import Status, TrialResult, TwinProblem, failure, unpack
+from .traces import unpack
+from .trial import Status, TrialResult, TwinProblem, failure
 
 KEPT = 256
 """Problems that are kept ready: a study of more builds them again, each in about a millisecond."""

@@ -5,7 +5,7 @@ What it says of another test than the measured one, and how surely.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -31,7 +31,6 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .bordered import Bordered, Covariance, lost_and_known
-from .kept import levels_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -186,6 +185,8 @@ class Known:
     sweep : Measurement, optional
         The sweep that was fitted, where it stands alone: its frequencies and conditions are meant
         where none are given.
+    words : mapping of str to sequence of str
+        What the levels of a numbered column are called, in the order of their numbers.
     """
 
     model: Model
@@ -198,6 +199,7 @@ class Known:
     dof: float = 1.0
     covered: Covered = field(default_factory=Covered)
     sweep: Measurement | None = None
+    words: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def _told(self) -> dict[str, Any]:
         """What is known, by name."""
@@ -344,7 +346,7 @@ def _rate(sweep: Measurement | None, frequency: ArrayLike | None, omega: ArrayLi
 def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
     """Conditions that are asked for, each as a column of one value or one for each point."""
     model, data = known.model, known.sweep
-    own = {name: _numbers(data, name, column) for name, column in given.items()}
+    own = {name: _numbers(known, name, column) for name, column in given.items()}
     for name, column in own.items():
         if not np.all(np.isfinite(column)):
             raise DataError(f"{name} must be finite numbers")
@@ -365,12 +367,10 @@ def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dic
     return own
 
 
-def _numbers(data: Measurement | None, name: str, given: ArrayLike) -> Real:
+def _numbers(known: Known, name: str, given: ArrayLike) -> Real:
     """A column (n,) of what is asked for: numbers, or what levels of the data are called."""
-    words = None
-    if data is not None:
-        words = levels_in_words(data, name)
-    if words is None or not isinstance(given, str):
+    words = list(known.words.get(name, ()))
+    if not words or not isinstance(given, str):
         try:
             return np.atleast_1d(np.asarray(given, dtype=float))
         except (TypeError, ValueError):

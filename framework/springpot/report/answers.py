@@ -26,6 +26,7 @@ from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
 from ..format_numbers import LISTED, NAMED
+from .quantities import quantities_passages
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 
 PROBES = (290.0, 330.0)
@@ -144,7 +145,7 @@ def diagnosis_document(
     most, places = NOTES, PLACES
     if verbose:
         most, places = len(notes), len(diagnosis.where)
-    values, refers = "", ""
+    values = refers = ""
     if fitted and diagnosis.parameters:
         values = f"fitted: {_values(diagnosis.parameters)}"
         refers = reference_note(data, [diagnosis.model.network])
@@ -153,10 +154,8 @@ def diagnosis_document(
     if diagnosis.verdict == "adequate" and not diagnosis.where:
         failing = Prose()
     rows = ranked(diagnosis, verbose)
-    below = ""
     # Told once: beside the fitted parameters, or else below the ranking.
-    if not refers:
-        below = effects_note(data, (row.effect for row in rows))
+    below = "" if refers else effects_note(data, (row.effect for row in rows))
     folded, absent = not_shown(diagnosis, rows, LISTED), ""
     # Of an adequate model the sizes at which effects would have been seen are the answer; beside a
     # missing effect they are detail.
@@ -169,6 +168,7 @@ def diagnosis_document(
         Prose(error_line(diagnosis), diagnosis.split),
         failing,
         Prose(values, refers),
+        *quantities_passages(diagnosis.quantities, verbose),
         ranking(diagnosis, rows, verbose),
         Prose(below),
         physics(rows),
