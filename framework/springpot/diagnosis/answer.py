@@ -259,7 +259,9 @@ def answer(
     split, classes, experiment = "", [], None
     quantities = quantities_of(search.base) if verdict == "adequate" else None
     if verdict != "adequate":
-        split = _split(search, floor, doubted or only_points(search, outliers))
+        # Rows that a column sets apart are of no one material, whatever a spectrum could follow.
+        apart = isinstance(cause, Column)
+        split = _split(search, floor, doubted or apart or only_points(search, outliers))
         classes = evidence.classes
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):

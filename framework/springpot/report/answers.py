@@ -33,12 +33,23 @@ PROBES = (290.0, 330.0)
 """Kelvin; what refers to a temperature changes if the reference moves from one to the other."""
 
 
-def refers(node: Node) -> bool:
-    """Whether parameters of `node` mean something else at another reference temperature."""
+def refers(node: Node, columns: Mapping[str, Real]) -> bool:
+    """Whether parameters of `node` mean something else at another reference temperature.
+
+    Parameters
+    ----------
+    node : Node
+        A network or an element.
+    columns : mapping of str to ndarray, shape (n,)
+        What it may need beside frequency, amplitude and temperature.
+    """
     theta: Real = np.array([parameter.typical for parameter in node.parameters])
     ones = np.ones(2)
+    first = {name: np.full(2, column[0]) for name, column in columns.items()}
     # Tried, not asked: whatever element a plugin offers, this is what its parameters do.
-    at_probes = [Points(np.zeros(2), ones, np.array(PROBES), reference) for reference in PROBES]
+    at_probes = [
+        Points(np.zeros(2), ones, np.array(PROBES), reference, first) for reference in PROBES
+    ]
     one, other = (node.respond(theta, points).value for points in at_probes)
     return not np.array_equal(one, other)
 
@@ -55,7 +66,8 @@ def reference_note(measurement: Measurement | None, nodes: Iterable[Node]) -> st
     """
     if measurement is None or "temperature" not in measurement.conditions:
         return ""
-    if not any(refers(node) for node in nodes):
+    columns = measurement.points.columns
+    if not any(refers(node, columns) for node in nodes):
         return ""
     # The way through kelvin leaves rounding behind.
     celsius = round(measurement.reference_temperature - KELVIN, 2)
