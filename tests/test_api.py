@@ -93,7 +93,7 @@ def test_results_show_themselves_in_one_line_and_as_a_table():
     assert repr(found.model) == "<Model maxwell-2: k1, tau1, k2, tau2>"
     assert repr(found).startswith("<Identification maxwell-2 of nist-srm2491@temperature=20: k1 ")
     assert "\n" not in repr(found)
-    assert found._repr_html_().count("<tr>") == 5
+    assert found._repr_html_().count("<tr>") == 10
 
 
 @pytest.mark.soak

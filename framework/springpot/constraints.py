@@ -20,9 +20,9 @@ from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.kept import LEVELS
 from springpot.identification.material import is_material
 from springpot.identification.runs import Optimiser
-from springpot.measurement.joining import FILE
+from springpot.measurement.joining import FILE, file_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test, conditions, sweep_of, tests_without
+from springpot.measurement.opening import Test, conditions, sweep_of, tests_without, together
 from springpot.measurement.units import Units
 from springpot.registry import plugins
 from springpot.rheology.levels import levels_of
@@ -172,7 +172,7 @@ def owning(
     model : Model
         The model.
     tests : sequence of Test
-        A sweep, where a parameter is to be a level's own.
+        A sweep, or tests in time beside others: these have the levels of files or temperatures.
     own : mapping of str to str, optional
         The column of each such parameter: ``{"k": "batch"}``; ``"*"`` is every parameter.
     share : str or sequence of str
@@ -185,7 +185,7 @@ def owning(
     ModelError
         If a name is unknown, or the material is a free spectrum.
     DataError
-        If the data have no such column or a single level of it, or one of them is a test in time.
+        If the data have no such column or a single level of it.
     OptionError
         If it is no mapping.
     """
@@ -207,9 +207,7 @@ def owning(
             f"{model.name}: levels have parameters of their own in a model with a name, not in a"
             " free spectrum: name one, such as fractional-zener"
         )
-    sweep = sweep_of(tests)
-    if sweep is None:
-        raise DataError("parameters of a level of its own are found in sweeps, not beside time")
+    numbered = list(tests)
     for name, column in wanted.items():
         names = [name]
         if name == EVERY:
@@ -221,8 +219,41 @@ def owning(
                 if each.rpartition(".")[0] not in of_levels and each not in shared
             ]
         model = model.owning(names, column)
-        sweep = _numbered(sweep, column)
-    return model, [sweep]
+        sweep = sweep_of(numbered)
+        numbered = marked(numbered, column) if sweep is None else [_numbered(sweep, column)]
+    return model, numbered
+
+
+def marked(tests: Sequence[Test], column: str) -> list[Test]:
+    """Tests, in time among them, each with the number of its level where files are the levels.
+
+    Raises
+    ------
+    DataError
+        If tests are not told apart by the column, or all have one level of it.
+    """
+    if column == FILE:
+        files = list(dict.fromkeys(file_of(test.name) for test in tests))
+        number = {file: 1.0 + i for i, file in enumerate(files)}
+        tests = [_with_mark(test, number[file_of(test.name)]) for test in tests]
+    for test in tests:
+        if column not in test.conditions:
+            others = "by file (--own k) or temperature (--own k:temperature)"
+            raise DataError(f"{test.name} has no {column}: tests in time are told apart {others}")
+    values = np.concatenate([np.unique(test.conditions[column]) for test in tests])
+    if len(np.unique(levels_of(column, values))) < 2:
+        raise DataError(
+            f"{together(test.name for test in tests)}: one {column} alone, and nothing is its own:"
+            " name tests that differ in it"
+        )
+    return list(tests)
+
+
+def _with_mark(test: Test, number: float) -> Test:
+    if isinstance(test, Measurement):
+        every = np.full(len(test), number)
+        return replace(test, conditions={**test.conditions, FILE: every})
+    return replace(test, marks={**test.marks, FILE: number})
 
 
 def asks_for_all(own: Mapping[str, str], share: Sequence[str]) -> bool:

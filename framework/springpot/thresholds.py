@@ -185,6 +185,8 @@ class EvidenceLevels:
 
     credible: float = 0.93
     """A class holds at least this share of the probability of all explanations."""
+    unasked: float = 0.99
+    """The same of what stands in the place of an effect that a machine accepts among others."""
     one_curve: float = 0.35
     """Curves this close (root mean square, in units of the noise) are one curve for these data."""
     prior_nothing: float = 0.5

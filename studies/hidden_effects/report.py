@@ -32,7 +32,10 @@ FURTHER = (
     " truth is another network, and then no model at all; `notch`, `ripple`: faults of the rig on"
     " noise of unknown size; `replicates`: each with a gain of its own; `rounding`: three"
     " significant digits; `two`, `three`: so many effects, each of a chi2 of 120 or more beside the"
-    " others, half in sweeps and half in fields. The second table counts verdicts for every kind."
+    " others, half in sweeps and half in fields; `measured`: files as instruments write them, with"
+    " a ramp, slack, flow, a sign, a drift in time, two calibrations, missing rows or an amplitude"
+    " that goes with the frequency, where a cause that is no effect must be told in a note or a"
+    " step. The second table counts verdicts for every kind."
 )
 BINS = (5.0, 15.0, 30.0, 60.0, 120.0, 400.0, 1200.0, np.inf)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,9 +11,10 @@ import pytest
 
 import springpot
 from springpot.derived import quantities
-from springpot.derived.from_data import AROUND, _plateau, linear_limit
 from springpot.distributions import student
 from springpot.errors import SpringpotError
+from springpot.identification.derived.from_data import AROUND, _plateau, linear_limit
+from springpot.report.told import told
 
 OMEGA = np.geomspace(0.01, 100.0, 30)
 KN = springpot.Units("kN/m", "mm")
@@ -215,10 +217,17 @@ def test_the_answer_of_a_kept_fit_is_the_same(tmp_path):
 
 
 def test_a_condition_that_the_model_needs_is_asked_for():
-    model = "maxwell + wlf-shift"
+    """All but the temperature, which is that at which shifts are one."""
     data = springpot.read("nist-srm2491")
-    with pytest.raises(SpringpotError, match="temperature="):
-        quantities(data, model)
+    found = quantities(data, "maxwell + wlf-shift")
+    assert {row.at["temperature"] for row in found} == {20.0}
+    strained = sweep("kelvin", {"k": 100.0, "c": 2.0}, amplitude=1.0)
+    strained = replace(strained, conditions={"amplitude": np.geomspace(1.0, 5.0, len(OMEGA))})
+    with pytest.raises(SpringpotError, match="amplitude="):
+        quantities(strained, "kelvin + payne")
+    fit = springpot.identify(strained, "kelvin + payne")
+    assert not fit.quantities.rows
+    assert "amplitude=" in fit.quantities.notes[0]
 
 
 @pytest.mark.parametrize("power", [0.8, 2.4])
@@ -260,3 +269,31 @@ def test_a_place_far_outside_of_a_sweep_overflows_nothing():
         x = np.sort(rng.uniform(-5.0, 5.0, n)) * rng.choice([1.0, 5.0])
         found = linear_limit(x, rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=n))
         assert found is None or x[0] < found[0] < x[-1]
+
+
+def test_an_answer_has_the_quantities_of_its_material_alone(tmp_path):
+    """A mass and a delay would make crossovers of their own, at no frequency of the material."""
+    fit = springpot.identify("artificial-hidden", "fractional-maxwell + inertia + time-delay")
+    assert fit.quantities.without == ("inertia", "time-delay")
+    names = [row.name for row in fit.quantities]
+    assert names == ["instantaneous stiffness", "|K|", "loss factor"]
+    file = tmp_path / "fit.json"
+    file.write_text(json.dumps(fit.to_dict()), encoding="utf-8")
+    assert springpot.load(file).to_dict()["quantities"] == fit.to_dict()["quantities"]
+    short, whole = told(fit), told(fit, verbose=True)
+    assert "loss factor" in short
+    assert "instantaneous" not in short
+    assert "quantity: of the material, without inertia, time-delay; at 1 Hz" in short
+    assert "model, outside" in whole
+
+
+def test_a_diagnosis_tells_quantities_of_an_adequate_model_only():
+    ladder = springpot.discover("artificial-hidden", "fractional-maxwell + inertia")
+    assert ladder.steps[0].diagnosis.quantities is None
+    assert "quantities" not in ladder.steps[0].diagnosis.to_dict()
+    last = ladder.diagnosis
+    assert last.verdict == "adequate"
+    assert "loss factor" in str(ladder)
+    again = type(last).from_dict(json.loads(json.dumps(last.to_dict())))
+    assert again.quantities.rows == last.quantities.rows
+    assert again.quantities.without == ("inertia", "time-delay")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from springpot.derived import from_data
-from springpot.derived.from_data import ENDS, FALL, FEWEST
+from springpot.identification.derived import from_data
+from springpot.identification.derived.from_data import ENDS, FALL, FEWEST
 from springpot.measurement import Measurement, Units
 
 X = np.linspace(-2.0, 3.0, 21)

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.derived import asking, from_data, from_model, quantities, quantity
-from springpot.derived.from_data import curves
-from springpot.derived.from_model import DECADE, FINE, OfModel
+from springpot.derived import quantities
 from springpot.errors import SpringpotError
+from springpot.identification.derived import from_data, from_model, of_fit, quantity
+from springpot.identification.derived.from_data import curves
+from springpot.identification.derived.from_model import DECADE, FINE, OfModel
 from springpot.measurement import TimeTest
 
 OMEGA = np.geomspace(0.05, 60.0, 24)
@@ -174,8 +175,8 @@ def test_what_has_no_logarithm_is_on_no_curve():
 def test_a_round_frequency_where_it_was_measured_is_asked_for(low, high, hertz):
     """That of one, else a round one in the middle, on the clock of the data."""
     seen = (2.0 * np.pi * low, 2.0 * np.pi * high)
-    assert asking._usual(seen, "Hz") == pytest.approx(hertz)
-    assert asking._usual((low, high), "rad/s") == pytest.approx(hertz / (2.0 * np.pi))
+    assert of_fit.usual(seen, "Hz") == pytest.approx(hertz)
+    assert of_fit.usual((low, high), "rad/s") == pytest.approx(hertz / (2.0 * np.pi))
 
 
 def test_a_value_by_its_logarithm_has_its_interval_and_one_without_end_is_open():
@@ -211,13 +212,11 @@ def test_levels_of_any_column_are_curves_of_their_own_where_each_has_points_enou
 def test_a_crossover_is_looked_for_three_decades_beyond_the_data(monkeypatch):
     """Of a model with a name; a free spectrum ends with what was measured."""
     asked = []
-    monkeypatch.setattr(asking, "OfModel", lambda *given, **more: asked.append(given[2]) or 1 / 0)
+    monkeypatch.setattr(of_fit, "OfModel", lambda *given, **more: asked.append(given[2]) or 1 / 0)
+    fit = springpot.identify("artificial-hidden", "kelvin")
+    low, high = np.log(2.0 * np.pi * np.array([0.5, 100.0]))
     for free, beyond in ((False, 3.0 * DECADE), (True, 0.0)):
-        monkeypatch.setattr(asking, "is_material", lambda model, free=free: free)
-        known = SimpleNamespace(
-            covered=SimpleNamespace(rate=(2.0, 50.0), conditions={}), model=None,
-            predict=lambda **at: SimpleNamespace(conditions={}),
-        )  # fmt: skip
+        monkeypatch.setattr(of_fit, "is_material", lambda model, free=free: free)
         with pytest.raises(ZeroDivisionError):
-            list(asking._of_fit(None, known, None, {}, []))
-        assert asked.pop() == pytest.approx((np.log(2.0) - beyond, np.log(50.0) + beyond))
+            of_fit.of_fit(fit, "any", ())
+        assert asked.pop() == pytest.approx((low - beyond, high + beyond))

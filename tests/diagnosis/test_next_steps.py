@@ -223,6 +223,31 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
     assert diagnosed(shuffled(save, (1.0, 1.2, 0.9, 1.5))).error.noise_floor < 0.02
 
 
+@pytest.mark.parametrize("gain", [0.08, 0.0])
+def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
+    """Scatter to all that does not know which geometry a row was measured on."""
+    rng = np.random.default_rng(3)
+    s = (2j * np.pi * np.geomspace(0.1, 100.0, 60)) ** 0.5
+    plates = 25.0 - 17.0 * (rng.permutation(60) % 2)
+    storage, loss = rng.normal(size=(2, 60))
+    exact = 400.0 * 60.0 * s / (400.0 + 60.0 * s) * np.where(plates < 20.0, 1.0 + gain, 1.0)
+    data = springpot.Measurement(
+        2.0 * np.pi * np.geomspace(0.1, 100.0, 60),
+        exact * (1.0 + 0.005 * (storage + 1j * loss)),
+        conditions={"plates": plates},
+    )
+    found = springpot.diagnose(data, "fractional-maxwell")
+    if gain == 0.0:
+        assert found.verdict == "adequate"
+        return
+    assert found.verdict == "unexplained"
+    assert "plates" in found.says
+    assert not found.split
+    (step,) = found.steps
+    assert step.split == "plates"
+    assert step.error_after == pytest.approx(0.007, rel=0.2)
+
+
 @pytest.mark.soak
 def test_gains_that_rise_and_fall_from_sweep_to_sweep_are_no_fault():
     """Waves in the specimen are tried beside any material; their slopes are too small to square."""

@@ -88,6 +88,15 @@ def test_it_stands_where_it_is_likelier():
     assert np.isclose(second["d"], 0.15)
 
 
+def test_two_may_stand_in_the_place_of_one_and_one_in_that_of_two():
+    more = [("a", "c", "d", 0.3), ("c", 0.1), ("a", "b", "e", 0.1)]
+    found = told(("a", "b", 0.4), ("a", "c", 0.1), *more)
+    first, second = found.stand_ins(("a", "b"), of_any_size=True)
+    assert first == pytest.approx({"a": 0.9})
+    assert second == pytest.approx({"b": 0.5, "c": 0.5, "d": 0.3})
+    assert found.stand_ins(("a", "b"))[1] == pytest.approx({"b": 0.4, "c": 0.1})
+
+
 @pytest.mark.parametrize(
     ("second", "instead"),
     [

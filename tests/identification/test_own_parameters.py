@@ -106,7 +106,7 @@ def test_what_cannot_be_a_levels_own_is_told(rng: np.random.Generator) -> None:
     with pytest.raises(DataError, match="one level of batch: nothing is its own"):
         springpot.identify(one, "kelvin", own={"k": "batch"})
     relaxation = springpot.TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.0])
-    with pytest.raises(DataError, match="not beside time"):
+    with pytest.raises(DataError, match="relaxation has no batch"):
         springpot.identify(relaxation, "maxwell", own={"k": "batch"})
     with pytest.raises(ModelError, match="not in a free spectrum"):
         springpot.identify(data, "material", own={"*": "batch"})

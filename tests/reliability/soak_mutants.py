@@ -37,12 +37,12 @@ HARMLESS = {
         "1.0",
     ): "evidence that nobody asks of any material",
     (
-        "derived/from_data.py",
+        "identification/derived/from_data.py",
         "while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):",
         "2e-06",
     ): "a tolerance",
     (
-        "derived/from_model.py",
+        "identification/derived/from_model.py",
         "x = self.band[1] - 0.1 * DECADE * np.arange(10.0 * FARTHEST)",
         "0.2",
     ): "how finely a place is looked for",

@@ -134,6 +134,14 @@ def test_a_reference_is_told_only_where_something_refers_to_it(expression, told)
     assert not reference_note(damper(), [network])
 
 
+def test_a_reference_is_told_beside_a_factor_of_another_column():
+    swept = superposed()
+    batch = np.arange(len(swept)) % 2 + 1.0
+    data = replace(swept, conditions=swept.conditions | {"batch": batch})
+    model = springpot.parse_model("maxwell + arrhenius-shift + free-vertical-shift:batch")
+    assert reference_note(data, [model.bound_to(data.points).network])
+
+
 @pytest.mark.soak
 def test_every_forecast_stands_beside_the_floor(warm):
     step, best = warm.steps[1], warm.steps[0].case.diagnosis.candidates[0]

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
 
 from springpot.api import Data, identify, read
 from springpot.errors import DataError, ModelError
-from springpot.identification.material import is_material
-from springpot.identification.prediction import Known
+from springpot.identification.derived.from_data import of_amplitude, of_frequency
+from springpot.identification.derived.of_fit import of_fit, parted, usual
+from springpot.identification.derived.quantity import Quantities
 from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.model import Model
-
-from .from_data import of_amplitude, of_frequency
-from .from_model import REACH, OfModel
-from .quantity import Quantities, Quantity
 
 ALONE = (
     "limits at rest, zero-shear viscosity and mean relaxation time are those of a model:"
@@ -54,7 +49,7 @@ def quantities(
     temperature, amplitude : float, optional
         In degC and the amplitude unit of the data, where the model depends on them.
     without : str or sequence of str
-        Effects that are left out, such as those of the rig.
+        Effects of the material that are left out; those of the rig, the signal and the test are.
     **columns : float
         Other conditions that the model depends on.
 
@@ -83,11 +78,9 @@ def quantities(
         raise ModelError(f"{fit.name} is fitted by {fit.model.name} already: leave out --model")
     if fit is None and model is not None:
         fit = identify(data, model)  # type: ignore[arg-type]
-    notes: list[str] = []
     if fit is not None:
         left = [without] if isinstance(without, str) else without
-        rows = list(_of_fit(fit, fit.of_specimen.without(left), frequency, asked, notes))
-        return Quantities(fit.name, fit.model.name, fit.units, tuple(rows), tuple(notes))
+        return of_fit(fit, fit.name, fit.data, frequency, asked, left)
     sweep = _sweep(data)
     if asked or without:
         names = [*asked]
@@ -95,9 +88,9 @@ def quantities(
             names.append("without")
         named = ", ".join(f"--{name}" for name in names)
         raise ModelError(f"{named}: data alone know none of it; name a model with --model")
-    middle = frequency or _usual(sweep.seen, sweep.units.clock)
-    rows = [*of_frequency(sweep, middle), *of_amplitude(sweep, notes)]
-    return Quantities(sweep.name, "", sweep.units, tuple(rows), (*notes, ALONE))
+    middle = frequency or usual(sweep.seen, sweep.units.clock)
+    rows, notes = parted([*of_frequency(sweep, middle), *of_amplitude(sweep), ALONE])
+    return Quantities(sweep.name, "", sweep.units, rows, notes)
 
 
 def _kept(data: Data) -> Identification | None:
@@ -119,58 +112,3 @@ def _sweep(data: Identification | Data) -> Measurement:
     if isinstance(found, Measurement):
         return found
     raise DataError("tests in time, and several, say their quantities by a model: name one")
-
-
-def _usual(seen: tuple[float, float], clock: str) -> float:
-    """A frequency in Hz to be asked for: one where it was measured, else the middle."""
-    unit = 1.0 if clock == "rad/s" else 2.0 * np.pi
-    low, high = (rate / unit for rate in seen)
-    asked = 1.0
-    if not low <= 1.0 <= high:
-        middle = float(np.sqrt(low * high))
-        step = 10.0 ** np.floor(np.log10(middle))
-        asked = float(np.clip(round(middle / step) * step, low, high))
-    return asked * unit / (2.0 * np.pi)
-
-
-def _of_fit(
-    fit: Identification,
-    known: Known,
-    frequency: float | None,
-    asked: Mapping[str, float],
-    notes: list[str],
-) -> Iterator[Quantity]:
-    """Those of the model, and those that its sweeps of the amplitude say by themselves."""
-    low, high = known.covered.rate
-    # Checked, and completed by what was the same in all tests, as of a prediction.
-    answer = known.predict(omega=[float(np.sqrt(low * high))], **asked)
-    conditions = {name: float(column[0]) for name, column in answer.conditions.items()}
-    for name, (least, most) in known.covered.conditions.items():
-        if least == most:
-            conditions.setdefault(name, least)
-    free = is_material(known.model)
-    band = float(np.log(low)), float(np.log(high))
-    if not free:
-        band = band[0] - REACH, band[1] + REACH
-    model = OfModel(known, conditions, band, limits=not free)
-    found = list(model.quantities())
-    notes += _lacking(found, free)
-    yield from found
-    yield from model.at(frequency or _usual((low, high), known.units.clock))
-    for test in fit.data:
-        if isinstance(test, Measurement):
-            yield from of_amplitude(test, notes)
-
-
-def _lacking(found: Sequence[Quantity], free: bool) -> Iterator[str]:
-    """What a model has none of."""
-    names = {row.name for row in found}
-    if "crossover frequency" not in names:
-        where = "in the measured range" if free else "within three decades of the measured range"
-        yield f"no crossover {where}"
-    if free:
-        yield "a free spectrum ends with the data: it has no limits at rest or of fast changes"
-    elif not any("rest" in row.says for row in found):
-        yield "at rest the model follows a power of the frequency: neither modulus nor viscosity"
-    if "mean relaxation time" not in names and not free:
-        yield "the model has no mean relaxation time that is finite"

@@ -26,7 +26,7 @@ from springpot.misfit.residual_causes import (
     equal_rows_behind,
     one_test_of,
 )
-from springpot.misfit.values import printed
+from springpot.misfit.values import printed, quantities_of
 from springpot.misfit.where import Where, periodic, where
 from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
@@ -257,8 +257,11 @@ def answer(
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
+    quantities = quantities_of(search.base) if verdict == "adequate" else None
     if verdict != "adequate":
-        split = _split(search, floor, doubted or only_points(search, outliers))
+        # Rows that a column sets apart are of no one material, whatever a spectrum could follow.
+        apart = isinstance(cause, Column)
+        split = _split(search, floor, doubted or apart or only_points(search, outliers))
         classes = evidence.classes
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
@@ -285,11 +288,10 @@ def answer(
         one_test=one_test,
         tests=(_as_test(measurement, error),),
         steps=tuple(_steps(measurement, search, evidence, verdict, outliers, cause)),
+        quantities=quantities,
     )
     # A factor at each temperature would be another name for the time.
-    if course is None:
-        diagnosis = _with_factors(diagnosis, search, evidence, library)
-    return diagnosis
+    return diagnosis if course else _with_factors(diagnosis, search, evidence, library)
 
 
 def _steps(

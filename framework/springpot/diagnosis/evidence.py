@@ -346,10 +346,13 @@ class Evidence:
             return ()
         return others[0].names
 
-    def stand_ins(self, names: Sequence[str]) -> list[dict[str, float]]:
-        """For each effect of a set, what may stand in its place, with their chances."""
+    def stand_ins(self, names: Sequence[str], of_any_size: bool = False) -> list[dict[str, float]]:
+        """For each effect of a set, what may stand in its place, with their chances.
+
+        In sets `of_any_size` two may stand in the place of one, and one in that of two.
+        """
         chances: list[dict[str, float]] = [{} for _ in names]
-        sets = [one for one in self.explanations if len(one.names) == len(names)]
+        sets = [one for one in self.explanations if of_any_size or len(one.names) == len(names)]
         # Those first that differ in one place: they tell whose place it is where two differ.
         for one in sorted(sets, key=lambda one: len(without(one.names, names))):
             for place, other in _paired(names, one.names, chances):
@@ -608,22 +611,24 @@ def _paired(
             yield place, name
         else:
             free.append(place)
-    while free:
+    open_places = list(free)
+    while new and free:
         # Where it is likeliest by itself.
-        pairs = [(place, other) for place in free for other in new]
+        pairs = [(place, other) for place in open_places for other in new]
         place, other = max(pairs, key=lambda pair: known[pair[0]].get(pair[1], 0.0))
-        free.remove(place)
+        open_places.remove(place)
         new.remove(other)
         yield place, other
+        open_places = open_places or list(free)
 
 
-def credible(chances: dict[str, float]) -> list[str]:
-    """The fewest names that hold nearly all of the probability, the likeliest first."""
+def credible(chances: dict[str, float], share: float = EVIDENCE.credible) -> list[str]:
+    """The fewest names that hold a share of the probability, the likeliest first."""
     total = sum(chances.values())
     covered, kept = 0.0, []
     # Asked before it is added: the set must hold the share, not stop short of it.
     for name in sorted(chances, key=lambda name: -chances[name]):
-        if covered < EVIDENCE.credible * total:
+        if covered < share * total:
             kept.append(name)
         covered += chances[name]
     return kept

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from springpot.drawing import draw, html_of, text_of
+from springpot.identification.derived.quantity import Quantities
 from springpot.identification.value import PartResult, Value, parts_of, values_of
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
@@ -224,6 +225,8 @@ class Diagnosis:
     steps : tuple of ToDo
         What can be done with the data themselves: turn a channel, split by a column, leave a row
         out.
+    quantities : Quantities, optional
+        Crossover, loss factor ... of an adequate model: of another they would be no one's.
 
     Examples
     --------
@@ -256,6 +259,7 @@ class Diagnosis:
     tests: tuple[PartResult, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
     steps: tuple[ToDo, ...] = ()
+    quantities: Quantities | None = None
 
     @property
     def actions(self) -> tuple[ToDo, ...]:
@@ -374,6 +378,8 @@ class Diagnosis:
             "steps": self.steps,
             "actions": self.actions,
         }
+        if self.quantities:
+            answer |= {"quantities": self.quantities.rows, "kept": self.quantities.kept}
         return dict(jsonable(answer))
 
     @classmethod
@@ -401,6 +407,7 @@ class Diagnosis:
             evidence=answer["evidence"],
             left_out=answer["left_out"],
             steps=tuple(ToDo.from_dict(row) for row in answer["steps"]),
+            quantities=Quantities.within(answer),
         )
 
     def _repr_html_(self) -> str:

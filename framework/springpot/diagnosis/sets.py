@@ -115,9 +115,10 @@ class EffectSet:
     def places(self) -> dict[str | None, tuple[str, ...]]:
         """For each effect of the set, what may stand in its place."""
         names = [effect.name for effect in self.effects]
-        chances, alike = self.evidence.stand_ins(names), self.evidence.same_curve(names)
+        chances = self.evidence.stand_ins(names, of_any_size=True)
+        alike = self.evidence.same_curve(names)
         return {
-            name: tuple(dict.fromkeys([*credible(own), *others]))
+            name: tuple(dict.fromkeys([*credible(own, EVIDENCE.unasked), *others]))
             for name, own, others in zip(names, chances, alike, strict=True)
         }
 

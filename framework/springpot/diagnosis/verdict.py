@@ -24,7 +24,7 @@ from springpot.misfit.floor import (
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_battery import NEIGHBOURS, sets_apart
-from springpot.misfit.residual_causes import Column, EqualRows
+from springpot.misfit.residual_causes import Column, EqualRows, column_behind
 from springpot.misfit.words import percent, times
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -87,6 +87,8 @@ class Facts:
         The error is that of arithmetic: the data were computed, and their residual is no scatter.
     below : bool
         The error is smaller than the noise that was told by these very data.
+    by_column : bool
+        Most of the error goes with a column that no effect knows.
     """
 
     repeats: bool = False
@@ -109,6 +111,7 @@ class Facts:
     together: bool = False
     exact: bool = False
     below: bool = False
+    by_column: bool = False
 
     @property
     def alarm(self) -> bool:
@@ -161,6 +164,11 @@ RULES = (
         "a material follows, but no effect mends the model",
         lambda f: not f.alarm and f.material,
         "unexplained",
+    ),
+    # Whatever else may help: rows of two calibrations that take turns look like noise to all that
+    # does not know which is which.
+    VerdictRule(
+        "what goes with a column is no noise", lambda f: not f.alarm and f.by_column, "unexplained"
     ),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
     VerdictRule(
@@ -265,6 +273,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         # A free spectrum follows any smooth computed data: only the user's model may be so exact.
         exact=not beside_material and is_arithmetic(search.base),
         below=below_floor(search.base, certain),
+        by_column=column_behind(search.base.frame()) is not None,
     )
 
 

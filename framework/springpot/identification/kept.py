@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement.measurement import Measurement
+from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.units import Units
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real
+from springpot.rheology.points import ROOM, Real
 
 LEVELS = "levels {}"
 """Where the provenance of a measurement tells what the levels of a column are called."""
@@ -76,13 +76,14 @@ def measurement_to_dict(data: Measurement) -> dict[str, Any]:
         "conditions": {name: _finite(column) for name, column in data.conditions.items()},
         "repeat": columns["repeat"],
         "reference": data.reference,
-        **_levels(data),
+        **({"levels": words} if (words := words_in(data)) else {}),
     }
 
 
-def _levels(data: Measurement) -> dict[str, Any]:
-    told = {name: words for name in data.conditions if (words := levels_in_words(data, name))}
-    return {"levels": told} if told else {}
+def words_in(data: Measurement) -> dict[str, list[str]]:
+    """What the levels of its numbered columns are called."""
+    told = {name: levels_in_words(data, name) for name in data.conditions}
+    return {name: words for name, words in told.items() if words}
 
 
 def measurement_of(kept: dict[str, Any]) -> Measurement:
@@ -126,10 +127,9 @@ def levels_in_words(data: Measurement, column: str) -> list[str] | None:
     return [str(word) for word in json.loads(told)]
 
 
-def note_on_levels(data: Measurement, column: str) -> str:
+def note_on_levels(words: Mapping[str, Sequence[str]], column: str) -> str:
     """Which number stands for which word in a numbered column; empty for one of plain numbers."""
-    words = levels_in_words(data, column) or []
-    meant = ", ".join(f"{number} is {word}" for number, word in enumerate(words, 1))
+    meant = ", ".join(f"{number} is {word}" for number, word in enumerate(words.get(column, ()), 1))
     return meant and f"{column}: {meant}"
 
 
@@ -171,6 +171,10 @@ def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:
         model = model.owning([name], column)
     if "measurement" in kept:
         model = model.bound_to(measurement_of(kept["measurement"]).points)
+    elif model.own:
+        levels = {name: np.array(column) for name, column in kept["levels"].items()}
+        size = len(next(iter(levels.values())))
+        model = model.bound_to(points_at(np.zeros(size), levels, ROOM))
     # Strictly: of a model that has changed since the numbers may mean something else, and it is
     # refused.
     if any(isinstance(value, str) for value in kept["theta"]):

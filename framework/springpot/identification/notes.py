@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import sqrt
 
 import numpy as np
 
 from springpot.distributions import chi2_quantile
 from springpot.measurement.measurement import CONDITIONS
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -16,7 +17,7 @@ from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
 from .bordered import Bordered, variance_of
-from .kept import note_on_levels
+from .kept import note_on_levels, words_in
 from .native import Fit
 from .specimens import FEWEST, told
 from .uncertainty import Uncertainty, printed_covariance
@@ -58,8 +59,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
     return [
         *_undetermined(known.fit),
         *refused_in_words(known.fit),
-        *_levels_in_words(known.fit),
-        *_few_specimens(known.fit),
+        *notes_on_specimens(known.fit.model, words_in(known.fit.measurement)),
         *told(known.fit),
         *_bounds(known),
         *_orders(known, low, high),
@@ -76,18 +76,14 @@ def _undetermined(fit: Fit) -> Iterator[str]:
         )
 
 
-def _levels_in_words(fit: Fit) -> Iterator[str]:
-    """What the numbers of the levels stand for that have parameters of their own."""
-    for column in dict.fromkeys(fit.model.own.values()):
-        if note := note_on_levels(fit.measurement, column):
+def notes_on_specimens(model: Model, words: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """What the levels with parameters of their own are called, and what so few cannot tell."""
+    for column in dict.fromkeys(model.own.values()):
+        if note := note_on_levels(words, column):
             yield note
-
-
-def _few_specimens(fit: Fit) -> Iterator[str]:
-    """What so few specimens cannot tell of others of their kind."""
-    if not fit.model.own or set(fit.model.own.values()) & set(CONDITIONS):
+    if not model.own or set(model.own.values()) & set(CONDITIONS):
         return
-    count = len(fit.model.places)
+    count = len(model.places)
     if count < FEWEST:
         yield f"{count} specimens do not tell how others would differ: three or more do"
     elif count < ENOUGH:

@@ -22,7 +22,6 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import SMALLEST
 from .bordered import Bordered, Covariance
-from .kept import levels_in_words
 from .specimens import FEWEST
 from .value import Value
 
@@ -92,6 +91,7 @@ def populations(
     values: Real,
     covariance: Covariance,
     units: Units,
+    words: Mapping[str, Sequence[str]],
     sweep: Measurement | None = None,
 ) -> dict[str, Population]:
     """Of each parameter that levels have for themselves, by the name that they share.
@@ -108,9 +108,10 @@ def populations(
         Of these.
     units : Units
         Those of the data.
+    words : mapping of str to sequence of str
+        What specimens and batches are called, in the order of their numbers.
     sweep : Measurement, optional
-        The data, which tell what the specimens are called and, of ``batch/specimen``, the batch of
-        each.
+        The data, which tell of ``batch/specimen`` the batch of each.
     """
     found = {}
     for kind in (*_of_levels(model, values, covariance), *_tied(model, values, covariance, units)):
@@ -126,10 +127,9 @@ def populations(
         if log:
             error = Errors(error.own / own**2, error.common / own[:, None])
             own = np.log(own)
-        levels, batches, column = kind.levels, None, next(iter(model.own.values()))
-        if sweep is not None:
-            levels = levels_in_words(sweep, column) or levels
-            batches = _batches(sweep, column)
+        column = next(iter(model.own.values()))
+        levels = words.get(column, kind.levels)
+        batches = None if sweep is None else _batches(sweep, column, words)
         unit = units.of(kind.parameter.unit)[1]
         found[kind.name] = of_one(own, error, log, levels, unit, batches)
     return found
@@ -212,7 +212,9 @@ def _errors(covariance: Covariance, rows: list[int]) -> Errors:
     return Errors(alone[rows], covariance.columns[rows])
 
 
-def _batches(sweep: Measurement, column: str) -> list[str] | None:
+def _batches(
+    sweep: Measurement, column: str, words: Mapping[str, Sequence[str]]
+) -> list[str] | None:
     """The batch (n,) of each specimen, in the order of their own numbers."""
     outer, conditions = column.rpartition("/")[0], sweep.conditions
     if outer not in conditions or column not in conditions:
@@ -222,8 +224,8 @@ def _batches(sweep: Measurement, column: str) -> list[str] | None:
     # As many batches as specimens tell nothing of what is between specimens of one.
     if not 1 < len(levels) < len(number):
         return None
-    words = levels_in_words(sweep, outer) or [f"{level:g}" for level in levels]
-    return [words[i] for i in number.ravel()]
+    names = words.get(outer, [f"{level:g}" for level in levels])
+    return [names[i] for i in number.ravel().tolist()]
 
 
 class Component(NamedTuple):

@@ -5,7 +5,7 @@ What it says of another test than the measured one, and how surely.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -29,9 +29,9 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
+from ..format_numbers import LISTED
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .bordered import Bordered, Covariance, lost_and_known
-from .kept import levels_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -186,6 +186,8 @@ class Known:
     sweep : Measurement, optional
         The sweep that was fitted, where it stands alone: its frequencies and conditions are meant
         where none are given.
+    words : mapping of str to sequence of str
+        What the levels of a numbered column are called, in the order of their numbers.
     """
 
     model: Model
@@ -198,6 +200,7 @@ class Known:
     dof: float = 1.0
     covered: Covered = field(default_factory=Covered)
     sweep: Measurement | None = None
+    words: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def _told(self) -> dict[str, Any]:
         """What is known, by name."""
@@ -209,6 +212,34 @@ class Known:
         model, places = self.model.of_any_level, self.spread.layout.places[number]
         told = {"model": model, "theta": self.theta[places], "slopes": self.slopes[number]}
         return Known(**{**self._told(), **told, "spread": self.spread.of_levels[number]})
+
+    def at_level(self, conditions: Mapping[str, ArrayLike]) -> Known:
+        """What is known of the level that conditions name; itself where levels have nothing own.
+
+        Raises
+        ------
+        DataError
+            If they do not say which level is meant, or name none.
+        """
+        if not self.model.own:
+            return self
+        (column,) = set(self.model.own.values())
+        if column not in conditions:
+            names = self.words.get(column) or self.model.level_values[column]
+            listed = ", ".join(map(str, names[:LISTED]))
+            raise DataError(
+                f"each {column} has parameters of its own: say which, {column}={names[0]} (of"
+                f" {listed}{' and others' if len(names) > LISTED else ''})"
+            )
+        at = points_at(
+            np.zeros(1), {column: _numbers(self, column, conditions[column])}, self.reference
+        )
+        number = int(self.model.levels(at)[0])
+        if isinstance(self.spread, Bordered):
+            return self.of_level(number)
+        places = self.model.places[number]
+        told = {"model": self.model.of_any_level, "theta": self.theta[places]}
+        return Known(**{**self._told(), **told, "slopes": self.slopes[places]})
 
     @property
     def of_specimen(self) -> Known:
@@ -344,7 +375,7 @@ def _rate(sweep: Measurement | None, frequency: ArrayLike | None, omega: ArrayLi
 def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
     """Conditions that are asked for, each as a column of one value or one for each point."""
     model, data = known.model, known.sweep
-    own = {name: _numbers(data, name, column) for name, column in given.items()}
+    own = {name: _numbers(known, name, column) for name, column in given.items()}
     for name, column in own.items():
         if not np.all(np.isfinite(column)):
             raise DataError(f"{name} must be finite numbers")
@@ -365,12 +396,10 @@ def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dic
     return own
 
 
-def _numbers(data: Measurement | None, name: str, given: ArrayLike) -> Real:
+def _numbers(known: Known, name: str, given: ArrayLike) -> Real:
     """A column (n,) of what is asked for: numbers, or what levels of the data are called."""
-    words = None
-    if data is not None:
-        words = levels_in_words(data, name)
-    if words is None or not isinstance(given, str):
+    words = list(known.words.get(name, ()))
+    if not words or not isinstance(given, str):
         try:
             return np.atleast_1d(np.asarray(given, dtype=float))
         except (TypeError, ValueError):

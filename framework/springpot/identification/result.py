@@ -28,6 +28,8 @@ from springpot.thresholds import INTERVAL
 
 from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
+from .derived.of_fit import in_short
+from .derived.quantity import Quantities
 from .kept import (
     bounds_of,
     coordinates_of,
@@ -36,6 +38,7 @@ from .kept import (
     measurement_of,
     measurement_to_dict,
     rates_of,
+    words_in,
 )
 from .material import is_material
 from .native import Fit
@@ -91,6 +94,30 @@ class Standing:
             source, says = row["noise_source"], row["says"]
             standing = as_declared(cls(floors[0], source, floors[1], row["good_enough"], says))
         return lambda fit: standing
+
+
+def known_of_sweep(known: Uncertainty) -> Known:
+    """What a fit of a sweep that stands alone knows of other tests."""
+    fit = known.fit
+    data = fit.measurement
+    # Relative at each point, so that soft and stiff ends of a sweep count alike.
+    missed = np.abs(data.stiffness - fit.model.stiffness(fit.theta, data.points)) / sizes(data)
+    dof = known.freedom
+    if known.specimens is not None:
+        dof = known.specimens.count - 1
+    return Known(
+        model=fit.model,
+        theta=fit.theta,
+        slopes=slopes_of(fit),
+        spread=known.covariance,
+        units=data.units,
+        reference=data.reference_temperature,
+        misfit=float(np.sqrt(np.mean(missed**2))),
+        dof=dof,
+        covered=Covered.of([data]),
+        sweep=data,
+        words=words_in(data),
+    )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -164,26 +191,11 @@ class Identification(Known):
     ) -> Identification:
         """That of a sweep which stands alone, by its fit and the ends of the intervals (p,)."""
         fit = known.fit
-        data = fit.measurement
-        # Relative at each point, so that soft and stiff ends of a sweep count alike.
-        missed = np.abs(data.stiffness - fit.model.stiffness(fit.theta, data.points)) / sizes(data)
-        dof = known.freedom
-        if known.specimens is not None:
-            dof = known.specimens.count - 1
         return cls(
-            model=fit.model,
-            theta=fit.theta,
-            slopes=slopes_of(fit),
-            spread=known.covariance,
-            units=data.units,
-            reference=data.reference_temperature,
-            misfit=float(np.sqrt(np.mean(missed**2))),
-            dof=dof,
-            covered=Covered.of([data]),
-            sweep=data,
+            **vars(known_of_sweep(known)),
             low=low,
             high=high,
-            data=(data,),
+            data=(fit.measurement,),
             objective=fit.objective.name,
             cost=fit.cost,
             optimiser=optimiser,
@@ -285,7 +297,16 @@ class Identification(Known):
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
         values = self._factors * self.theta
-        return populations(self.model, values, self._printed, self.units, self.sweep)
+        known = self.model, values, self._printed, self.units, self.words
+        return populations(*known, self.sweep)
+
+    @cached_property
+    def quantities(self) -> Quantities:
+        """Crossover, plateau, moduli, viscosity, loss factor ... of its material, with intervals.
+
+        Where nothing else is asked for; see `springpot.quantities`.
+        """
+        return in_short(self, self.name, self.data)
 
     def values_by_level(self, name: str) -> list[Value]:
         """What each level has of a parameter of its own, in the order of the levels."""
@@ -445,6 +466,8 @@ class Identification(Known):
         }
         if self.standing is not None:
             answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
+        if len(self.quantities):
+            answer["quantities"] = self.quantities.rows
         if self.spectrum is not None:
             answer["spectrum"] = self._spectrum(self.spectrum)
         if self.verdicts:
@@ -474,6 +497,8 @@ class Identification(Known):
         }
         if self.model.ties:
             kept["ties"] = list(self.model.ties)
+        if self.model.own and self.uncertainty is None:
+            kept |= {"levels": self.model.level_values, "words": self.words}
         if self.calibration is not None:
             kept["calibration"] = self.calibration.to_dict()
         if self.uncertainty is not None:
@@ -530,6 +555,7 @@ class Identification(Known):
             misfit=number(answer["relative_rms"]),
             dof=spare(tests, theta),
             covered=Covered.read(answer["measured"]),
+            words=kept.get("words", {}),
             low=low,
             high=high,
             parts=tests,

@@ -168,7 +168,7 @@ def _conditions_of(test: TimeTest | Measurement | OtherTest) -> dict[str, Real]:
     """Temperature and amplitude of a test, and the further columns of a sweep."""
     if not isinstance(test, TimeTest):
         return dict(test.conditions)
-    found: dict[str, Real] = {}
+    found = {name: np.array([value]) for name, value in test.marks.items()}
     # The answer to a step is often written for a step of one, whatever it was in truth.
     if test.control == "displacement" and test.kind not in ("relaxation", "recovery"):
         found["amplitude"] = np.array([0.0, np.abs(test.loading.value).max()])

@@ -19,6 +19,11 @@ _EXAMPLES = {"temperature": "temperature=20[degC]", "amplitude": "amplitude=0.5[
 """How a condition of all rows of a file is said behind its name."""
 
 
+def file_of(name: str) -> str:
+    """The file of a test, which may be one of several in it: ``creep#2``."""
+    return name.partition("#")[0]
+
+
 def joined(measurements: Sequence[Measurement]) -> Measurement:
     """All rows one after the other, in the units of the first, with the label ``file``.
 

@@ -35,6 +35,8 @@ class OtherTest(ABC):
         In degC.
     provenance : mapping of str to str
         Where the data come from.
+    marks : mapping of str to float
+        Further conditions by name, such as the number of the specimen.
 
     Attributes
     ----------
@@ -56,6 +58,7 @@ class OtherTest(ABC):
     units: Units = field(default_factory=Units)
     temperature: float | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
+    marks: Mapping[str, float] = field(default_factory=dict)
 
     @property
     @abstractmethod
@@ -111,9 +114,10 @@ class OtherTest(ABC):
     @property
     def conditions(self) -> dict[str, Real]:
         """What was set beside the load, of each number (m,): its temperature in degC."""
-        if self.temperature is None:
-            return {}
-        return {"temperature": np.full(len(self.at), self.temperature)}
+        found = {name: np.full(len(self.at), value) for name, value in self.marks.items()}
+        if self.temperature is not None:
+            found["temperature"] = np.full(len(self.at), self.temperature)
+        return found
 
     @property
     def labels(self) -> Mapping[str, NDArray[np.str_]]:

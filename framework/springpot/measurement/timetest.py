@@ -77,6 +77,8 @@ class TimeTest:
         its mean.
     letter : {"", "G", "E", "K"}
         Which modulus stress and strain are of, see `Units`; empty where nobody says.
+    marks : mapping of str to float
+        Further conditions by name, such as the number of the specimen.
 
     Raises
     ------
@@ -103,6 +105,7 @@ class TimeTest:
     measured: bool = True
     warmth: Real | None = None
     letter: str = ""
+    marks: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -368,11 +371,10 @@ class TimeTest:
     @property
     def conditions(self) -> dict[str, Real]:
         """What was set beside the load, of each sample: its temperature in degC, where known."""
-        if self.warmth is not None:
-            return {"temperature": self.warmth}
+        found = {name: np.full(len(self), value) for name, value in self.marks.items()}
         if self.temperature is not None:
-            return {"temperature": np.full(len(self), self.temperature)}
-        return {}
+            found["temperature"] = np.broadcast_to(self.temperature, len(self))
+        return found if self.warmth is None else {**found, "temperature": self.warmth}
 
     @property
     def columns(self) -> dict[str, Real]:

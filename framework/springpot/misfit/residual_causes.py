@@ -193,8 +193,8 @@ class Column:
     values : int
         How many different ones it has.
     share : float
-        Of the misfit, in chi-square, that a gain and a phase at each value, sloping along the
-        frequency, takes.
+        Of the square of the relative error that a gain and a phase at each value, sloping along
+        the frequency, takes.
     one_test : str
         How a user chooses the rows of one value: ``current=0.5``.
     """
@@ -302,6 +302,8 @@ def column_behind(frame: NoiseFrame) -> Column | None:
         The fit of the best model.
     """
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
+    # What is off across K counts as what is off along it, though noise may be larger along.
+    relative = _relative_squares(frame, frame.rest)
     settings = settings_of(frame.measurement)
     along = np.log(frame.measurement.omega)
     # At one frequency there are no slopes, only what rounding makes of them.
@@ -316,12 +318,13 @@ def column_behind(frame: NoiseFrame) -> Column | None:
         # its slope.
         shapes = np.concatenate([at_each, at_each * slopes])
         basis = frame.beyond(frame.relative(shapes), LEAST_SEEN)
-        taken, spent = _seen(frame, basis).energy, int(basis.shape[1])
+        pattern = basis @ (basis.T @ frame.rest)
+        taken, spent = float(pattern @ pattern), int(basis.shape[1])
         if spent == 0 or spare <= spent:
             continue
         left = max(misfit - taken, SMALLEST)
         chance = f_sf((taken / spent) / (left / (spare - spent)), spent, spare - spent)
-        share = taken / misfit
+        share = 1.0 - _relative_squares(frame, frame.rest - pattern) / max(relative, SMALLEST)
         # Each of the columns might have been it (Bonferroni); and what takes less than most of it
         # explains nothing.
         is_behind = share > VERDICT.takes_most and chance * len(settings) < VERDICT.sentence_alarm
@@ -439,6 +442,14 @@ def _size_in_words(frame: NoiseFrame, place: str) -> str:
 
 def _seen(frame: NoiseFrame, basis: Real) -> _Seen:
     return _Seen(float(np.sum((basis.T @ frame.rest) ** 2)), int(basis.shape[1]), frame.scale_dof)
+
+
+def _relative_squares(frame: NoiseFrame, whitened: Real) -> float:
+    """Sum of squares of whitened numbers (2n,) relative to |K|; what has no weight counts not."""
+    weights = np.concatenate([frame.weights.real, frame.weights.imag])
+    there = weights > 0.0
+    size = np.tile(np.abs(relative_to(frame.model_stiffness, frame.measurement)), 2)
+    return float(np.sum((whitened[there] / (weights * size)[there]) ** 2))
 
 
 def _basis_without(basis: Real, other: Real) -> Real:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from springpot.identification.derived.of_fit import in_short
+from springpot.identification.derived.quantity import Quantities
 from springpot.identification.held_material import intervals_beside_material
 from springpot.identification.levels_alone import shifted_by
+from springpot.identification.result import known_of_sweep
 from springpot.identification.uncertainty import Uncertainty, uses_sd
 from springpot.identification.value import Value
 from springpot.thresholds import VERDICT
@@ -26,10 +29,7 @@ def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
         Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms
         each.
     """
-    best = refit.identified
-    units = best.measurement.units
-    fits = refit.relative_rms < VERDICT.misfit * refit.floor
-    known = Uncertainty(best, absolute=fits and uses_sd(best))
+    units, known = refit.identified.measurement.units, _known(refit)
     # The constants of superposition are those of a master curve, whatever command asks.
     if by_profile or shifted_by(refit.model):
         low, high = intervals_beside_material(known)
@@ -46,3 +46,15 @@ def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
         )
         rows[parameter.name] = Value(value, least, most, label)
     return rows
+
+
+def quantities_of(refit: Refit) -> Quantities:
+    """Those of its material, with intervals that rest on the same uncertainty."""
+    raw = refit.data.raw
+    return in_short(known_of_sweep(_known(refit)), raw.name, [raw])
+
+
+def _known(refit: Refit) -> Uncertainty:
+    best = refit.identified
+    fits = refit.relative_rms < VERDICT.misfit * refit.floor
+    return Uncertainty(best, absolute=fits and uses_sd(best))

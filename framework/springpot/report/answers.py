@@ -26,18 +26,30 @@ from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
 from ..format_numbers import LISTED, NAMED
+from .quantities import quantities_passages
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 
 PROBES = (290.0, 330.0)
 """Kelvin; what refers to a temperature changes if the reference moves from one to the other."""
 
 
-def refers(node: Node) -> bool:
-    """Whether parameters of `node` mean something else at another reference temperature."""
+def refers(node: Node, columns: Mapping[str, Real]) -> bool:
+    """Whether parameters of `node` mean something else at another reference temperature.
+
+    Parameters
+    ----------
+    node : Node
+        A network or an element.
+    columns : mapping of str to ndarray, shape (n,)
+        What it may need beside frequency, amplitude and temperature.
+    """
     theta: Real = np.array([parameter.typical for parameter in node.parameters])
     ones = np.ones(2)
+    first = {name: np.full(2, column[0]) for name, column in columns.items()}
     # Tried, not asked: whatever element a plugin offers, this is what its parameters do.
-    at_probes = [Points(np.zeros(2), ones, np.array(PROBES), reference) for reference in PROBES]
+    at_probes = [
+        Points(np.zeros(2), ones, np.array(PROBES), reference, first) for reference in PROBES
+    ]
     one, other = (node.respond(theta, points).value for points in at_probes)
     return not np.array_equal(one, other)
 
@@ -54,7 +66,8 @@ def reference_note(measurement: Measurement | None, nodes: Iterable[Node]) -> st
     """
     if measurement is None or "temperature" not in measurement.conditions:
         return ""
-    if not any(refers(node) for node in nodes):
+    columns = measurement.points.columns
+    if not any(refers(node, columns) for node in nodes):
         return ""
     # The way through kelvin leaves rounding behind.
     celsius = round(measurement.reference_temperature - KELVIN, 2)
@@ -132,7 +145,7 @@ def diagnosis_document(
     most, places = NOTES, PLACES
     if verbose:
         most, places = len(notes), len(diagnosis.where)
-    values, refers = "", ""
+    values = refers = ""
     if fitted and diagnosis.parameters:
         values = f"fitted: {_values(diagnosis.parameters)}"
         refers = reference_note(data, [diagnosis.model.network])
@@ -141,10 +154,8 @@ def diagnosis_document(
     if diagnosis.verdict == "adequate" and not diagnosis.where:
         failing = Prose()
     rows = ranked(diagnosis, verbose)
-    below = ""
     # Told once: beside the fitted parameters, or else below the ranking.
-    if not refers:
-        below = effects_note(data, (row.effect for row in rows))
+    below = "" if refers else effects_note(data, (row.effect for row in rows))
     folded, absent = not_shown(diagnosis, rows, LISTED), ""
     # Of an adequate model the sizes at which effects would have been seen are the answer; beside a
     # missing effect they are detail.
@@ -157,6 +168,7 @@ def diagnosis_document(
         Prose(error_line(diagnosis), diagnosis.split),
         failing,
         Prose(values, refers),
+        *quantities_passages(diagnosis.quantities, verbose),
         ranking(diagnosis, rows, verbose),
         Prose(below),
         physics(rows),

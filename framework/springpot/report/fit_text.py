@@ -20,6 +20,7 @@ from ..numerics import NEGLIGIBLE
 from .answers import reference_note
 from .figures import beside_floors, in_words
 from .population import population_passages
+from .quantities import quantities_passages
 from .text import (
     OPEN,
     Listing,
@@ -73,6 +74,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         search,
         Prose(reference_note(identified.sweep, [identified.model.network])),
         Prose(_spectrum(identified)),
+        *quantities_passages(identified.quantities, verbose),
         tests,
         Listing(_lines(identified, verbose), hang=HANG),
     ]
@@ -209,9 +211,9 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
     )
     numbered: set[str] = set()
     # Which number a specimen has, where no parameter is told by its number.
-    if identified.sweep is not None and not verbose and not _few(identified):
+    if not verbose and not _few(identified):
         columns = identified.model.own.values()
-        numbered = {note_on_levels(identified.sweep, column) for column in columns}
+        numbered = {note_on_levels(identified.words, column) for column in columns}
     return lines + [f"note        {note}" for note in notes if note not in numbered]
 
 

@@ -40,6 +40,7 @@ from .interactive.in_time import TimeScene, drawn_in_time
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
 from .network import network_svg
+from .quantities import quantities_passages
 from .residuals import (
     data_and_model,
     framed,
@@ -405,6 +406,10 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         if isinstance(step.examined, Case):
             raw = step.case.search.base.data.raw
             yield from _note(reference_note(raw, [step.model.network]))
+    if ladder.diagnosis.quantities:
+        yield tag("h3", "Quantities of the last model")
+        for passage in quantities_passages(ladder.diagnosis.quantities, verbose=True):
+            yield passage.as_html()
 
 
 def _note(text: str) -> Iterator[Html]:

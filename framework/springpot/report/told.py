@@ -8,6 +8,7 @@ from typing import Any
 from springpot.comparison.result import Comparison, Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
+from springpot.identification.derived.quantity import Quantities
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
@@ -17,6 +18,7 @@ from .fit_text import fit_document
 from .invention import invention_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
+from .quantities import quantities_document
 from .text import Passage, Prose, as_html, as_text
 
 USUAL = 120
@@ -36,6 +38,7 @@ document_of.register(Comparison, comparison_document)
 document_of.register(Ranking, ranking_document)
 document_of.register(Invention, invention_document)
 document_of.register(MasterCurve, mastercurve_document)
+document_of.register(Quantities, quantities_document)
 
 
 def told(result: object, columns: int = USUAL, **asked: Any) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import inf
@@ -191,6 +191,10 @@ class Test(Protocol):
     @property
     def control(self) -> str:
         """What was imposed, of `CONTROLS`."""
+
+    @property
+    def conditions(self) -> Mapping[str, Real]:
+        """What was set beside the load, a number (n,) for each measured one."""
 
 
 PLANES = {"parallel": parallel, "series": series, "chain": chain, "shift": shift}

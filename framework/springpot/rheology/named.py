@@ -24,7 +24,7 @@ from .elements import KnownMass
 from .levels import Levels, Own, own_of, owned
 from .nodes import FULL, GRADIENT, VALUE, Node, Response, Scaled, parallel
 from .parameters import HasParameters, Parameter, SearchForm
-from .points import HALF_PI, ROOM, Complex, Points, Real
+from .points import HALF_PI, KELVIN, ROOM, Complex, Points, Real
 from .tied import (
     Bounds,
     Fixed,
@@ -191,8 +191,11 @@ class NamedNetwork(HasParameters):
         """The model that a test has, and where its parameters stand in theta.
 
         Effects that do not apply to the test are left out: of another rig, or of another kind of
-        test.
+        test. Of levels with parameters of their own it has those of one, where it lies at one.
         """
+        if self.own and (level := self.level_of(test)) is not None:
+            one, inner = self.of_any_level.had_by(test)
+            return one, self.places[level][inner].tolist()
         placed = self.placed()
         mine = [each for each in placed if each.effect.applies_to(test)]
         if len(mine) == len(placed):
@@ -201,6 +204,15 @@ class NamedNetwork(HasParameters):
         for each in mine:
             places += each.own
         return replace(self, effects=tuple(each.effect for each in mine)), places
+
+    def level_of(self, test: Test) -> int | None:
+        """Number of the level whose own parameters a test has; None of one at several levels."""
+        own = {name: test.conditions[name] for name in self.own.values()}
+        kelvin = own.pop("temperature", None)
+        size = next(map(len, test.conditions.values()))
+        at = Points(np.zeros(size), None, None if kelvin is None else kelvin + KELVIN, columns=own)
+        found = np.unique(self.levels(at))
+        return int(found[0]) if len(found) == 1 else None
 
     @property
     def of_tests(self) -> tuple[Effect, ...]:
@@ -438,6 +450,13 @@ class NamedNetwork(HasParameters):
             of |= {f"{prefix}.{name}": by for name, by in own_of(effect.element).items()}
         return of
 
+    @property
+    def level_values(self) -> dict[str, list[float]]:
+        """The levels with parameters of their own, by their condition; temperatures in degC."""
+        nodes = [self.material, *(effect.element for effect in self.effects)]
+        own = [node for node in nodes if isinstance(node, Own)]
+        return {node.column: list(Levels(node.column, values=node.values).shown) for node in own}
+
     def levels(self, at: Points) -> NDArray[np.intp]:
         """Number of the level (n,) whose own parameters each point has; 0 where all share them."""
         nodes = [self.material, *(effect.element for effect in self.effects)]
@@ -467,7 +486,7 @@ class NamedNetwork(HasParameters):
         whole[..., places] = theta[..., None, :]
         return whole
 
-    @property
+    @cached_property
     def of_any_level(self) -> Self:
         """The model that each level has for itself, which has one set of parameters."""
         return self._mapped(lambda node: node.node if isinstance(node, Own) else node)

@@ -18,6 +18,7 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
+from springpot.identification.notes import notes_on_specimens
 from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
@@ -299,7 +300,9 @@ def _fitted(
     require_tests(model, given)
     parts = parts_of_specimen(given, noise)
     reference = reference_of(given)
-    if thorough or not len(seeds):
+    if model.own and (thorough or not len(seeds)):
+        seeds, thorough = [*seeds, *_of_levels(model, parts, reference)], False
+    elif thorough or not len(seeds):
         seeds = [*seeds, *_scanned(given, model, parts, noise)]
     # Of any material the spectrum itself is sought, which is a problem of another kind.
     if is_material(model):
@@ -317,7 +320,7 @@ def _fitted(
 
 def _told(fit: Identification) -> Identification:
     """The fit with notes on what its numbers do not say, the gravest first."""
-    notes = list(fit.notes)
+    notes = [*fit.notes, *notes_on_specimens(fit.model, fit.words)]
     if not fit.converged:
         notes.append("the search did not come to rest: the parameters may be improved by more data")
     for test in fit.parts:
@@ -443,6 +446,21 @@ def _scanned(
         # may lead astray.
         starts += [promise.start(base, model, moved=True), promise.start(base, model, moved=False)]
     return starts
+
+
+def _of_levels(model: Model, parts: Sequence[TestPart], reference: float) -> list[Real]:
+    """Starts (p,) of levels with parameters of their own: as all alike, and from there alone."""
+    one, places = model.of_any_level, model.places
+    tests = [part.test for part in parts]
+    alike = identify(tests, one, noise=[part.sd for part in parts]).theta
+    apart, level = np.tile(alike, (len(places), 1)), list(map(model.level_of, tests))
+    for number in dict.fromkeys(each for each in level if each is not None):
+        mine = [part for part, each in zip(parts, level, strict=True) if each == number]
+        search = TimeSearch(one, mine, reference, [alike], thorough=False)
+        apart[number] = search.theta(search.solved(mine, search.starts())[0])
+    start, own = model.at_all_levels(np.median(apart, axis=0)), places[0] != places[-1]
+    start[places[:, own]] = apart[:, own]
+    return [start, model.at_all_levels(alike)]
 
 
 def _of_material(

@@ -29,7 +29,7 @@ from springpot.thresholds import INTERVAL
 from ..numerics import MOST_STEPS, ROUNDING
 from .exponentials import UnfollowedError, quick_parts
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of
-from .specimen import Scales, runs_against, tries_of
+from .specimen import Scales, runs_against, tries_of, words_of
 from .start import start_of
 from .where import rms
 
@@ -346,6 +346,7 @@ class TimeSearch:
             # Samples whose misses are alike were counted once in the covariance already.
             dof=spare(rows, theta),
             covered=Covered.of([part.test for part in found.parts], units),
+            words=words_of(self.model, [part.test for part in found.parts]),
             low=low,
             high=high,
             data=tuple(part.test for part in found.parts),

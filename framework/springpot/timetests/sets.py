@@ -14,7 +14,7 @@ from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import EVIDENCE, SEARCH
+from springpot.thresholds import SEARCH
 
 from .fitting import identify
 from .left import Left
@@ -166,7 +166,7 @@ class FoundSet:
     fit : Identification
         With all of them.
     rivals : tuple of tuple of str
-        Sets as large that explain the tests as well, with itself.
+        Sets as large that are not beyond doubt worse, with itself.
     """
 
     effects: tuple[Effect, ...]
@@ -255,10 +255,11 @@ def best_set(sets: TimeSets, fewer: int) -> FoundSet | None:
     best = min(tried, key=lambda one: len(one.effects))
     if len(best.effects) <= fewer or best.fit is None or best.left.misfit:
         return None
+    # As for sweeps: of what a machine accepts among others, 99 in 100 are to be told.
     alike = [
         one.key
         for one in sets.likeliest()
-        if len(one.effects) == len(best.effects) and _behind(one, best, noise) < EVIDENCE.rivals
+        if len(one.effects) == len(best.effects) and _behind(one, best, noise) < SEARCH.decisive
     ]
     return FoundSet(_in_order(sets, best), best.fit, tuple(alike))
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.identification.space import require_columns, require_effects
-from springpot.measurement.measurement import Measurement
+from springpot.measurement.joining import FILE, file_of
+from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer, StageLaw
@@ -65,8 +66,26 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
 
 
 def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
-    """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
-    return _with_effects(model, [at_rig(effect, tests) for effect in model.effects])
+    """A model of tests of one specimen, each of its effects where `at_rig` puts it.
+
+    With a parameter for each level of the tests, where levels have their own.
+    """
+    model = _with_effects(model, [at_rig(effect, tests) for effect in model.effects])
+    if not model.own:
+        return model
+    columns = [
+        {name: np.unique(test.conditions[name]) for name in model.own.values()} for test in tests
+    ]
+    every = {name: np.concatenate([each[name] for each in columns]) for name in columns[0]}
+    size = len(next(iter(every.values())))
+    return model.bound_to(points_at(np.zeros(size), every, reference_of(tests)))
+
+
+def words_of(model: Model, tests: Sequence[Test]) -> dict[str, list[str]]:
+    """What levels that are numbered are called, in their order: those of files by their names."""
+    if FILE not in model.own.values():
+        return {}
+    return {FILE: list(dict.fromkeys(file_of(test.name) for test in tests))}
 
 
 def as_had_by(model: Model, tests: Sequence[Test]) -> Model:

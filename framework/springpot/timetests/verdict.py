@@ -235,6 +235,7 @@ def answer_of(
         left_out=left_out,
         evidence={"nothing": nothing, "unknown": unknown},
         steps=tuple(_steps(parts, verdict, where)),
+        quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
     return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))

@@ -13,13 +13,14 @@ import numpy as np
 
 from hidden_effects.scaling import NotVisible
 from hidden_effects.strata.drawn import Drawn
+from hidden_effects.strata.measured import Written, measured
 from hidden_effects.strata.noise import noise
 from hidden_effects.strata.rig import notch, replicates, ripple, rounding
 from hidden_effects.strata.several import three, two
 from hidden_effects.strata.time_domain import history, time
 from hidden_effects.strata.wrong_base import wrong_base
 
-STRATA: dict[str, Callable[[int, np.random.Generator], Drawn]] = {
+STRATA: dict[str, Callable[[int, np.random.Generator], Drawn | Written]] = {
     "time": time,
     "history": history,
     "noise": noise,
@@ -30,10 +31,11 @@ STRATA: dict[str, Callable[[int, np.random.Generator], Drawn]] = {
     "rounding": rounding,
     "two": two,
     "three": three,
+    "measured": measured,
 }
 
 
-def draw(stratum: str, seed: int) -> Drawn:
+def draw(stratum: str, seed: int) -> Drawn | Written:
     """Return the case of this stratum and seed."""
     for attempt in range(400):
         try:

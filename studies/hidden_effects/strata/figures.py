@@ -43,7 +43,9 @@ def strata_table(rows: list[Row]) -> list[Figure]:
     out: list[Figure] = []
     for stratum in STRATA:
         here = [r for r in rows if r["design"] == stratum]
-        if here:
+        if here and stratum == "measured":
+            out += [*_of_files(stratum, here), *_floor(stratum, here), _time(stratum, here)]
+        elif here:
             out += [
                 *_plain(stratum, here),
                 *_several(stratum, here),
@@ -80,6 +82,36 @@ def without_model(row: Row) -> Row:
         "kind": "one" if row["material_truth"] else "nothing",
         "ladder": None,
     }
+
+
+def _of_files(d: str, rows: list[Row]) -> list[Figure]:
+    """What is the matter with a file is named, or told where it is no effect."""
+    clear = of_kind(rows, "one", least=NAMEABLE)
+    return [
+        share("failed (fault, time-out)", d, rows, lambda r: verdict(r) == "failed", 0.0, "<="),
+        share("in first class or told as the cause, chi2 >= 60", d, clear, recognised, 0.95),
+        share("confidently wrong", d, clear, _claims_wrongly, 0.01, "<="),
+    ]
+
+
+def recognised(row: Row) -> bool:
+    """Whether the first class holds what is hidden, or a note or a proposed step tells the cause.
+
+    Not where something else is called missing.
+    """
+    found = answer(row)
+    if verdict(row) == "effect-missing" and row["truth"]:
+        return classed(row)
+    if not flagged(row):
+        return False
+    words = " ".join([*found["notes"], *(step["says"] for step in found["actions"])])
+    helps = bool(set(first_class(row)) & set(row["truth"]))
+    return helps or any(told in words for told in row["told"])
+
+
+def _claims_wrongly(row: Row) -> bool:
+    """Whether a wrong effect is called missing, or nothing, though it is plain."""
+    return verdict(row) in ("effect-missing", "adequate") and not recognised(row)
 
 
 def _plain(d: str, rows: list[Row]) -> list[Figure]:
@@ -244,6 +276,7 @@ def _near(row: Row) -> bool:
 
 
 def _floor(d: str, rows: list[Row]) -> list[Figure]:
+    rows = [r for r in rows if np.isfinite(r["floor"])]
     return [
         mean("noise floor found / true", d, (floor_ratio(r) for r in rows)),
         share(

@@ -30,7 +30,7 @@ from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, at_place, emit, j
     "--without",
     multiple=True,
     metavar="EFFECT",
-    help="Leave an effect out, such as one of the rig.",
+    help="Leave an effect of the material out; those of the rig are.",
     shell_complete=completion.names_of("effect"),
 )
 @click.option("--csv", "as_csv", is_flag=True, help="Print a table as CSV.")
@@ -56,9 +56,9 @@ def command(
     """
     from springpot.constraints import settings_of
     from springpot.derived import quantities
-    from springpot.derived.quantity import told
     from springpot.files import require_writable, write_text
     from springpot.report.tables import require_ending, write_values
+    from springpot.report.told import told
 
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())

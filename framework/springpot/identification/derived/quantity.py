@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 
-from springpot.identification.value import Value
+from springpot.drawing import html_of, text_of
 from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
@@ -17,8 +17,9 @@ from springpot.measurement.units import (
     STRAIN_UNITS,
     Units,
 )
-from springpot.plain_data import jsonable
-from springpot.report.text import TextTable, shown
+from springpot.plain_data import as_declared, jsonable
+
+from ..value import Value, values_of
 
 SCHEMA = "springpot.quantities/1"
 Source = Literal["data", "model"]
@@ -59,6 +60,13 @@ class Quantity:
         row |= {"at": dict(self.at), "outside_measured": self.outside, "says": self.says}
         return row
 
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Quantity:
+        """What `to_dict` gave."""
+        name, at = str(row["name"]), {key: float(value) for key, value in row["at"].items()}
+        told = bool(row["outside_measured"]), str(row["says"])
+        return as_declared(cls(name, values_of({name: row})[name], row["source"], at, *told))
+
     def place(self, units: Units) -> str:
         """Where it belongs to, as people say it."""
         told = []
@@ -87,6 +95,8 @@ class Quantities:
         The quantities.
     notes : tuple of str
         What there is none of, and why.
+    without : tuple of str
+        Effects of the model that are left out: of the rig, the signal and the test.
     """
 
     name: str
@@ -94,6 +104,7 @@ class Quantities:
     units: Units
     rows: tuple[Quantity, ...]
     notes: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
 
     def __iter__(self) -> Iterator[Quantity]:
         return iter(self.rows)
@@ -116,6 +127,20 @@ class Quantities:
         raise KeyError(f"no '{name}' (there are: {known})")
 
     @property
+    def kept(self) -> dict[str, Any]:
+        """What another answer must hold beside the rows, to be read by `within`."""
+        return {"units": asdict(self.units), "without": list(self.without)}
+
+    @classmethod
+    def within(cls, answer: Mapping[str, Any]) -> Quantities | None:
+        """Those that another answer holds as plain data; None where it has none."""
+        if "quantities" not in answer:
+            return None
+        rows, kept = tuple(map(Quantity.from_dict, answer["quantities"])), answer["kept"]
+        units, without = Units(**kept["units"]), tuple(map(str, kept["without"]))
+        return cls(str(answer["data"]), str(answer["model"]), units, rows, (), without)
+
+    @property
     def title(self) -> str:
         """The model and the data, in one line."""
         return f"{self.model} fitted to {self.name}" if self.model else self.name
@@ -123,8 +148,8 @@ class Quantities:
     def to_dict(self) -> dict[str, Any]:
         """Plain data, schema ``springpot.quantities/1``; an end that there is none of is None."""
         answer = {"schema": SCHEMA, "data": self.name, "model": self.model or None}
-        rows = [row.to_dict() for row in self.rows]
-        return dict(jsonable({**answer, "quantities": rows, "notes": list(self.notes)}))
+        told = {"without": self.without, "quantities": self.rows, "notes": self.notes}
+        return dict(jsonable({**answer, **told}))
 
     def to_csv(self) -> str:
         """A table with a row for each quantity."""
@@ -142,7 +167,10 @@ class Quantities:
         return f"<Quantities of {self.name}: {', '.join(row.name for row in self.rows)}>"
 
     def __str__(self) -> str:
-        return told(self)
+        return text_of(self)
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
 
 AT = ("frequency", "temperature", "amplitude")
@@ -170,30 +198,3 @@ def energy_unit(units: Units) -> tuple[float, str]:
     if not units.is_modulus and (units.amplitude in LENGTH_UNITS or "rad" in units.stiffness):
         return stiffness * amplitude**2, "J"
     return 1.0, f"{units.stiffness} {units.amplitude}^2"
-
-
-def told(answer: Quantities, columns: int | None = None) -> str:
-    """A row for each, and what there is none of.
-
-    Parameters
-    ----------
-    answer : Quantities
-        The answer.
-    columns : int, optional
-        Of the window.
-    """
-    rows = []
-    for row in answer:
-        size, interval = shown(row.value)
-        source = f"{row.source}, outside" if row.outside else row.source
-        place = row.place(answer.units) or "-"
-        rows.append([row.name, size, interval, row.value.unit, place, source])
-    headers = ("quantity", "value", "95 % interval", "unit", "at", "from")
-    table = TextTable(headers, rows, frozenset({"value"}), spare=("at",))
-    if columns is not None and rows:
-        table = table.fitted(columns)
-    lines = [answer.title, "", *([table.plain()] if rows else ["nothing can be told"])]
-    lines += [f"note        {note}" for note in answer.notes]
-    if any(row.outside for row in answer):
-        lines.append("outside     of what was measured: it holds only if the model does")
-    return "\n".join(lines)

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
-from springpot.identification.value import Value
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..value import Value
 from .quantity import Quantity, energy_unit, in_logarithm, noun
 
 AROUND = 9
@@ -220,12 +220,12 @@ def _at(x: Real, sweep: OneSweep, data: Measurement, hertz: float) -> Iterator[Q
         yield Quantity("energy of a cycle", value, "data", at, says="area of the loop")
 
 
-def of_amplitude(data: Measurement, notes: list[str]) -> Iterator[Quantity]:
-    """Linear limit, yield and flow point of each sweep of the amplitude."""
+def of_amplitude(data: Measurement) -> Iterator[Quantity | str]:
+    """Linear limit, yield and flow point of each sweep of the amplitude, or why it has none."""
     for sweep in curves(data, "amplitude"):
         found = linear_limit(sweep.x, sweep.storage)
         if found is None:
-            notes.append(_no_limit(sweep, data.units.amplitude))
+            yield _no_limit(sweep, data.units.amplitude)
         else:
             says = f"storage has fallen by {100 * FALL:g} %"
             yield from _place(sweep, data, *found, ("linear limit", "yield"), says)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from springpot.distributions import student
-from springpot.identification.prediction import Known
 from springpot.measurement.measurement import points_at
 from springpot.numerics import ALIKE
 from springpot.rheology.nodes import FULL
@@ -17,6 +17,7 @@ from springpot.rheology.parameters import STIFFNESS, VISCOSITY
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..prediction import Known
 from .quantity import Quantity, energy_unit, in_logarithm, noun
 
 DECADE = float(np.log(10.0))
@@ -33,8 +34,6 @@ RISEN = 1e-4
 
 More would bend it, and less would lose digits.
 """
-HALVED = 50
-"""Times that an interval is halved, which leaves nothing of it but rounding."""
 STEP = 1e-3
 """Of differences of exact slopes along ln omega."""
 
@@ -146,15 +145,13 @@ class OfModel:
         for i in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0):
             if rising and values[i] > 0.0:
                 continue
-            low, high = x[i], x[i + 1]
-            for _ in range(HALVED):
-                middle = 0.5 * (low + high)
-                value = self.logs(np.array([middle])).damping[which][0]
-                if value * values[i] > 0.0:
-                    low = middle
-                else:
-                    high = middle
-            yield float(0.5 * (low + high))
+            # Between neighbours of opposite sign, so that there is a root.
+            yield float(brentq(lambda place: self._damping(place)[which], x[i], x[i + 1]))
+
+    def _damping(self, x: float) -> tuple[float, float]:
+        """Ln tan delta and its slope at one place."""
+        value, slope, _ = self.logs(np.array([x])).damping
+        return float(value[0]), float(slope[0])
 
     @property
     def _grid(self) -> Real:
