@@ -259,9 +259,7 @@ def answer(
     split, classes, experiment = "", [], None
     quantities = quantities_of(search.base) if verdict == "adequate" else None
     if verdict != "adequate":
-        # Rows that a column sets apart are of no one material, whatever a spectrum could follow.
-        apart = isinstance(cause, Column)
-        split = _split(search, floor, doubted or apart or only_points(search, outliers))
+        split = _split(search, floor, cause, doubted or only_points(search, outliers))
         classes = evidence.classes
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
@@ -316,9 +314,12 @@ def _steps(
         yield leaving_out(row, error)
 
 
-def _split(search: Search, floor: MaterialFloor, nothing: bool) -> str:
-    """What the material floor says; of doubted noise and of single points alone it says nothing."""
-    if nothing:
+def _split(search: Search, floor: MaterialFloor, cause: Cause, nothing: bool) -> str:
+    """What the material floor says; of doubted noise and of single points alone it says nothing.
+
+    Nor of rows that a column sets apart: they are of no one material.
+    """
+    if nothing or isinstance(cause, Column):
         return ""
     return split_in_words(search.base, floor)
 
