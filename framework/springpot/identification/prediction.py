@@ -29,6 +29,7 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
+from ..format_numbers import LISTED
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .bordered import Bordered, Covariance, lost_and_known
 
@@ -211,6 +212,34 @@ class Known:
         model, places = self.model.of_any_level, self.spread.layout.places[number]
         told = {"model": model, "theta": self.theta[places], "slopes": self.slopes[number]}
         return Known(**{**self._told(), **told, "spread": self.spread.of_levels[number]})
+
+    def at_level(self, conditions: Mapping[str, ArrayLike]) -> Known:
+        """What is known of the level that conditions name; itself where levels have nothing own.
+
+        Raises
+        ------
+        DataError
+            If they do not say which level is meant, or name none.
+        """
+        if not self.model.own:
+            return self
+        (column,) = set(self.model.own.values())
+        if column not in conditions:
+            names = self.words.get(column) or self.model.level_values[column]
+            listed = ", ".join(map(str, names[:LISTED]))
+            raise DataError(
+                f"each {column} has parameters of its own: say which, {column}={names[0]} (of"
+                f" {listed}{' and others' if len(names) > LISTED else ''})"
+            )
+        at = points_at(
+            np.zeros(1), {column: _numbers(self, column, conditions[column])}, self.reference
+        )
+        number = int(self.model.levels(at)[0])
+        if isinstance(self.spread, Bordered):
+            return self.of_level(number)
+        places = self.model.places[number]
+        told = {"model": self.model.of_any_level, "theta": self.theta[places]}
+        return Known(**{**self._told(), **told, "slopes": self.slopes[places]})
 
     @property
     def of_specimen(self) -> Known:

@@ -38,6 +38,7 @@ HEAVIEST = 1e15
 """Of kg of a floor, or N/m of a storey: more than a mountain has."""
 STEEPEST = 89.9
 """Degrees against the floor: an upright damper would feel no drift."""
+Fits = dict[tuple[Path, str], Known]
 FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
 DAMPER_KEYS = {
     "fit",
@@ -45,6 +46,7 @@ DAMPER_KEYS = {
     "parameters",
     "unit",
     "storey",
+    "at",
     "count",
     "slope",
     "temperature",
@@ -66,7 +68,8 @@ def read_structure(path: str | Path) -> Frame:
         storey, ``damping``, ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the
         JSON of an identification, or ``model`` with ``parameters`` and ``unit``; ``storey``,
         ``count``, ``slope`` in degrees, ``temperature`` in degC, ``heat_capacity`` of one in J/K,
-        ``without``, effects of the rig to leave out; ``geometry`` where a modulus was fitted, or
+        ``without``, effects of the rig to leave out; ``at``, which specimen of a fit in which each
+        has parameters of its own, ``{ file = "S2" }``; ``geometry`` where a modulus was fitted, or
         with that of the tested ``specimen`` where a stiffness was; and ``factors``, the least and
         the largest of its property modification.
 
@@ -88,7 +91,7 @@ def read_structure(path: str | Path) -> Frame:
         storeys = _count(frame.get("storeys", 1), "storeys", MOST_STOREYS)
         mass = _column(frame, "mass", storeys, path)
         stiffness = _column(frame, "stiffness", storeys, path)
-        fits: dict[Path, Known] = {}
+        fits: Fits = {}
         dampers = tuple(_damper(entry, path, i, fits) for i, entry in enumerate(entries, 1))
         return Frame(mass, stiffness, _number(frame.get("damping", 0.0), "damping"), dampers)
     except (DataError, ModelError, OptionError) as error:
@@ -117,7 +120,7 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     )
 
 
-def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: dict[Path, Known]) -> Damper:
+def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: Fits) -> Damper:
     where = f"damper {number}"
     _only(entry, DAMPER_KEYS, path, where)
     # Both would leave it open which of them counts.
@@ -202,15 +205,22 @@ def _capacity(entry: Mapping[str, Any], where: str) -> float | None:
     return _number(entry["heat_capacity"], f"{where}: heat_capacity", 0.0)
 
 
-def _known(entry: Mapping[str, Any], path: Path, where: str, fits: dict[Path, Known]) -> Known:
+def _known(entry: Mapping[str, Any], path: Path, where: str, fits: Fits) -> Known:
     """The model of a damper, from a file of a fit or with parameters that are stated."""
     if "fit" in entry:
         # A path is meant from the description, wherever the command is run.
         source = path.parent / str(entry["fit"])
+        at = entry.get("at", {})
         # Once for all dampers of it: what is not known of one is not known of the others alike.
-        if source not in fits:
-            fits[source] = fitted(source)
-        return fits[source]
+        if (source, repr(at)) not in fits:
+            known = fitted(source)
+            if not isinstance(at, dict) or (at and not known.model.own):
+                raise DataError(f'{where}: at says which specimen of several, {{ file = "S2" }}')
+            try:
+                fits[source, repr(at)] = known.at_level(at)
+            except DataError as error:
+                raise DataError(f"{where}, at = {{ ... }}: {error}") from None
+        return fits[source, repr(at)]
     values = _flat(entry.get("parameters", {}), where)
     return stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
 

@@ -8,12 +8,11 @@ from itertools import chain
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement.measurement import Measurement, points_at
+from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Layer
 from springpot.rheology.points import KELVIN
 
-from ..bordered import Bordered
 from ..material import is_material
 from ..prediction import Known
 from .from_data import of_amplitude
@@ -53,7 +52,7 @@ def of_fit(
         what is asked for.
     """
     conditions, of = _conditions(known, asked or {}), known.model.name
-    known, left = _of_material(_at_level(known.of_specimen, conditions), without)
+    known, left = _of_material(known.of_specimen.at_level(conditions), without)
     low, high = known.covered.rate
     free = is_material(known.model)
     band = float(np.log(low)), float(np.log(high))
@@ -109,15 +108,6 @@ def _conditions(known: Known, asked: Mapping[str, float]) -> dict[str, float]:
         if least == most:
             conditions.setdefault(name, least)
     return conditions
-
-
-def _at_level(known: Known, conditions: Mapping[str, float]) -> Known:
-    """What is known of the level that the conditions name, where levels have their own."""
-    if not isinstance(known.spread, Bordered):
-        return known
-    columns = {name: np.array([value]) for name, value in conditions.items()}
-    points = points_at(np.zeros(1), columns, known.reference)
-    return known.of_level(int(known.model.levels(points)[0]))
 
 
 def _of_material(known: Known, without: Sequence[str]) -> tuple[Known, tuple[str, ...]]:
