@@ -43,7 +43,7 @@ FAILED = 10.0
 """Budgets that an optimiser is taken to need which never arrives."""
 RANKED = 4
 """Optimisers of a leaf, of which the first that is installed is chosen."""
-EXTRAS = ("dfo-", "minion-", "minuit-", "pymoo-")
+EXTRAS = ("dfo-", "minion-", "minuit-", "nevergrad-", "optimagic-", "pymoo-")
 
 Trials = Mapping[str, Mapping[str, tuple[Real, Real]]]
 

@@ -1,7 +1,7 @@
-"""Eighteen optimisers, and the choice among them, on the sixty problems of springpot-60.
+"""Twenty-nine optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
-a trial of them costs are COBYQA, Py-BOBYQA and SHGO. A trial ends at the target, beyond
+a trial of them costs are COBYQA, Py-BOBYQA, SHGO and NGOpt. A trial ends at the target, beyond
 which nothing counts.
 """
 
@@ -22,6 +22,9 @@ RIVALS = (
     *("nlopt-mlsl", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-sbplx", "dual-annealing"),
     *("cma-es", "bipop-cma-es", "differential-evolution", "l-shade", "minion-jso", "minion-arrde"),
     *("pso-paper", "least-squares-alternating", "auto"),
+    *("optimagic-scipy-lbfgsb", "optimagic-scipy-ls-dogbox", "optimagic-scipy-slsqp"),
+    *("minion-lshade", "minion-jade", "minion-lshade-cnepsin", "minion-imode"),
+    *("minion-agsk", "minion-bipop-acma-es", "minion-spso-2011", "minion-dms-pso"),
 )
 PARTS = {
     "easy half": ("easy",),

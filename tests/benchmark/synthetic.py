@@ -53,9 +53,12 @@ def plan_of(problems: int, entrants: int, repetitions: int) -> Plan:
     return Study("mock", data, ["own"], ["paper"], optimisers, repetitions, BUDGET).plan()
 
 
-def fallen(start: float, rate: float, rng: np.random.Generator) -> tuple[float, bytes]:
+def fallen(
+    start: float, rate: float, rng: np.random.Generator, improvements: int = 150
+) -> tuple[float, bytes]:
     """Last objective and packed trace of a search whose objective falls geometrically."""
-    evaluations = np.unique(np.geomspace(1, BUDGET * rng.uniform(0.5, 1.0), 150).astype(np.int64))
+    last = BUDGET * rng.uniform(0.5, 1.0)
+    evaluations = np.unique(np.geomspace(1, last, improvements).astype(np.int64))
     values = start * np.exp(-rate * rng.uniform(0.5, 2.0) * np.cumsum(rng.random(len(evaluations))))
     return float(values[-1]), pack(list(zip(evaluations.tolist(), values.tolist(), strict=True)))
 
@@ -91,13 +94,15 @@ def results(
     return found
 
 
-def synthetic_store(path: Path, problems: int, entrants: int, repetitions: int) -> Path:
+def synthetic_store(
+    path: Path, problems: int, entrants: int, repetitions: int, improvements: int = 150
+) -> Path:
     """A store of problems x entrants x repetitions trials."""
     plan = plan_of(problems, entrants, repetitions)
     rng = np.random.default_rng(11)
     start = plan.cases[0].reference
     banks = [
-        [fallen(start, rate, rng) for _ in range(BANK)]
+        [fallen(start, rate, rng, improvements) for _ in range(BANK)]
         for rate in np.geomspace(0.05, 0.5, entrants)
     ]
     with Store(path, write=True) as store:

@@ -12,6 +12,7 @@ from time import process_time
 
 import pytest
 from patience import patient
+from scale import measured
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 
@@ -82,3 +83,20 @@ def test_store_and_tables_grow_linearly(stored, capsys, small, large):
 def test_one_table_of_ten_thousand_trials(benchmark, stored, name):
     trials = 10_000 if benchmark.enabled else 1000
     benchmark.pedantic(seconds, args=(stored(trials), (name,)), rounds=3)
+
+
+MILLION, SHORT = (50, 20, 1000), 8
+"""Data sets, optimisers and repetitions of a million trials, and improvements of each."""
+MOST_SECONDS, MOST_MIB = 75.0, 450.0
+"""Of all their tables: half as much again as on a machine that did six times as much other work."""
+
+
+@pytest.mark.soak
+@pytest.mark.slow
+def test_a_million_trials_give_all_tables(tmp_path, capsys):
+    path = synthetic_store(tmp_path / "million.sqlite", *MILLION, SHORT)
+    taken, memory = measured(path, TABLES)
+    with capsys.disabled():
+        print(f"\na million trials: all tables {taken:.1f} s, {memory:.0f} MiB")
+    assert taken <= MOST_SECONDS
+    assert memory <= MOST_MIB

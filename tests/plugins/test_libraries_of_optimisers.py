@@ -23,6 +23,7 @@ from springpot_plugins.optimisers import (
     pymoo_library,
     surrogate,
 )
+from springpot_plugins.optimisers.cube import integer
 
 OF = {
     **dict.fromkeys(minion.MEMBERS, "minionpy"),
@@ -61,7 +62,7 @@ def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, ex
 
 
 class Candidates:
-    """What the adapter asks of lipo, as its source has it; the library itself was not tried."""
+    """What the adapter asks of lipo, as its source has it, where the library is not installed."""
 
     def __init__(self, lower_bounds, upper_bounds, log_args, maximize, random_state):
         assert (log_args, maximize) == ([], False)
@@ -83,3 +84,35 @@ def test_lipo_is_told_each_value_at_its_own_candidate_in_any_order(monkeypatch):
         enquiry.tell(points[i], value)
     told = [(list(x.values()), y) for x, y in enquiry._search.known]
     assert told == [(points[2].tolist(), 5.0), (points[0].tolist(), 7.0)]
+
+
+FUNCTIONS = {
+    "a bowl": lambda x, y: (x - 0.3) ** 2 + (y - 0.7) ** 2,
+    "waves": lambda x, y: np.sin(9.0 * x) + np.cos(11.0 * y) + x,
+}
+
+
+@pytest.mark.parametrize("function", FUNCTIONS.values(), ids=FUNCTIONS)
+def test_lipo_evaluates_what_its_library_does_alone(function):
+    library = pytest.importorskip("lipo", reason="pip install 'springpot[lipo]', which builds dlib")
+    alone, through = [], []
+
+    def noted(x, y):
+        alone.append((x, y, function(x, y)))
+        return alone[-1][-1]
+
+    search = library.GlobalOptimizer(
+        noted,
+        lower_bounds={"x": 0.0, "y": 0.0},
+        upper_bounds={"x": 1.0, "y": 1.0},
+        log_args=[],
+        maximize=False,
+        random_state=integer(np.random.default_rng(3)),
+    )
+    search.run(60)
+    enquiry = lipo_library.MaxLipo().enquiry(2, 60, np.random.default_rng(3))
+    for _ in range(60):
+        u = enquiry.ask()
+        through.append((*u, function(*u)))
+        enquiry.tell(u, through[-1][-1])
+    assert through == alone
