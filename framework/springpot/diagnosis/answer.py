@@ -262,7 +262,6 @@ def answer(
         # Rows that a column sets apart are of no one material, whatever a spectrum could follow.
         apart = isinstance(cause, Column)
         split = _split(search, floor, doubted or apart or only_points(search, outliers))
-        classes = evidence.classes
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
         experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
