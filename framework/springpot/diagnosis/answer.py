@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from springpot.identification.derived.quantity import Quantities
 from springpot.identification.value import PartResult, Value, in_floors
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.sign import turned
@@ -256,13 +257,9 @@ def answer(
     candidates = candidates_of(evidence, verdict)
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
-    split, classes, experiment = "", [], None
-    quantities = quantities_of(search.base) if verdict == "adequate" else None
+    split, experiment = "", None
     if verdict != "adequate":
-        # Rows that a column sets apart are of no one material, whatever a spectrum could follow.
-        apart = isinstance(cause, Column)
-        split = _split(search, floor, doubted or apart or only_points(search, outliers))
-        classes = evidence.classes
+        split = _split(search, floor, cause, doubted or only_points(search, outliers))
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
         experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
@@ -279,7 +276,7 @@ def answer(
         split=split,
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
-        classes=tuple(tuple(group) for group in classes),
+        classes=() if verdict == "adequate" else tuple(map(tuple, evidence.classes)),
         next_experiment=experiment,
         notes=tuple(sentences),
         evidence=_chances(search, evidence),
@@ -288,10 +285,15 @@ def answer(
         one_test=one_test,
         tests=(_as_test(measurement, error),),
         steps=tuple(_steps(measurement, search, evidence, verdict, outliers, cause)),
-        quantities=quantities,
+        quantities=_quantities(search, verdict),
     )
     # A factor at each temperature would be another name for the time.
     return diagnosis if course else _with_factors(diagnosis, search, evidence, library)
+
+
+def _quantities(search: Search, verdict: Verdict) -> Quantities | None:
+    """Those of an adequate model: of another they would be no one's."""
+    return quantities_of(search.base) if verdict == "adequate" else None
 
 
 def _steps(
@@ -316,9 +318,12 @@ def _steps(
         yield leaving_out(row, error)
 
 
-def _split(search: Search, floor: MaterialFloor, nothing: bool) -> str:
-    """What the material floor says; of doubted noise and of single points alone it says nothing."""
-    if nothing:
+def _split(search: Search, floor: MaterialFloor, cause: Cause, nothing: bool) -> str:
+    """What the material floor says; of doubted noise and of single points alone it says nothing.
+
+    Nor of rows that a column sets apart: they are of no one material.
+    """
+    if nothing or isinstance(cause, Column):
         return ""
     return split_in_words(search.base, floor)
 
