@@ -6,10 +6,17 @@ Being here it also puts this folder's helper modules within reach of every test.
 from __future__ import annotations
 
 import gc
+import os
+import platform
 import signal
 from collections.abc import Iterator
 from io import BytesIO
 from typing import Any
+
+# Before numpy is: its linear algebra has a kernel for each kind of processor, of which the last
+# digits differ, and whole answers are held to more than that.
+if platform.machine() in ("x86_64", "AMD64"):
+    os.environ.setdefault("OPENBLAS_CORETYPE", "Haswell")
 
 import numpy as np
 import pytest

@@ -133,12 +133,13 @@ def test_what_may_be_of_another_shape_is_believed_less(monkeypatch, known, named
     ],
 )
 def test_a_size_rests_on_a_bound_at_which_it_does_not_vanish(monkeypatch, value, vanishes, limit):
-    monkeypatch.setattr(growing, "size_of", lambda fitted, effect: value)
+    monkeypatch.setattr(growing, "size_of", lambda model, theta, effect: value)
+    fitted = SimpleNamespace(model=None, theta=None)
     size = SimpleNamespace(lower=2.0, upper=8.0)
     effect = SimpleNamespace(element=SimpleNamespace(parameters=(size,)), vanishes_at=vanishes)
-    assert growing.at_its_limit(None, effect) is limit
+    assert growing.at_its_limit(fitted, effect) is limit
     size.upper = np.inf
-    assert growing.at_its_limit(None, effect) is (limit and value < 5.0)
+    assert growing.at_its_limit(fitted, effect) is (limit and value < 5.0)
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,8 @@ TIME = np.linspace(0.0, 10.0, 400)
 
 def other(**given):
     """A test of a kind that springpot does not know."""
-    told = {"at": np.array([0.0, 2.0, 5.0]), "control": "frequency", "temperature": None}
+    told = {"at": np.array([0.0, 2.0, 5.0]), "control": "frequency"}
+    told |= {"temperature": None, "marks": {}}
     made = SimpleNamespace(name="own", units=Units("Pa", "-"), **(told | given))
     return type("Own", (), {"__len__": lambda self: 3, **vars(made)})()
 
