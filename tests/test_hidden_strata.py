@@ -20,7 +20,7 @@ sys.path.insert(0, str(STUDIES))
 from hidden_effects.bases import BASES  # noqa: E402
 from hidden_effects.effects import EFFECTS  # noqa: E402
 from hidden_effects.strata import STRATA, draw, in_time  # noqa: E402
-from hidden_effects.strata.figures import by_detail, strata_table  # noqa: E402
+from hidden_effects.strata.figures import by_detail, recognised, strata_table  # noqa: E402
 from hidden_effects.strata.wrong_base import material_loss  # noqa: E402
 
 MOTION = in_time.Motion(np.geomspace(1.0, 100.0, 7), np.full(7, 0.5))
@@ -207,6 +207,48 @@ def row(
 
 def figures(rows):
     return {(f.design, f.name): f for f in strata_table(rows)}
+
+
+def test_what_is_the_matter_with_a_file_is_in_it(tmp_path):
+    files = {}
+    for seed in range(1, 8):
+        case = draw("measured", seed)
+        text = case.to_csv(tmp_path / "case.csv").read_text("utf-8")
+        files[case.detail] = (case, text)
+        assert bool(case.right) != bool(case.told)
+    assert len(files) == 7
+    wrong = files["sign"][0].columns
+    assert np.corrcoef(wrong["displacement [mm]"], wrong["force [N]"])[0, 1] < -0.3
+    loose = files["slack"][0]
+    pulled = np.abs(loose.columns["force [N]"])
+    before = loose.columns["displacement [mm]"] < loose.parameters["loose"]
+    assert pulled[before].max() < 0.2 * pulled.max()
+    assert ",n/a," in files["missing"][1]
+    assert np.unique(files["calibration"][0].columns["plates"]).tolist() == [8.0, 25.0]
+    assert np.all(np.diff(files["drift"][0].columns["time [s]"]) > 0.0)
+    moved = files["confounded"][0].columns
+    assert np.corrcoef(*np.log([moved["frequency [Hz]"], moved["amplitude [mm]"]]))[0, 1] < -0.99
+
+
+@pytest.mark.parametrize(
+    ("verdict", "named", "note", "known"),
+    [
+        ("effect-missing", "slack", "", True),
+        ("effect-missing", "backlash", "the specimen is slack", False),
+        ("unexplained", "slack", "", True),
+        ("unexplained", "backlash", "the specimen is slack", True),
+        ("unexplained", "backlash", "", False),
+        ("adequate", "slack", "the specimen is slack", False),
+    ],
+)
+def test_a_cause_is_told_by_its_name_or_in_words(verdict, named, note, known):
+    found = {
+        "verdict": verdict,
+        "candidates": [{"effect": named, "class": [named]}],
+        "notes": [note],
+        "actions": [],
+    }
+    assert recognised({"answer": found, "truth": ["slack"], "told": ["is slack"]}) is known
 
 
 def test_figures_count_verdicts_floors_and_seeds():
