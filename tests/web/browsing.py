@@ -25,6 +25,7 @@ PATIENCE = 120_000
 
 A machine of many tests is slow, and what is lost for good is still seen.
 """
+RANKING = "**/api/ranking*"
 LOOK = 20
 """Milliseconds between looks at what cannot be waited for otherwise."""
 # Any name is nowhere: whatever the page asks of another machine fails, and is seen among its
@@ -44,6 +45,12 @@ SMALL = """() => [...document.querySelectorAll(
     .map(([target]) => target.id || target.outerHTML)"""
 
 
+def _unless_at_rest(route: Any) -> None:
+    """Hold what is asked for while nobody waits: each test would pay for it."""
+    if '"quiet":true' not in (route.request.post_data or ""):
+        route.continue_()
+
+
 class Page:
     """A page of the workbench, and every request that it made."""
 
@@ -58,7 +65,12 @@ class Page:
         self.page.on(
             "console", lambda said: self.faults.append(said.text) if said.type == "error" else None
         )
+        self.page.route(RANKING, _unless_at_rest)
         self.page.goto(bench.address)
+
+    def rests(self) -> None:
+        """From now on other models are ranked while nobody waits, as for a person."""
+        self.page.unroute(RANKING)
 
     def done(self) -> None:
         """Wait until nothing is read or computed any more.

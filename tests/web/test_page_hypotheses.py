@@ -234,6 +234,19 @@ def test_a_law_is_found_where_no_effect_explains(page: Open):
 
 
 @IN_A_BROWSER
+@pytest.mark.soak
+def test_other_models_are_cards_while_nobody_waits(page: Open, damper: bytes):
+    here = page()
+    here.rests()
+    here.open("damper.csv", damper, MODEL)
+    card = here.page.locator("[data-title='Another model'] [role=option]").first
+    card.wait_for()
+    card.hover()
+    assert here.page.locator("#plot-view .line.preview").count() == 2
+    assert here.violations() == []
+
+
+@IN_A_BROWSER
 def test_points_are_seen_left_out_before_they_are(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, f"{MODEL} + inertia")
