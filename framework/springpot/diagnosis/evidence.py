@@ -603,23 +603,26 @@ def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
 def _paired(
     names: Sequence[str], others: Sequence[str], known: Sequence[Mapping[str, float]]
 ) -> Iterator[tuple[int, str]]:
-    """Each place of a set with the effect of another set that stands in it."""
-    new, free = list(others), []
+    """Each place of a set with the effect of another set that stands in it.
+
+    Of more effects than places that differ, several stand in one place.
+    """
+    new, differ = list(others), []
     for place, name in enumerate(names):
         if name in new:
             new.remove(name)
             yield place, name
         else:
-            free.append(place)
-    open_places = list(free)
-    while new and free:
+            differ.append(place)
+    empty = list(differ)
+    while new and differ:
         # Where it is likeliest by itself.
-        pairs = [(place, other) for place in open_places for other in new]
+        pairs = [(place, other) for place in empty for other in new]
         place, other = max(pairs, key=lambda pair: known[pair[0]].get(pair[1], 0.0))
-        open_places.remove(place)
+        empty.remove(place)
         new.remove(other)
         yield place, other
-        open_places = open_places or list(free)
+        empty = empty or list(differ)
 
 
 def credible(chances: dict[str, float], share: float = EVIDENCE.credible) -> list[str]:

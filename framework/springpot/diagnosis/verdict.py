@@ -88,7 +88,7 @@ class Facts:
     below : bool
         The error is smaller than the noise that was told by these very data.
     by_column : bool
-        Most of the error goes with a column that no effect knows.
+        Most of what the best model leaves goes with a column that no effect knows.
     """
 
     repeats: bool = False
@@ -273,7 +273,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         # A free spectrum follows any smooth computed data: only the user's model may be so exact.
         exact=not beside_material and is_arithmetic(search.base),
         below=below_floor(search.base, certain),
-        by_column=column_behind(search.base.frame()) is not None,
+        by_column=column_behind(search.best.frame()) is not None,
     )
 
 

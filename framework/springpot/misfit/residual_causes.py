@@ -301,10 +301,12 @@ def column_behind(frame: NoiseFrame) -> Column | None:
     frame : NoiseFrame
         The fit of the best model.
     """
+    settings = settings_of(frame.measurement)
+    if not settings:
+        return None
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
     # What is off across K counts as what is off along it, though noise may be larger along.
     relative = _relative_squares(frame, frame.rest)
-    settings = settings_of(frame.measurement)
     along = np.log(frame.measurement.omega)
     # At one frequency there are no slopes, only what rounding makes of them.
     slopes = np.zeros_like(along)

@@ -20,6 +20,7 @@ KEPT = 64 << 20
 
 PROGRAM = "from springpot.web.worker import main; main()"
 ASIDE = "import os; getattr(os, 'nice', int)(15)"
+"""What a process does first that stands back for others: 19 would be the last of all."""
 Line = bytes
 
 

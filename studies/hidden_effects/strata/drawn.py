@@ -21,17 +21,16 @@ QUIET, LOUD = 1e-3, 0.03
 """Relative noise of each part, as in the other designs."""
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A measurement of a stratum. Frequencies in rad/s, stiffness in kN/m, amplitude in mm.
+@dataclass(frozen=True, kw_only=True)
+class StratumCase:
+    """What is true of a case of a stratum.
 
-    ``kind`` is "nothing", "one" (a library effect is missing), "two" or "three" (so many are),
-    "outside" (something that has no name) or "base" (the model's own spectrum is wrong); ``right``
-    holds every name that is a right answer, ``own`` the chi-square left without each of several.
-    ``floor`` is the relative rms error per complex point of the noise alone; ``network`` names the
-    true spectrum where that is not the model's; ``chi2`` is what the best refitted model leaves of
-    the noise-free data, ``material_chi2`` what any passive spectrum leaves of them, where that was
-    asked.
+    ``kind`` is "nothing", "one" (a library effect, or a cause, is missing), "two" or "three" (so
+    many are), "outside" (something that has no name) or "base" (the model's own spectrum is wrong);
+    ``right`` holds every name that is a right answer, ``own`` the chi-square left without each of
+    several. ``floor`` is the relative rms error per complex point of the noise alone, NaN where
+    that is not what an answer tells; ``chi2`` is what the best refitted model leaves of the
+    noise-free data. ``material`` is a second model that is asked for.
     """
 
     seed: int
@@ -39,36 +38,59 @@ class Drawn:
     detail: str
     kind: str
     model: str
-    sweep: Sweep
-    K: Complex
-    K_true: Complex
     floor: float
     right: tuple[str, ...] = ()
     chi2: float = 0.0
     parameters: dict[str, float] = field(default_factory=dict)
-    sd: Real | None = None
-    digits: int = 10
-    third: Complex | None = None
-    network: str = ""
-    material: str | None = None
-    material_chi2: float | None = None
-    material_right: tuple[str, ...] = ()
     own: tuple[float, ...] = ()
+    material: str | None = None
 
     @property
     def name(self) -> str:
         """A name for files and tables."""
         return f"{self.seed:06d}-{self.stratum}-{self.detail}-{self.kind}"
 
+    def summary(self) -> dict[str, Any]:
+        """Return the truth as plain JSON values."""
+        return {
+            "seed": self.seed,
+            "name": self.name,
+            "kind": self.kind,
+            "design": self.stratum,
+            "detail": self.detail,
+            "model": self.model,
+            "truth": list(self.right),
+            "parameters": [self.parameters],
+            "own_chi2": list(self.own) or [self.chi2],
+            "chi2": self.chi2,
+            "floor": self.floor,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn(StratumCase):
+    """A measurement of a stratum. Frequencies in rad/s, stiffness in kN/m, amplitude in mm.
+
+    ``network`` names the true spectrum where that is not the model's; ``material_chi2`` is what any
+    passive spectrum leaves of the noise-free data, where that was asked.
+    """
+
+    sweep: Sweep
+    K: Complex
+    K_true: Complex
+    sd: Real | None = None
+    digits: int = 10
+    third: Complex | None = None
+    network: str = ""
+    material_chi2: float | None = None
+    material_right: tuple[str, ...] = ()
+
     def columns(self) -> dict[str, np.ndarray]:
         """Return the columns of the CSV file by header, rows in measuring order."""
-        out = {"frequency [Hz]": self.sweep.omega / (2.0 * np.pi)}
-        out |= {"storage [kN/m]": self.K.real, "loss [kN/m]": self.K.imag}
+        out = columns_of(self.sweep, self.K)
         optional = {
             "storage_sd [kN/m]": self.sd,
             "loss_sd [kN/m]": self.sd,
-            "temperature [degC]": self.sweep.temperature,
-            "amplitude [mm]": self.sweep.amplitude,
             "repeat": self.sweep.repeat,
             "h3_re [-]": None if self.third is None else self.third.real,
             "h3_im [-]": None if self.third is None else self.third.imag,
@@ -83,29 +105,23 @@ class Drawn:
 
     def summary(self) -> dict[str, Any]:
         """Return the truth as plain JSON values."""
-        return {
-            "seed": self.seed,
-            "name": self.name,
-            "kind": self.kind,
-            "design": self.stratum,
-            "detail": self.detail,
+        sigma = "unknown" if self.sweep.repeat is None else "repeats"
+        return super().summary() | {
             "network": self.network,
-            "model": self.model,
-            "truth": list(self.right),
-            "parameters": [self.parameters],
-            "own_chi2": list(self.own) or [self.chi2],
-            "chi2": self.chi2,
             "material_chi2": self.material_chi2,
             "material_truth": list(self.material_right),
-            "floor": self.floor,
             "points": len(self.sweep),
             "harmonics": self.third is not None,
-            "sigma": (
-                "given"
-                if self.sd is not None
-                else ("repeats" if self.sweep.repeat is not None else "unknown")
-            ),
+            "sigma": sigma if self.sd is None else "given",
         }
+
+
+def columns_of(sweep: Sweep, k: Complex) -> dict[str, np.ndarray]:
+    """The columns of a sweep by header, rows in measuring order."""
+    out = {"frequency [Hz]": sweep.omega / (2.0 * np.pi)}
+    out |= {"storage [kN/m]": k.real, "loss [kN/m]": k.imag}
+    optional = {"temperature [degC]": sweep.temperature, "amplitude [mm]": sweep.amplitude}
+    return out | {name: values for name, values in optional.items() if values is not None}
 
 
 Noise = Callable[[np.random.Generator, Sweep, Complex], dict[str, float]]

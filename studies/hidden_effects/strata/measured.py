@@ -9,19 +9,27 @@ that is none: then an answer must tell it in a note or propose what mends it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from hidden_effects.bases import Complex, Real, Sweep
+from hidden_effects.bases import Real, Sweep
 from hidden_effects.cases import expression, hide_in, write_table
 from hidden_effects.fit import refit
 from hidden_effects.scaling import NotVisible
 from hidden_effects.setup import draw_base, draw_sweep
-from hidden_effects.strata.drawn import CLEAR, log_uniform, relative_level, white
+from hidden_effects.strata.drawn import (
+    CLEAR,
+    StratumCase,
+    columns_of,
+    log_uniform,
+    relative_level,
+    white,
+)
 from hidden_effects_time.physics import Stiffness, creep, inverse, material, relaxation, to_history
 
 LEVEL = (0.002, 0.02)
@@ -33,41 +41,21 @@ BASES = {
     "fractional-zener": ("k1", "k2", "c", "alpha"),
 }
 """Models of a solid, with their parameters."""
-ANY = "material"
-"""The model of who knows none."""
 
 
-@dataclass(frozen=True)
-class Written:
+@dataclass(frozen=True, kw_only=True)
+class Written(StratumCase):
     """A file, and what is true of it.
 
-    ``right`` holds the effects that are a right answer, ``told`` the words of which one must stand
-    in a note or in what is proposed where the cause is no effect; ``chi2`` is what the model leaves
-    of the data without noise, ``floor`` the noise as the answer counts it (NaN where it does not
-    follow).
+    Where the cause is no effect, one of the words of ``told`` must stand in a note or in what is
+    proposed.
     """
 
-    seed: int
-    detail: str
-    model: str
     columns: dict[str, np.ndarray]
-    right: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
-    chi2: float = 0.0
-    parameters: dict[str, float] = field(default_factory=dict)
-    floor: float = float("nan")
-    material: str | None = None
+    floor: float = nan
+    kind: str = "one"
     stratum: str = "measured"
-
-    @property
-    def kind(self) -> str:
-        """Return "one" where something is hidden, else "nothing"."""
-        return "one" if self.right or self.told else "nothing"
-
-    @property
-    def name(self) -> str:
-        """A name for files and tables."""
-        return f"{self.seed:06d}-{self.stratum}-{self.detail}-{self.kind}"
 
     def to_csv(self, path: str | Path) -> Path:
         """Write what a tool may see, and nothing of the truth; a gap as n/a."""
@@ -77,24 +65,8 @@ class Written:
 
     def summary(self) -> dict[str, Any]:
         """Return the truth as plain JSON values."""
-        return {
-            "seed": self.seed,
-            "name": self.name,
-            "kind": self.kind,
-            "design": self.stratum,
-            "detail": self.detail,
-            "network": "",
-            "model": self.model,
-            "truth": list(self.right),
-            "told": list(self.told),
-            "parameters": [self.parameters],
-            "own_chi2": [self.chi2],
-            "chi2": self.chi2,
-            "floor": self.floor,
-            "points": len(next(iter(self.columns.values()))),
-            "harmonics": False,
-            "sigma": "unknown",
-        }
+        points = len(next(iter(self.columns.values())))
+        return super().summary() | {"told": list(self.told), "points": points}
 
 
 def measured(seed: int, rng: np.random.Generator) -> Written:
@@ -144,14 +116,32 @@ class Solid:
         return 2.0 * float(least_squares(missed, begin, bounds=(low, high)).cost)
 
 
-def _noisy(rng: np.random.Generator, exact: Real) -> tuple[Real, float]:
-    """What a transducer shows, and its noise."""
+def _recorded(
+    rng: np.random.Generator,
+    solid: Solid,
+    columns: dict[str, Real],
+    answer: str,
+    exact: Real,
+    ideal: Callable[[Stiffness], Real],
+    **truth: Any,
+) -> Written:
+    """A file whose column ``answer`` is the exact one in noise.
+
+    ``ideal`` is what a material would show if nothing were the matter.
+
+    Raises
+    ------
+    NotVisible
+        If no eye, or any, would see what is the matter.
+    """
     sd = log_uniform(rng, *LEVEL) * float(np.max(np.abs(exact)))
-    return exact + sd * rng.standard_normal(len(exact)), sd
+    seen = exact + sd * rng.standard_normal(len(exact))
+    chi2 = _clear(solid.left(ideal, exact, sd))
+    return Written(model=solid.base, columns=columns | {answer: seen}, chi2=chi2, **truth)
 
 
 def _clear(chi2: float) -> float:
-    """A chi-square that a goal asks of, and an eye does not see from afar.
+    """A chi-square from what a goal asks of to ten times what an eye sees.
 
     Raises
     ------
@@ -174,16 +164,17 @@ def _ramp(seed: int, rng: np.random.Generator) -> Written:
     exact = inverse(lambda s: solid.law(s) / s**2, t)
     after = t > rise
     exact[after] -= inverse(lambda s: solid.law(s) / s**2, t[after] - rise)
-    seen, sd = _noisy(rng, exact / rise)
-    chi2 = solid.left(lambda law: relaxation(law, t), exact / rise, sd)
-    return Written(
-        seed,
-        "ramp",
-        solid.base,
-        {"time [s]": t, "relaxation [N/mm]": seen},
+    return _recorded(
+        rng,
+        solid,
+        {"time [s]": t},
+        "relaxation [N/mm]",
+        exact / rise,
+        lambda law: relaxation(law, t),
+        seed=seed,
+        detail="ramp",
         right=("finite-ramp",),
         told=("still made",),
-        chi2=_clear(chi2),
         parameters={"rise": rise},
     )
 
@@ -194,16 +185,16 @@ def _slack(seed: int, rng: np.random.Generator) -> Written:
     t = np.linspace(0.0, 20.0, int(log_uniform(rng, *SAMPLES)))
     x = np.minimum(t / float(rng.uniform(1.0, 4.0)), 1.0)
     loose = float(rng.uniform(0.05, 0.5))
-    exact = to_history(solid.law, t, np.maximum(x - loose, 0.0))
-    seen, sd = _noisy(rng, exact)
-    chi2 = solid.left(lambda law: to_history(law, t, x), exact, sd)
-    return Written(
-        seed,
-        "slack",
-        solid.base,
-        {"time [s]": t, "displacement [mm]": x, "force [N]": seen},
+    return _recorded(
+        rng,
+        solid,
+        {"time [s]": t, "displacement [mm]": x},
+        "force [N]",
+        to_history(solid.law, t, np.maximum(x - loose, 0.0)),
+        lambda law: to_history(law, t, x),
+        seed=seed,
+        detail="slack",
         right=("slack",),
-        chi2=_clear(chi2),
         parameters={"loose": loose},
     )
 
@@ -212,17 +203,18 @@ def _flow(seed: int, rng: np.random.Generator) -> Written:
     """The creep of what flows, asked as a solid."""
     solid, t = Solid.drawn(rng), _times(rng)
     ideal = creep(solid.law, t)
-    viscosity = t[-1] / (ideal[-1] * log_uniform(rng, 0.02, 2.0))
-    seen, sd = _noisy(rng, ideal + t / viscosity)
-    chi2 = solid.left(lambda law: creep(law, t), ideal + t / viscosity, sd)
-    return Written(
-        seed,
-        "flow",
-        solid.base,
-        {"time [s]": t, "compliance [mm/N]": seen},
+    viscosity = float(t[-1] / (ideal[-1] * log_uniform(rng, 0.02, 2.0)))
+    return _recorded(
+        rng,
+        solid,
+        {"time [s]": t},
+        "compliance [mm/N]",
+        ideal + t / viscosity,
+        lambda law: creep(law, t),
+        seed=seed,
+        detail="flow",
         right=("series-dashpot",),
-        chi2=_clear(chi2),
-        parameters={"c": float(viscosity)},
+        parameters={"c": viscosity},
     )
 
 
@@ -232,26 +224,20 @@ def _sign(seed: int, rng: np.random.Generator) -> Written:
     t = np.linspace(0.0, 30.0, int(log_uniform(rng, 200, 600)))
     x = np.sin(float(rng.uniform(0.7, 1.6)) * t)
     exact = -to_history(solid.law, t, x)
-    seen, sd = _noisy(rng, exact)
+    sd = log_uniform(rng, *LEVEL) * float(np.max(np.abs(exact)))
+    seen = exact + sd * rng.standard_normal(len(exact))
     return Written(
-        seed,
-        "sign",
-        solid.base,
-        {"time [s]": t, "displacement [mm]": x, "force [N]": seen},
+        seed=seed,
+        detail="sign",
+        model=solid.base,
+        columns={"time [s]": t, "displacement [mm]": x, "force [N]": seen},
         told=("other way",),
+        # No passive material pushes back: none of it can be taken.
         chi2=float(np.sum(exact**2)) / sd**2,
     )
 
 
 # --- sweeps
-
-
-def _swept(sweep: Sweep, k: Complex) -> dict[str, np.ndarray]:
-    """The columns of a sweep by header."""
-    columns = {"frequency [Hz]": sweep.omega / (2.0 * np.pi)}
-    columns |= {"storage [kN/m]": k.real, "loss [kN/m]": k.imag}
-    optional = {"temperature [degC]": sweep.temperature, "amplitude [mm]": sweep.amplitude}
-    return columns | {name: values for name, values in optional.items() if values is not None}
 
 
 def _drift(seed: int, rng: np.random.Generator) -> Written:
@@ -266,10 +252,10 @@ def _drift(seed: int, rng: np.random.Generator) -> Written:
     k = network.stiffness(sweep, theta) * (1.0 + size * (1.0 - np.exp(-time / tau)))
     sigma = level * np.abs(k)
     return Written(
-        seed,
-        "drift",
-        expression(network),
-        _swept(sweep, k + sigma * white(rng, k.size)) | {"time [s]": time},
+        seed=seed,
+        detail="drift",
+        model=expression(network),
+        columns=columns_of(sweep, k + sigma * white(rng, k.size)) | {"time [s]": time},
         told=("time", "specimen", "round"),
         chi2=_clear(refit(network, theta, sweep, k, sigma, 150)[1]),
         parameters={"size": size, "tau": tau},
@@ -288,10 +274,10 @@ def _calibration(seed: int, rng: np.random.Generator) -> Written:
     k = network.stiffness(sweep, theta) * np.where(plates < 20.0, 1.0 + size, 1.0)
     sigma = level * np.abs(k)
     return Written(
-        seed,
-        "calibration",
-        expression(network),
-        _swept(sweep, k + sigma * white(rng, k.size)) | {"plates": plates},
+        seed=seed,
+        detail="calibration",
+        model=expression(network),
+        columns=columns_of(sweep, k + sigma * white(rng, k.size)) | {"plates": plates},
         told=("goes with plates",),
         chi2=_clear(refit(network, theta, sweep, k, sigma, 150)[1]),
         parameters={"gain": size},
@@ -331,10 +317,10 @@ def _with_one(seed: int, rng: np.random.Generator, detail: str, sweep: Sweep) ->
     truth = hide_in(rng, sweep, network, theta, noise, log_uniform(rng, *CLEAR), 1)
     k, sigma = truth.stiffness, noise["relative"] * np.abs(truth.stiffness)
     return Written(
-        seed,
-        detail,
-        truth.model,
-        _swept(sweep, k + sigma * white(rng, k.size)),
+        seed=seed,
+        detail=detail,
+        model=truth.model,
+        columns=columns_of(sweep, k + sigma * white(rng, k.size)),
         right=tuple(hidden.name for hidden in truth.hidden),
         chi2=truth.chi2,
         parameters=truth.hidden[0].parameters,
