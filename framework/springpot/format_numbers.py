@@ -5,6 +5,7 @@ And how things are counted.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import floor, isfinite, log10
 
 from .numerics import SMALLEST
@@ -60,6 +61,21 @@ def at_place(value: float, place: int) -> str:
     if rounded and (exponent >= 6 or exponent < -3) and exponent >= place:
         return f"{rounded:.{exponent - place}e}"
     return f"{rounded:.{max(0, -place)}f}"
+
+
+def listed(names: Sequence[object], most: int | None = None) -> str:
+    """Names in a row; of more than `most` it says how many more there are.
+
+    Examples
+    --------
+    >>> from .format_numbers import listed
+    >>> listed(["k", "c", "alpha"], 2)
+    'k, c and 1 more'
+    """
+    shown = ", ".join(map(str, names[:most]))
+    if most is not None and len(names) > most:
+        shown += f" and {len(names) - most} more"
+    return shown
 
 
 def counted(count: int, noun: str) -> str:

@@ -75,6 +75,8 @@ def test_it_is_taken_up_again_and_predicts_one_specimen(tmp_path):
     np.testing.assert_allclose(asked, exact, rtol=0.02)
     with pytest.raises(DataError, match="say file="):
         again.predict([1.0])
+    with pytest.raises(DataError, match=r"each file has .* say which, file=\w+ \(of [\w, ]+\)$"):
+        springpot.quantities(file)
 
 
 def test_each_temperature_has_its_own():

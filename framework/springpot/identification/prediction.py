@@ -29,7 +29,7 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
-from ..format_numbers import LISTED
+from ..format_numbers import LISTED, NAMED, listed
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .bordered import Bordered, Covariance, lost_and_known
 
@@ -226,10 +226,9 @@ class Known:
         (column,) = set(self.model.own.values())
         if column not in conditions:
             names = self.words.get(column) or self.model.level_values[column]
-            listed = ", ".join(map(str, names[:LISTED]))
             raise DataError(
-                f"each {column} has parameters of its own: say which, {column}={names[0]} (of"
-                f" {listed}{' and others' if len(names) > LISTED else ''})"
+                f"each {column} has parameters of its own: say which, {column}={names[0]}"
+                f" (of {listed(names, LISTED)})"
             )
         at = points_at(
             np.zeros(1), {column: _numbers(self, column, conditions[column])}, self.reference
@@ -405,8 +404,9 @@ def _numbers(known: Known, name: str, given: ArrayLike) -> Real:
         except (TypeError, ValueError):
             raise DataError(f"{name} must be finite numbers") from None
     if given not in words:
-        near = get_close_matches(given, words) or words[:3]
-        raise DataError(f"{name} has no '{given:.40}': there are {', '.join(near)} and others")
+        near = get_close_matches(given, words)
+        close = [*near, *(word for word in words if word not in near)]
+        raise DataError(f"{name} has no '{given:.40}': there are {listed(close, NAMED)}")
     return np.array([1.0 + words.index(given)])
 
 

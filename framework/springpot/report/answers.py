@@ -25,7 +25,7 @@ from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
-from ..format_numbers import LISTED, NAMED
+from ..format_numbers import LISTED, NAMED, listed
 from .quantities import quantities_passages
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 
@@ -411,11 +411,8 @@ def not_shown(diagnosis: Diagnosis, rows: Sequence[Candidate], most: int | None 
     lines = []
     for shelf, words in FOLDED.items():
         names = [row.effect for row in diagnosis.on_shelf(shelf) if row.effect not in told]
-        shown = ", ".join(names[:most])
-        if most is not None and len(names) > most:
-            shown += f" and {len(names) - most} more"
         if names:
-            lines.append(f"{words}: {shown}")
+            lines.append(f"{words}: {listed(names, most)}")
     return Prose(*lines)
 
 
@@ -427,10 +424,8 @@ def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:
     # Of tests in time no size is known.
     if not any(isfinite(row.bound) for row in absent):
         return f"absent: {', '.join(row.effect for row in absent)}"
-    named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent[:most])
-    if most is not None and len(absent) > most:
-        named += f" and {len(absent) - most} more"
-    return f"absent, or it would have been seen from this size on: {named}"
+    named = [f"{row.effect} ({percent(row.bound, 2)})" for row in absent]
+    return f"absent, or it would have been seen from this size on: {listed(named, most)}"
 
 
 def left_out(reasons: Mapping[str, str]) -> Listing:

@@ -15,7 +15,7 @@ from springpot.format_numbers import number
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor, plain
 
-from ..format_numbers import LISTED
+from ..format_numbers import LISTED, listed
 from ..numerics import NEGLIGIBLE
 from .answers import (
     beside_floor,
@@ -288,9 +288,7 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     # The effects that all share are told once, behind the names; other models are named in full,
     # and last.
     names = [one.base for one in same] + [one.name for one in others if one not in same]
-    text = f"{first} cannot be told from {', '.join(names[:LISTED])}"
-    if len(names) > LISTED:
-        text += f" and {len(names) - LISTED} more"
+    text = f"{first} cannot be told from {listed(names, LISTED)}"
     if first.effects and same:
         text += " with the same effects"
     return text

@@ -51,8 +51,10 @@ def of_fit(
         If the model depends on a condition that was not the same in all tests, or knows none of
         what is asked for.
     """
+    # First: which level is meant must be said before anything that depends on it.
+    level = known.of_specimen.at_level(asked or {})
     conditions, of = _conditions(known, asked or {}), known.model.name
-    known, left = _of_material(known.of_specimen.at_level(conditions), without)
+    known, left = _of_material(level, without)
     low, high = known.covered.rate
     free = is_material(known.model)
     band = float(np.log(low)), float(np.log(high))
