@@ -67,7 +67,7 @@ def test_files_that_are_specimens_need_no_further_word(springpot, specimens):
     assert apart.err.count("no column 'day'") == 2
 
 
-def test_specimens_are_judged_and_discovered_together(springpot, write):
+def test_specimens_are_judged_and_discovered_together(springpot, write, tmp_path):
     files, rng = [], np.random.default_rng(1)
     for i, k in enumerate((90.0, 100.0, 110.0)):
         omega = 2.0 * np.pi * FREQUENCY
@@ -83,6 +83,8 @@ def test_specimens_are_judged_and_discovered_together(springpot, write):
     assert "of s0 + s1 + s2: effect-missing" in text
     named = " ".join(map(str, files))
     assert f"springpot discover {named} --model kelvin --accept inertia --own k" in text
-    ladder = springpot("discover", *files, *words, "inertia", "--json").json
+    report = tmp_path / "report.html"
+    ladder = springpot("discover", *files, *words, "inertia", "--report", report, "--json").json
+    assert all(f"file s{i}" in report.read_text() for i in range(3))
     assert ladder["steps"][-1]["accepted"] == "inertia"
     assert ladder["verdict"] == "adequate"

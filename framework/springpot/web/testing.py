@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from springpot.timetests.residuals_of_tests import parts_of_specimen
 from . import leaving
 from .sessions import State, kept
 from .specimen import Specimen
+from .trying import model_and_tests
 
 LACKS = {
     "data": "tests in time leave as the files that were opened, which the session holds too",
@@ -81,6 +82,10 @@ def leave_in_time(
     """
     if kind in LACKS:
         raise DataError(LACKS[kind])
+
+    def seen() -> list[Test]:
+        return model_and_tests(state, kept(data, state.excluded).tests)[1]
+
     sources, stem = data.sources, Path(data.sources[0]).stem
     if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
         raise DataError("rows of several tests were left out, which only the session can say")
@@ -93,21 +98,20 @@ def leave_in_time(
             raise DataError("one command takes one file: the Python script takes all of them")
         return {"name": f"{stem}.txt", "text": command + "\n"}
     if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), kept(data, state.excluded))}
+        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), seen())}
     if kind == "replay":
         return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder())}
     if kind == "report":
-        tests = kept(data, state.excluded).tests
-        text = leaving.report(ladder(), tests, shlex.split(command))
+        text = leaving.report(ladder(), seen(), shlex.split(command))
         return {"name": f"{stem}-report.html", "text": text}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
 
 
-def _curves(ladder: Ladder, data: Specimen) -> str:
+def _curves(ladder: Ladder, tests: Sequence[Test]) -> str:
     """What each test measured and what the model computes there, number by number."""
     base = case_of(ladder.steps[-1]).base
     table: list[list[Any]] = [["test", "at [s, or Hz of a sweep]", "measured", "model", "unit"]]
-    for part in parts_of_specimen(data.tests):
+    for part in parts_of_specimen(tests):
         rows = np.arange(len(part.measured))
         model = part.answer(base.model, base.theta, base.reference, rows).value
         unit = part.unit
