@@ -434,22 +434,23 @@ def leave(
     asked, data = State.of(state), _opened(text)
     if isinstance(data, Specimen):
         return leave_in_time(kind, asked, data, lambda: _ladder(asked, text, told))
-    measurement, stem = data, Path(safe_name(source)).stem
+    stem = Path(safe_name(source)).stem
     shown = leaving.source_of(source, asked, joined)
     if kind == "command":
         return {"name": f"{stem}.txt", "text": leaving.command(asked, shown) + "\n"}
     if kind == "script":
         return {"name": f"{stem}.py", "text": leaving.script(asked, shown)}
     if kind == "data":
-        return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
+        return {"name": f"{stem}-used.csv", "text": text_of(kept(data, asked.excluded))}
     # What comes below needs the fits; command, script and data do not, and come at once.
-    ladder, measurement = _ladder(asked, text, told), leveled(asked, data)
+    ladder, [seen] = _ladder(asked, text, told), leveled(asked, [data])
+    assert isinstance(seen, Measurement)
     if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
+        return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, seen)}
     if kind == "plan":
-        return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
+        return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, seen)}
     if kind == "report":
-        return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
+        return {"name": f"{stem}-report.html", "text": _report(ladder, seen, asked, shown)}
     if kind == "replay":
         return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder)}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")

@@ -21,7 +21,7 @@ from springpot.timetests.residuals_of_tests import parts_of_specimen
 from . import leaving
 from .sessions import State, kept
 from .specimen import Specimen
-from .trying import model_and_tests
+from .trying import leveled
 
 LACKS = {
     "data": "tests in time leave as the files that were opened, which the session holds too",
@@ -83,8 +83,8 @@ def leave_in_time(
     if kind in LACKS:
         raise DataError(LACKS[kind])
 
-    def seen() -> list[Test]:
-        return model_and_tests(state, kept(data, state.excluded).tests)[1]
+    def seen() -> Sequence[Test]:
+        return leveled(state, kept(data, state.excluded).tests)
 
     sources, stem = data.sources, Path(data.sources[0]).stem
     if kind in ("script", "command") and state.excluded and len(data.tests) > 1:

@@ -64,11 +64,9 @@ def model_and_tests(state: State, tests: Sequence[Test]) -> tuple[Model, list[Te
     return owning(model, tests, known.pop("own", None), **known)
 
 
-def leveled(state: State, data: Measurement) -> Measurement:
-    """Sweeps as the model of a state sees them."""
-    [seen] = model_and_tests(state, [data])[1]
-    assert isinstance(seen, Measurement)
-    return seen
+def leveled(state: State, tests: Sequence[Test]) -> Sequence[Test]:
+    """The tests as the model of a state sees them."""
+    return model_and_tests(state, tests)[1] if state.options else tests
 
 
 def scene_of(state: State, data: Opened) -> PageScene | TimeScene:
@@ -77,9 +75,12 @@ def scene_of(state: State, data: Opened) -> PageScene | TimeScene:
         there = {test.name for test in kept(data, state.excluded).tests}
         # Numbered in their order, those first that the fit has.
         order = sorted(range(len(data.tests)), key=lambda i: data.tests[i].name not in there)
-        first = model_and_tests(state, [data.tests[i] for i in order])[1]
+        first = leveled(state, [data.tests[i] for i in order])
         return TimeScene([first[order.index(i)] for i in range(len(order))])
-    used, seen = leveled(state, kept(data, state.excluded)), leveled(state, data)
+    if not state.options:
+        return PageScene(data)
+    [used], [seen] = leveled(state, [kept(data, state.excluded)]), leveled(state, [data])
+    assert isinstance(seen, Measurement)
     stays = np.ones(len(data), dtype=bool)
     stays[list(state.excluded)] = False
     conditions = dict(seen.conditions)
@@ -193,14 +194,14 @@ def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -
 
 def drawing(state: State, data: Opened) -> Callable[[Model, Real], dict[str, Any]]:
     """How fitted models are drawn, with their relative error over the rows that are used."""
-    scene, used = scene_of(state, data), scene_of(state, kept(data, state.excluded))
+    scene, tests = scene_of(state, data), tests_in(kept(data, state.excluded))
+    used = leveled(state, tests)
     if isinstance(scene, TimeScene):
-        assert isinstance(used, TimeScene)
-        reference, stays = reference_of(used.tests), used
+        stays, reference = TimeScene(used), reference_of(used)
         return lambda model, theta: drawn_effect(scene, stays, model, theta, reference)
-    assert isinstance(used, PageScene)
-    page, rows, name = scene, used.seen, state.expression
-    return lambda model, theta: preview(page, rows, Preview(name, model, theta, True))
+    [rows], name = used, state.expression
+    assert isinstance(rows, Measurement)
+    return lambda model, theta: preview(scene, rows, Preview(name, model, theta, True))
 
 
 def telling(told: Told, state: State, data: Opened) -> Fitted:
