@@ -267,7 +267,7 @@ class Store:
             described["stop at target"] = "True"
         described |= dict(zip(ASKED, plan.asks, strict=False))
         if plan.noise:
-            described["noise"] = json.dumps(noise_of(plan))
+            described["noise"] = json.dumps(plan.levels)
         if plan.x0 == COMMON:
             begin = [each.label for each in plan.entrants if each.optimiser.card.started]
             described["common start"] = json.dumps(begin)
@@ -553,17 +553,6 @@ class Store:
         if not isinstance(repetition, int) or repetition < 0:
             return None
         return broken_row(cell, repetition, DAMAGED)
-
-
-def noise_of(plan: Plan) -> dict[str, float]:
-    """Level of noise of each data set whose truth is known."""
-    levels = {}
-    for case in plan.cases:
-        if case.noise is not None:
-            levels[case.source.name] = case.noise.level
-        elif case.source.truth:
-            levels[case.source.name] = 0.0
-    return levels
 
 
 _TOLD = {"name", "cells", "repetitions", "seed", "budget", "target", "accuracy", "optima"}
