@@ -243,3 +243,36 @@ def test_a_damaged_trial_is_no_best_of_its_draw(path):
         db.execute("UPDATE trial SET best = 0.25 WHERE best = 1.0")
     with Store(path) as store:
         assert set(store.bests_of_draws().values()) == {4.0, 2.0}
+
+
+@pytest.fixture
+def three(path):
+    plan = small_study().plan()
+    with Store(path, write=True) as store:
+        cells = store.register(plan, {})
+        store.add([result(0, -1.0), result(1, -0.5)], cells)
+        store.add([TrialResult(0, 2, Status.CRASH, "gone", seconds=2.0)], cells)
+    return path, cells[0]
+
+
+def test_trials_are_told_one_by_one_or_by_columns(three):
+    path, cell = three
+    with Store(path) as store:
+        trials = dict(store.trials())[cell]
+    rows = list(trials)
+    assert [trials[i] for i in range(len(trials))] == rows
+    assert list(trials[1:]) == rows[1:]
+    assert trials.failed.tolist() == [False, False, True]
+    np.testing.assert_array_equal(trials.numbers("best"), [-1.0, -0.5, np.nan])
+    assert trials.column("repetition") == (0, 1, 2)
+
+
+def test_a_best_value_is_believed_only_with_its_seal(three):
+    path, _ = three
+    with Store(path) as store:
+        number, known = store.cells()[0].problem.id, store.bests()
+    assert known[number] == -1.0
+    with sqlite3.connect(path) as db:
+        db.execute("UPDATE trial SET best = -1e9 WHERE repetition = 0")
+    with Store(path) as store:
+        assert store.bests()[number] == -0.5

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from springpot import read
+
 FREQUENCY = np.geomspace(0.5, 50.0, 10)
 
 
@@ -34,6 +36,12 @@ def test_a_prediction_says_of_which_level(springpot, specimens, tmp_path):
     assert told.json["points"][0]["storage"] == pytest.approx(110.0, rel=1e-5)
     named = springpot("predict", fit, "-f", "1", "--at", f"file={specimens[1].stem}", "--json")
     assert named.json["points"] == told.json["points"]
+    assert named.json["points"][0]["file"] == specimens[1].stem
+    table = tmp_path / "one.csv"
+    springpot("predict", fit, "-f", "1", "--at", "file=2", "-o", table)
+    assert read(table).labels["file"].tolist() == [specimens[1].stem]
+    quantities = springpot("quantities", fit, "--at", "file=2", "--json").json["quantities"]
+    assert {row["at"]["file"] for row in quantities} == {specimens[1].stem}
     springpot("predict", fit, "--frequency", "1").is_one_line("depends on file", "file=")
 
 

@@ -170,7 +170,9 @@ def write_archive(store: Store, path: Path, thin: bool = False) -> int:
     cells = store.cells()
     numbers = {cell.id: i for i, cell in enumerate(cells)}
     # In the order of the store; each cell by its place in the description.
-    trials = [(numbers[cell.id], rows) for cell, rows in store.raced()]
+    trials: list[tuple[int, Sequence[TrialRow]]] = [
+        (numbers[cell.id], rows) for cell, rows in store.raced()
+    ]
     if thin:
         scale = JudgingScale.of(store)
         trials = [
@@ -232,7 +234,7 @@ def _description(store: Store, cells: Sequence[CellRow]) -> str:
 
 
 def _fill(
-    description: str, trials: Sequence[tuple[int, list[TrialRow]]], stream: IO[bytes]
+    description: str, trials: Sequence[tuple[int, Sequence[TrialRow]]], stream: IO[bytes]
 ) -> None:
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as whole:
         _put(whole, "study.json", [description])

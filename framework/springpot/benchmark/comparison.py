@@ -52,7 +52,7 @@ from .statistics import (
     wilson,
 )
 from .store import Store
-from .summary import CellRow, ProblemRow, TrialRow
+from .summary import CellRow, CellTrials, ProblemRow, TrialRow
 from .traces import Traces, at, geometric_grid
 
 MARKS = (100, 500, 2000, 8000, 40_000, 200_000, 1_000_000)
@@ -154,13 +154,13 @@ class JudgingScale:
         return np.union1d(geometric_grid(self.budget), np.array(self.marks))
 
 
-def judged(store: Store) -> Iterator[tuple[CellRow, list[TrialRow], Real]]:
+def judged(store: Store) -> Iterator[tuple[CellRow, CellTrials, Real]]:
     """Each cell of the study with its trials and the best objective (n,) known of their data."""
     bests, draws = store.bests(), store.bests_of_draws()
     for cell, trials in store.raced():
         best = bests.get(cell.problem.id, np.inf)
         # Noise of its own makes a trial's data another problem than those of its neighbours.
-        known = [draws.get((cell.problem.id, trial.repetition), best) for trial in trials]
+        known = [draws.get((cell.problem.id, r), best) for r in trials.column("repetition")]
         yield cell, trials, np.array(known)
 
 
@@ -185,34 +185,54 @@ def goals_of(references: Real, bests: Real, target: float) -> Real:
     return np.where(known, goals, -np.inf)
 
 
+def hits_of(cell: CellRow, trials: CellTrials, bests: Real, scale: JudgingScale) -> Real:
+    """Evaluation at which each trial (n,) reached its target, infinite where it did not.
+
+    No trace is read of which the best shows already that it missed.
+    """
+    goals = goals_of(_references(cell, trials), bests, scale.target)
+    return _traces(trials, trials.numbers("best") <= goals).hits(goals)
+
+
 def score_cell(
-    cell: CellRow, trials: Sequence[TrialRow], best: Real | float, scale: JudgingScale
+    cell: CellRow, trials: CellTrials, best: Real | float, scale: JudgingScale
 ) -> CellScores:
     """Scores of a cell on data whose best known objective is `best`, (n,) or one for all."""
     bests = np.broadcast_to(best, len(trials))
-    references = np.array([reference_of(cell.problem, trial) for trial in trials])
+    references, dead = _references(cell, trials), np.isnan(trials.numbers("best"))
     # A trial that failed keeps its infinite time: it is never given a number.
-    traces = Traces.of([trial.trace if trial.best is not None else b"" for trial in trials])
+    traces = _traces(trials, ~dead)
     owners, goals = traces.owners, goals_of(references, bests, scale.target)
     excess = _excess(traces.values, bests[owners], references[owners])
     # On the few evaluations of the grid: the traces may have thousands.
     along = _excess(traces.at(scale.grid), bests[:, None], references[:, None])
     return CellScores(
         cell,
-        repetitions=np.array([trial.repetition for trial in trials]),
+        repetitions=np.array(trials.column("repetition")),
         hits=traces.hits(goals),
-        spent=np.array([trial.evaluations for trial in trials], dtype=float),
+        spent=trials.numbers("evaluations"),
         values=along[:, np.searchsorted(scale.grid, scale.marks)],
-        attained=np.searchsorted(-scale.targets, -along, side="right").mean(axis=0)
-        / len(scale.targets),
+        attained=traces.shares(excess, scale.targets, scale.grid),
         curve=bands(along),
         clean=_clean(trials, scale),
-        dimension=next((len(trial.theta) for trial in trials if trial.best is not None), 0),
-        oracles=_told(trials, "oracle", np.inf),
-        errors=_told(trials, "parameter_error", np.inf),
-        covered=_told(trials, "covered", 0.0),
+        dimension=next((len(trials[int(i)].theta) for i in np.flatnonzero(~dead)), 0),
+        oracles=np.where(dead, np.inf, trials.numbers("oracle")),
+        errors=np.where(dead, np.inf, trials.numbers("parameter_error")),
+        covered=np.where(dead, 0.0, trials.numbers("covered")),
         area=area_over_curve(traces, excess, scale),
     )
+
+
+def _references(cell: CellRow, trials: CellTrials) -> Real:
+    """`reference_of` for each trial (n,)."""
+    own = trials.numbers("reference")
+    return np.where(np.isnan(own), cell.problem.reference, own)
+
+
+def _traces(trials: CellTrials, wanted: NDArray[np.bool_]) -> Traces:
+    """Improvements of the trials that are wanted (n,), of the others none."""
+    blobs = zip(trials.column("trace"), wanted.tolist(), strict=True)
+    return Traces.of([blob or b"" if one else b"" for blob, one in blobs])
 
 
 def area_over_curve(traces: Traces, excess: Real, scale: JudgingScale) -> Real:
@@ -240,14 +260,6 @@ def area_over_curve(traces: Traces, excess: Real, scale: JudgingScale) -> Real:
     return traces.means(decades, scale.budget)
 
 
-def _told(trials: Sequence[TrialRow], name: str, failed: float) -> Real:
-    """What trials say of themselves (n,), NaN where they say nothing."""
-    # As floats, in which None is no number.
-    told = np.array([getattr(trial, name) for trial in trials], dtype=float)
-    told[[trial.best is None for trial in trials]] = failed
-    return told
-
-
 def _excess(values: Real, best: Real | float, reference: Real | float) -> Real:
     """Zero at the best.
 
@@ -262,9 +274,9 @@ def _excess(values: Real, best: Real | float, reference: Real | float) -> Real:
     return found
 
 
-def _clean(trials: Sequence[TrialRow], scale: JudgingScale) -> Real | None:
+def _clean(trials: CellTrials, scale: JudgingScale) -> Real | None:
     """Quartiles of the noise-free objective of what was recommended, where the data have noise."""
-    if not any(trial.recommended for trial in trials):
+    if not any(trials.column("recommended")):
         return None
     along = np.full((len(trials), len(scale.grid)), np.inf)
     for row, trial in enumerate(trials):

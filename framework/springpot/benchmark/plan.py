@@ -216,6 +216,17 @@ class Plan:
         """Number of trials."""
         return len(self.cells) * self.repetitions
 
+    @property
+    def levels(self) -> dict[str, float]:
+        """Level of noise of each data set whose truth is known."""
+        told = dict[str, float]()
+        for case in self.cases:
+            if case.noise is not None:
+                told[case.source.name] = case.noise.level
+            elif case.source.truth:
+                told[case.source.name] = 0.0
+        return told
+
     def stream(self, cell: Cell, repetition: int) -> np.random.SeedSequence:
         """The trial's random stream, from names only and the same for every optimiser."""
         case = self.cases[cell.case]

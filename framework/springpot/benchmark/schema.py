@@ -21,8 +21,8 @@ from hashlib import blake2b
 from typing import Any
 
 from .plan import Cell, Plan, RaceCase
-from .summary import ProblemRow, TrialRow
-from .trial import Status, TrialResult
+from .summary import CellTrials, ProblemRow
+from .trial import TrialResult
 
 KEYS = {
     "fact": "name",
@@ -177,10 +177,13 @@ def seal(values: Sequence[Any], layout: int = SCHEMA) -> bytes:
     Texts, numbers, bytes or None, of which each has one way to be written.
     """
     apart: list[bytes] = []
-    if layout >= BYTES_APART:
+    kinds = list(map(type, values))
+    if layout >= BYTES_APART and bytes in kinds:
         # As text they would be four times as long, and a trace is most of what a row holds.
-        apart = [value for value in values if type(value) is bytes]
-        values = [(len(value),) if type(value) is bytes else value for value in values]
+        first = kinds.index(bytes)
+        apart = [value for value in values[first:] if type(value) is bytes]
+        told = [(len(value),) if type(value) is bytes else value for value in values[first:]]
+        values = (*values[:first], *told)
     # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
     text = repr(tuple(values)).encode("utf-8", "surrogatepass")
     return blake2b(b"".join([text, *apart]), digest_size=SIZE).digest()
@@ -273,10 +276,15 @@ FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
 
 
 ALL_TRIALS = trials_of(expected()["trial"])
+ONE_TRIAL = ALL_TRIALS.replace("ORDER BY", "WHERE cell = ? AND repetition = ? ORDER BY")
 
 
-TRIAL_BESTS = "SELECT cell, repetition, best, reference, known, optimum FROM trial"
-"""What is known of the data of all trials, without their traces."""
+LEAST = "SELECT cell, repetition, MIN(best) FROM trial GROUP BY cell"
+"""The trial of each cell that got furthest."""
+ALL_LEAST = "SELECT cell, repetition, best FROM trial WHERE best IS NOT NULL"
+DRAWS = """SELECT cell, repetition, best, reference, known, optimum FROM trial
+WHERE reference IS NOT NULL"""
+"""What is known of the data of trials whose noise is their own."""
 
 
 def problem_columns(case: RaceCase) -> dict[str, Any]:
@@ -332,19 +340,17 @@ def trace_columns(result: TrialResult) -> dict[str, bytes | None]:
     return {name: getattr(result, own) for name, own in _TRACE.items()}
 
 
-def trial_of(row: sqlite3.Row) -> TrialRow:
-    """The trial of a row of `ALL_TRIALS`."""
-    # By place, and its seal left out: looked up by name a million rows would take seconds.
-    kept = dict(zip(_fields(), row, strict=False))
-    kept |= {"status": Status(kept["status"]), "trace": kept["trace"] or b""}
-    kept["theta"] = json.loads(kept["theta"]) if kept["theta"] else {}
-    return TrialRow(**kept)
-
-
 @cache
-def _fields() -> tuple[str, ...]:
-    """What each column of `ALL_TRIALS` holds of a trial."""
+def trial_fields() -> tuple[str, ...]:
+    """What each column of `ALL_TRIALS` but the last, its seal, holds of a trial."""
     return (*_names("trial"), *_TRACE.values())
+
+
+def broken_row(cell: int, repetition: int, reason: str) -> tuple[Any, ...]:
+    """A row of `ALL_TRIALS` in the place of a damaged one, without numbers."""
+    told = {"cell": cell, "repetition": repetition, "status": "damaged", "reason": reason}
+    told |= {"evaluations": 0, "gradients": 0, "batched": 0, "seconds": 0.0}
+    return tuple(told.get(name) for name in trial_fields())
 
 
 def problem_of(row: sqlite3.Row) -> ProblemRow:
@@ -378,7 +384,7 @@ def readable(table: str, row: sqlite3.Row) -> bool:
         if table == "problem":
             problem_of(row)
         if table == "trial":
-            trial_of(row)
+            CellTrials(trial_fields(), [tuple(row)])[0]
     except (ValueError, TypeError, AttributeError):
         return False
     kinds = _kinds(table)

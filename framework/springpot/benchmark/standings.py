@@ -24,12 +24,11 @@ from .comparison import (
     OptimiserChoice,
     ProblemRace,
     choices,
-    goal_of,
+    hits_of,
     judged,
     profiles,
     races_of,
     rankings,
-    reference_of,
     score_cell,
 )
 from .report.fairness import OF_ITS_OWN
@@ -39,13 +38,11 @@ from .robustness import (
     noise_table,
     sensitivity_table,
 )
-from .statistics import ROPE, hitting_time, intervals
+from .statistics import ROPE, intervals
 from .store import Store
 from .study import Study
 from .summary import (
-    CellRow,
     CellSummary,
-    TrialRow,
     failure_table,
     store_path,
     summarise_cell,
@@ -272,11 +269,7 @@ class Findings:
                 scores[cell.id] = score_cell(cell, trials, best, scale)
                 hits = scores[cell.id].hits
             else:
-                # For the summary alone: no trace is unpacked of which the best shows already that
-                # it missed.
-                hits = np.array(
-                    [_hit(*each, cell, scale) for each in zip(trials, best, strict=True)]
-                )
+                hits = hits_of(cell, trials, best, scale)
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
         # In the order of the study, which is not that in which the store has its trials.
         order = [cell.id for cell in store.cells() if cell.id in summaries]
@@ -306,14 +299,6 @@ class Findings:
     def rankings(self) -> list[MeanRanks]:
         """Mean ranks over all problems, by model and by data set, at each budget."""
         return rankings(self.races, self.scale)
-
-
-def _hit(trial: TrialRow, best: float, cell: CellRow, scale: JudgingScale) -> float:
-    """Evaluation at which a trial reached its target; its trace is read only if it did."""
-    goal = goal_of(reference_of(cell.problem, trial), best, scale.target)
-    if trial.best is None or trial.best > goal:
-        return np.inf
-    return hitting_time(*trial.improvements(), goal)
 
 
 def summarise(store: Store) -> list[CellSummary]:

@@ -358,9 +358,11 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
 
     They are values themselves, as infinity allows no mean.
     """
-    ordered = np.sort(values, axis=0)
+    # In a copy in which they lie together: a sort across memory takes several times as long.
+    ordered = np.moveaxis(values, 0, -1).copy()
+    ordered.sort(axis=-1)
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
-    chosen: Real = ordered[places]
+    chosen: Real = np.moveaxis(ordered[..., places], -1, 0)
     return chosen
 
 

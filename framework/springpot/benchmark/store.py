@@ -8,12 +8,13 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import groupby
 from math import inf
 from operator import itemgetter
 from pathlib import Path
+from typing import Any, TypeVar
 
 from springpot.errors import StudyError
 from springpot.suggestions import suggested
@@ -31,16 +32,20 @@ from .database import (
 )
 from .plan import ASKED, COMMON, Plan
 from .schema import (
+    ALL_LEAST,
     ALL_TRIALS,
     CELLS,
+    DRAWS,
     DROP_STRAY,
     FACTS,
     KEYS,
+    LEAST,
+    ONE_TRIAL,
     PROBLEMS,
     SCHEMA,
     SEALED,
-    TRIAL_BESTS,
     UPGRADES,
+    broken_row,
     cell_columns,
     cells_told,
     columns,
@@ -57,12 +62,14 @@ from .schema import (
     statements,
     trace_columns,
     trial_columns,
-    trial_of,
+    trial_fields,
     trials_of,
     whole,
 )
-from .summary import CellRow, TrialRow
+from .summary import CellRow, CellTrials
 from .trial import Status, TrialResult
+
+_Row = TypeVar("_Row", bound=Sequence[Any])
 
 
 class Store:
@@ -260,7 +267,7 @@ class Store:
             described["stop at target"] = "True"
         described |= dict(zip(ASKED, plan.asks, strict=False))
         if plan.noise:
-            described["noise"] = json.dumps(noise_of(plan))
+            described["noise"] = json.dumps(plan.levels)
         if plan.x0 == COMMON:
             begin = [each.label for each in plan.entrants if each.optimiser.card.started]
             described["common start"] = json.dumps(begin)
@@ -459,10 +466,9 @@ class Store:
             known = {row["id"]: row["known"] for row in problems if row["known"] is not None}
             problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
             least: dict[int, float] = {}
-            for row in self._sound_bests():
-                number = problem.get(row["cell"])
-                if number is not None and row["best"] is not None:
-                    least[number] = min(least.get(number, inf), row["best"])
+            for cell, _, best in self._least():
+                if (number := problem.get(cell)) is not None:
+                    least[number] = min(least.get(number, inf), best)
         return {
             number: min(least.get(number, inf), known.get(number, inf)) for number in least | known
         } | planned
@@ -473,8 +479,8 @@ class Store:
         least: dict[tuple[int, int], float] = {}
         with one_line(self.path):
             problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
-            for row in self._sound_bests():
-                if row["cell"] not in problem or row["reference"] is None:
+            for row in self._sound(self._rows(DRAWS)):
+                if row["cell"] not in problem:
                     continue
                 key = (problem[row["cell"]], row["repetition"])
                 if row["optimum"] is not None:
@@ -484,9 +490,23 @@ class Store:
         # Where trials end at a target, it is the one that they raced for.
         return least | optima
 
-    def _sound_bests(self) -> Iterator[sqlite3.Row]:
-        damaged, rows = self._damaged(), self._rows(TRIAL_BESTS)
-        return (row for row in rows if row[:2] not in damaged) if damaged else rows
+    def _least(self) -> Iterator[tuple[int, int, float]]:
+        """Cell, repetition and objective of the trials that got furthest, none of them damaged."""
+        first = [row for row in self._db.execute(LEAST) if row[2] is not None]
+        # To look at a million seals for a thousand rows takes seconds.
+        seen = (self._db.execute(ONE_TRIAL, row[:2]).fetchone() for row in first)
+        if all(row is not None and sound(row) for row in seen):
+            return iter(first)
+        return self._sound(self._db.execute(ALL_LEAST))
+
+    def _sound(self, rows: Iterable[_Row]) -> Iterator[_Row]:
+        """Those rows whose trial is not damaged; they begin with its key."""
+        damaged = None
+        for row in rows:
+            # Of no row nothing is looked at.
+            damaged = self._damaged() if damaged is None else damaged
+            if row[:2] not in damaged:
+                yield row
 
     def _damaged(self) -> set[tuple[object, object]]:
         """Keys of the trials that are, each looked at once as long as nobody writes."""
@@ -497,7 +517,7 @@ class Store:
             self._looked = state, found
         return self._looked[1]
 
-    def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
+    def trials(self) -> Iterator[tuple[int, CellTrials]]:
         """Cell number and trials of every cell, up to the study's repetitions.
 
         One cell at a time in memory.
@@ -514,40 +534,25 @@ class Store:
             known = {
                 row["id"] for row in self._rows(CELLS) if sound(row) and row["problem"] in problems
             }
-            damaged = self._damaged()
-            for cell, group in groupby(self._rows(ALL_TRIALS), key=itemgetter(0)):
+            for cell, group in groupby(self._db.execute(ALL_TRIALS), key=itemgetter(0)):
                 where = labels.get(cell, f"cell {cell}")
-                rows = [
-                    self._broken(row, where) if damaged and row[:2] in damaged else trial_of(row)
-                    for row in group
-                ]
-                kept = [row for row in rows if row is not None and row.repetition < limit]
+                rows = [row if sound(row) else self._broken(row, where) for row in group]
+                kept = [row for row in rows if row is not None and row[1] < limit]
                 if kept and cell in known:
-                    yield cell, kept
+                    yield cell, CellTrials(trial_fields(), kept)
 
-    def raced(self) -> Iterator[tuple[CellRow, list[TrialRow]]]:
+    def raced(self) -> Iterator[tuple[CellRow, CellTrials]]:
         """The cells of the study as it was last run with their trials, one at a time in memory."""
         cells = {cell.id: cell for cell in self.cells()}
         return ((cells[number], rows) for number, rows in self.trials() if number in cells)
 
-    def _broken(self, row: sqlite3.Row, where: str) -> TrialRow | None:
+    def _broken(self, row: tuple[Any, ...], where: str) -> tuple[Any, ...] | None:
         """A damaged trial, without numbers; one whose own number is damaged is none."""
-        repetition = row["repetition"]
+        cell, repetition = row[:2]
         self._tell(f"the trial {where}, repetition {repetition} is damaged and counted as failed")
         if not isinstance(repetition, int) or repetition < 0:
             return None
-        return TrialRow(row["cell"], repetition, Status.DAMAGED, DAMAGED)
-
-
-def noise_of(plan: Plan) -> dict[str, float]:
-    """Level of noise of each data set whose truth is known."""
-    levels = {}
-    for case in plan.cases:
-        if case.noise is not None:
-            levels[case.source.name] = case.noise.level
-        elif case.source.truth:
-            levels[case.source.name] = 0.0
-    return levels
+        return broken_row(cell, repetition, DAMAGED)
 
 
 _TOLD = {"name", "cells", "repetitions", "seed", "budget", "target", "accuracy", "optima"}

@@ -12,12 +12,15 @@ import os
 import sys
 import traceback
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib.util import module_from_spec, spec_from_file_location
+from itertools import compress
 from pathlib import Path
 from types import ModuleType
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +33,7 @@ from .plan import stream_of
 from .statistics import Interval, median, running_time_interval, wilson
 from .study import Study
 from .traces import unpack, unpack_values
-from .trial import TrialResult
+from .trial import Status, TrialResult
 
 
 def load_script(path: Path) -> ModuleType:
@@ -194,6 +197,67 @@ class TrialRow(TrialResult):
         return unpack(self.seen)
 
 
+class CellTrials(Sequence[TrialRow]):
+    """The finished trials of one cell, one by one or column by column.
+
+    A study has many thousands of them: what tables compute is computed of columns, without an
+    object for each trial.
+
+    Parameters
+    ----------
+    names : sequence of str
+        What each value of a row is of a `TrialRow`.
+    rows : sequence of tuple
+        As the store has them; what they hold behind these values is passed over.
+    """
+
+    def __init__(self, names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> None:
+        self._names, self._rows = names, rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, at: int) -> TrialRow: ...
+    @overload
+    def __getitem__(self, at: slice) -> CellTrials: ...
+    def __getitem__(self, at: int | slice) -> TrialRow | CellTrials:
+        if isinstance(at, slice):
+            return CellTrials(self._names, self._rows[at])
+        return self._trial(self._rows[at])
+
+    def __iter__(self) -> Iterator[TrialRow]:
+        return map(self._trial, self._rows)
+
+    def _trial(self, row: tuple[Any, ...]) -> TrialRow:
+        kept = dict(zip(self._names, row, strict=False))
+        kept |= {"status": Status(kept["status"]), "trace": kept["trace"] or b""}
+        kept["theta"] = json.loads(kept["theta"]) if kept["theta"] else {}
+        return TrialRow(**kept)
+
+    @cached_property
+    def _columns(self) -> dict[str, tuple[Any, ...]]:
+        # Some rows have their seal still, behind all that is named.
+        columns = tuple(zip(*self._rows, strict=False)) or ((),) * len(self._names)
+        return dict(zip(self._names, columns, strict=False))
+
+    def column(self, name: str) -> tuple[Any, ...]:
+        """What a column holds of each trial (n,), as the store has it."""
+        return self._columns[name]
+
+    def numbers(self, name: str) -> Real:
+        """Numbers of a column (n,), NaN where a trial has none."""
+        return np.array(self._columns[name], dtype=float)
+
+    @cached_property
+    def failed(self) -> NDArray[np.bool_]:
+        """Which trials came to nothing (n,)."""
+        return np.array([status in _FAILED for status in self.column("status")], dtype=bool)
+
+
+_FAILED = frozenset(str(status) for status in Status if status.failed)
+
+
 @dataclass(frozen=True, eq=False)
 class CellSummary:
     """The trials of one cell in numbers.
@@ -244,49 +308,55 @@ class CellSummary:
     reasons: Counter[tuple[str, str]]
 
 
-def summarise_cell(
-    cell: CellRow, trials: Sequence[TrialRow], hits: Real, accuracy: float
-) -> CellSummary:
+def summarise_cell(cell: CellRow, trials: CellTrials, hits: Real, accuracy: float) -> CellSummary:
     """Summary of a cell; `hits` are evaluations at which its trials reached the target, or inf."""
-    # Medians of what came to something; what failed is in the rates and running times, where it
-    # counts in full.
-    sound = [trial for trial in trials if not trial.status.failed]
-    spent = np.array([trial.evaluations for trial in trials], dtype=float)
-    problem = cell.problem
+    problem, spent = cell.problem, trials.numbers("evaluations")
     # From names, so that a cell's interval is the same whatever other cells there are.
     rng = np.random.default_rng(
         stream_of(0, "bootstrap", problem.dataset, problem.model, problem.objective, cell.label)
     )
-    errors = [trial.parameter_error for trial in sound if trial.parameter_error is not None]
-    accurate = None
-    if (
-        problem.known is not None
-    ):  # without true parameters nothing can be said of those that were found
-        accurate = wilson(sum(error <= accuracy for error in errors), len(trials))
+
+    def of_sound(name: str) -> Real:
+        """Those known of trials that came to something.
+
+        What failed is in the rates and running times, where it counts in full.
+        """
+        return _known(trials.numbers(name)[~trials.failed])
+
+    reasons = zip(trials.column("status"), trials.column("reason"), strict=True)
+    errors, accurate = of_sound("parameter_error"), None
+    # Without true parameters nothing can be said of those that were found.
+    if problem.known is not None:
+        accurate = wilson(int((errors <= accuracy).sum()), len(trials))
     return CellSummary(
         cell,
         trials=len(trials),
-        failed=len(trials) - len(sound),
+        failed=int(trials.failed.sum()),
         success=wilson(int(np.isfinite(hits).sum()), len(hits)),
         to_target=median(hits),
         running_time=running_time_interval(hits, spent, rng),
         accurate=accurate,
-        parameter_error=median_of(errors),
-        best=median_of([trial.best for trial in sound]),
-        oracle=median_of([trial.oracle for trial in sound]),
-        evaluations=median_of([trial.evaluations for trial in sound]),
-        gradients=median_of([trial.gradients for trial in sound]),
-        processor=median_of([trial.processor for trial in sound]),
-        each=median_of([_each(trial) for trial in sound]),
-        processor_batched=median_of([trial.processor_batched for trial in sound]),
-        reasons=Counter((str(t.status), t.reason) for t in trials if t.status.failed),
+        parameter_error=median(errors),
+        best=median(of_sound("best")),
+        oracle=median(of_sound("oracle")),
+        evaluations=median(of_sound("evaluations")),
+        gradients=median(of_sound("gradients")),
+        processor=median(of_sound("processor")),
+        each=median(_known(_each(trials)[~trials.failed])),
+        processor_batched=median(of_sound("processor_batched")),
+        reasons=Counter(compress(reasons, trials.failed)),
     )
+
+
+def _known(values: Real) -> Real:
+    """Those of `values` (n,) that are numbers."""
+    known: Real = values[~np.isnan(values)]
+    return known
 
 
 def median_of(values: Sequence[float | None]) -> float | None:
     """Median of those that are known; None where none is."""
-    given: Real = np.array([value for value in values if value is not None], dtype=float)
-    return median(given)
+    return median(_known(np.array(values, dtype=float)))
 
 
 _WHO = ("data set", "model", "objective", "optimiser")
@@ -346,12 +416,12 @@ def timing_table(name: str, summaries: Sequence[CellSummary]) -> Table:
     return Table(f"{name}: time", columns, rows, note)
 
 
-def _each(trial: TrialRow) -> float | None:
-    """Processor time of an evaluation in a trial that was run alone."""
+def _each(trials: CellTrials) -> Real:
+    """Processor time of an evaluation in each trial (n,), NaN in one that was not run alone."""
+    spent, count = trials.numbers("processor"), trials.numbers("evaluations")
     # A clock that shows nothing gives no rate.
-    if not trial.processor or not trial.evaluations:
-        return None
-    return trial.processor / trial.evaluations
+    rates: Real = np.divide(spent, count, out=np.full(len(trials), np.nan), where=spent * count > 0)
+    return rates
 
 
 def failure_table(name: str, summaries: Sequence[CellSummary]) -> Table:

@@ -108,12 +108,21 @@ class Traces:
 
     def at(self, grid: NDArray[np.int64]) -> Real:
         """Values (n, g) at evaluation numbers `grid` (g,), infinite before a first improvement."""
-        last = int(max(grid.max(initial=0), self.evaluations.max(initial=0))) + 1
-        # One search for all: a trial's evaluations come behind those of the trials before.
-        rows = np.arange(len(self.counts))[:, None]
-        places = np.searchsorted(last * self.owners + self.evaluations, last * rows + grid, "right")
-        begun = places > (np.cumsum(self.counts) - self.counts)[:, None]
-        return np.where(begun, np.append(self.values, inf)[places - 1], inf)
+        # Each improvement is seen from one place of the grid on, until a later one is.
+        last = np.zeros((len(self.counts), len(grid) + 1), dtype=np.int64)
+        seen = np.searchsorted(grid, self.evaluations)
+        last[self.owners, seen] = np.arange(1, len(self.values) + 1)
+        return np.append(inf, self.values)[np.maximum.accumulate(last, axis=1)[:, :-1]]
+
+    def shares(self, excess: Real, targets: Real, grid: NDArray[np.int64]) -> Real:
+        """Share (g,) of trials and falling `targets` that an `excess` (N,) reached by `grid`."""
+        reached = np.searchsorted(-targets, -excess, side="right")
+        before = np.roll(reached, 1)
+        before[(np.cumsum(self.counts) - self.counts)[self.counts > 0]] = 0
+        seen = np.searchsorted(grid, self.evaluations)
+        new = np.bincount(seen, reached - before, minlength=len(grid) + 1)
+        shares: Real = np.cumsum(new)[: len(grid)] / len(self.counts) / len(targets)
+        return shares
 
     def hits(self, goals: Real) -> Real:
         """Evaluation at which each trial reached its goal (n,), infinite where it did not."""

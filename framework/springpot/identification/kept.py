@@ -127,6 +127,15 @@ def levels_in_words(data: Measurement, column: str) -> list[str] | None:
     return [str(word) for word in json.loads(told)]
 
 
+def called(
+    words: Mapping[str, Sequence[str]], column: str, numbers: Sequence[float | str]
+) -> list[float | str]:
+    """What is told of these levels of a column: their names, where it numbers such."""
+    if column not in words:
+        return list(numbers)
+    return [words[column][round(float(number)) - 1] for number in numbers]
+
+
 def note_on_levels(words: Mapping[str, Sequence[str]], column: str) -> str:
     """Which number stands for which word in a numbered column; empty for one of plain numbers."""
     meant = ", ".join(f"{number} is {word}" for number, word in enumerate(words.get(column, ()), 1))
