@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.kept import LEVELS
+from springpot.measurement.joining import levels_in_words
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
@@ -139,14 +138,13 @@ def all_sweeps(
 def _further(measurement: Measurement, name: str) -> tuple[Rows, Real | Words]:
     """The level (n,) of each row of a further column, and the words or numbers that tell it."""
     if name in measurement.labels:
-        words = measurement.labels[name]
-        places = {word: i for i, word in enumerate(dict.fromkeys(words.tolist()))}
-        return np.array([places[word] for word in words.tolist()]), words
+        label = measurement.labels[name]
+        places = {word: i for i, word in enumerate(dict.fromkeys(label.tolist()))}
+        return np.array([places[word] for word in label.tolist()]), label
     values = measurement.conditions[name]
-    told = measurement.provenance.get(LEVELS.format(name))
-    if told is None:
-        return levels_of(name, values), values
-    return levels_of(name, values), np.array(json.loads(told))[values.astype(int) - 1]
+    words = levels_in_words(measurement, name)
+    told = values if words is None else np.array(words)[values.astype(int) - 1]
+    return levels_of(name, values), told
 
 
 def chosen(sweeps: list[DrawnSweep]) -> list[DrawnSweep]:

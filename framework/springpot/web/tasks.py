@@ -433,7 +433,8 @@ def leave(
     """One of the things that a user leaves with: its name, and its text or its bytes."""
     asked, data = State.of(state), _opened(text)
     if isinstance(data, Specimen):
-        return leave_in_time(kind, asked, data, lambda: _ladder(asked, text, told))
+        used = leveled(asked, kept(data, asked.excluded).tests)
+        return leave_in_time(kind, asked, data, used, lambda: _ladder(asked, text, told))
     stem = Path(safe_name(source)).stem
     shown = leaving.source_of(source, asked, joined)
     if kind == "command":

@@ -19,9 +19,8 @@ from springpot.report.interactive.in_time import TimeScene, case_of
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 from . import leaving
-from .sessions import State, kept
+from .sessions import State
 from .specimen import Specimen
-from .trying import leveled
 
 LACKS = {
     "data": "tests in time leave as the files that were opened, which the session holds too",
@@ -71,9 +70,11 @@ def _columns(test: Test, several: bool) -> list[tuple[str, str, Any]]:
 
 
 def leave_in_time(
-    kind: str, state: State, data: Specimen, ladder: Callable[[], Ladder]
+    kind: str, state: State, data: Specimen, used: Sequence[Test], ladder: Callable[[], Ladder]
 ) -> dict[str, str]:
     """One of the things that a user leaves with; `ladder` is asked only where it is needed.
+
+    `used` are the tests as the model sees them, without what is left out.
 
     Raises
     ------
@@ -82,9 +83,6 @@ def leave_in_time(
     """
     if kind in LACKS:
         raise DataError(LACKS[kind])
-
-    def seen() -> Sequence[Test]:
-        return leveled(state, kept(data, state.excluded).tests)
 
     sources, stem = data.sources, Path(data.sources[0]).stem
     if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
@@ -98,11 +96,11 @@ def leave_in_time(
             raise DataError("one command takes one file: the Python script takes all of them")
         return {"name": f"{stem}.txt", "text": command + "\n"}
     if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), seen())}
+        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), used)}
     if kind == "replay":
         return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder())}
     if kind == "report":
-        text = leaving.report(ladder(), seen(), shlex.split(command))
+        text = leaving.report(ladder(), used, shlex.split(command))
         return {"name": f"{stem}-report.html", "text": text}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
 
