@@ -156,6 +156,7 @@ def test_the_likeliest_explanations_are_compared_not_those_of_best_fit():
         assert len(refit.model.effects) == len(likeliest.names)
 
 
+@pytest.mark.soak
 def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     case = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0))
     found = case.evidence.likeliest_with()

@@ -46,6 +46,7 @@ def test_an_inertia_that_does_not(measured, said, words):
     assert words in note
 
 
+@pytest.mark.soak
 def test_the_unit_of_the_data_is_converted(measured):
     kilo = replace(measured, stiffness=measured.stiffness / 1000)
     [note] = notes(kilo, INERTIA, "kPa")

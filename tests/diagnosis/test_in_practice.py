@@ -112,6 +112,7 @@ def test_discovery_ends_where_the_instrument_promises_no_more():
     assert len(ladder.steps) == 1
 
 
+@pytest.mark.soak
 def test_a_test_in_time_is_judged_by_it_too():
     t = np.geomspace(0.1, 100.0, 60)
     model = springpot.parse_model("zener")

@@ -115,6 +115,7 @@ def test_a_gain_of_ten_multiplies_the_moduli_only_where_the_noise_is_unknown():
     close(diagnosed(ordered), diagnosed(strong), {"m": 10.0})
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("effect", ONE)
 def test_the_same_seed_gives_the_same_bits(effect):
     again = springpot.diagnose(data(effect), KELVIN.name, seed=0)
@@ -129,6 +130,7 @@ def test_another_seed_gives_the_same_verdict_and_class():
     assert len({d.best.effect for d in found}) == 1
 
 
+@pytest.mark.soak
 def test_the_same_seed_gives_the_same_ladder():
     again = springpot.discover(data("inertia"), KELVIN.name, seed=0)
     assert again is not discovered("inertia")

@@ -48,6 +48,7 @@ def refitted(truth, rival, action):
     return np.sqrt(np.sum((off.real / sd.real) ** 2 + (off.imag / sd.imag) ** 2))
 
 
+@pytest.mark.soak
 def test_the_fitted_separation_is_that_of_an_independent_fit():
     case, best = explained("inertia")
     action = upwards(case.search.base.fit.measurement)
@@ -57,6 +58,7 @@ def test_the_fitted_separation_is_that_of_an_independent_fit():
         assert promised > 5.0
 
 
+@pytest.mark.soak
 def test_a_rival_far_from_its_parameters_follows_further_than_its_slopes_tell():
     case, best = explained("time-delay")
     clash = Clash(

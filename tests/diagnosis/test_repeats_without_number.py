@@ -33,6 +33,7 @@ def test_specimens_that_differ_are_no_missing_effect():
     assert found.next_experiment is None
 
 
+@pytest.mark.soak
 def test_equal_specimens_are_told_of_nothing():
     found = springpot.diagnose(swept([1.0, 1.0, 1.0]))
     assert found.verdict == "adequate"

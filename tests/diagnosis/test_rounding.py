@@ -10,6 +10,7 @@ from springpot import Measurement
 from springpot.measurement.scatter import rounding_steps
 
 
+@pytest.mark.soak_cases("1")
 @pytest.mark.parametrize("seed", [0, 1, *map(soaked, range(2, 6))])
 def test_three_digits_of_a_plateau_are_no_structure(seed):
     """Neighbours on a plateau are all rounded the same way; the noise is a quarter of a step."""
@@ -26,6 +27,7 @@ def test_three_digits_of_a_plateau_are_no_structure(seed):
     assert springpot.diagnose(data, "zener").verdict in ("adequate", "inconclusive")
 
 
+@pytest.mark.soak_cases("False")
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_constant_exact_column_is_not_taken_for_one_of_coarse_digits(turned):
     """The noise is that of the column beside it, and no third of the tens of an exact 90."""

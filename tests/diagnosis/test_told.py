@@ -62,6 +62,7 @@ def with_harmonics(second, third):
     return replace(data, harmonics=shares + np.array([second, third]))
 
 
+@pytest.mark.soak
 def test_a_harmonic_that_nothing_makes_is_not_passed_over():
     diagnosis = springpot.diagnose(with_harmonics(0.08, 0.0), KELVIN.name)
     assert "harmonics that this model does not make" in diagnosis.says
@@ -113,6 +114,7 @@ def test_a_held_parameter_costs_what_its_profile_says():
     assert costs == pytest.approx(found.cost + np.array([1.96**2, 0.0, 1.96**2]), rel=1e-3)
 
 
+@pytest.mark.soak
 def test_the_next_experiment_settles_the_more_open_question():
     """The mass is certain.
 

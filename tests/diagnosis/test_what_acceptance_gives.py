@@ -57,6 +57,7 @@ def test_what_weighs_the_points_changes_no_answer(rng):
         ), name
 
 
+@pytest.mark.soak
 def test_an_effect_that_was_never_fitted_alone_has_no_error():
     diagnosis = springpot.diagnose("nist-srm2491@temperature=20", "fractional-maxwell")
     unfitted = [row for row in diagnosis.candidates if not row.parameters]
