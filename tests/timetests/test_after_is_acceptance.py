@@ -54,6 +54,7 @@ def sweep(rng: np.random.Generator) -> springpot.Measurement:
 FEW = ["inertia", "parallel-springpot", "parallel-dashpot", "series-spring", "force-drift"]
 
 
+@pytest.mark.soak_cases("joint", "creep")
 @pytest.mark.parametrize("kind", ["relaxation", "creep", "record", "joint"])
 def test_what_is_printed_as_after_is_what_acceptance_gives(
     kind: str, rng: np.random.Generator
@@ -85,6 +86,7 @@ def late(rng: np.random.Generator, noise: float = 0.001) -> springpot.Measuremen
     return springpot.Measurement(omega, stiffness * scatter, name="late")
 
 
+@pytest.mark.soak
 def test_numbers_of_one_line_are_of_the_test_that_is_missed_most(
     rng: np.random.Generator,
 ) -> None:

@@ -88,7 +88,7 @@ def test_a_discovery_from_a_sweep_and_a_relaxation_ends_at_the_truth(seed):
     assert ladder.verdict == "adequate"
 
 
-@pytest.mark.soak_cases("gain-error", "time-delay")
+@pytest.mark.soak
 @pytest.mark.parametrize("effect", ["time-delay", "gain-error", "phase-error"])
 def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
     tests = [sweep_of(f"zener + {effect}", 1), step_of("zener", "creep", 1)]
@@ -97,6 +97,7 @@ def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
     assert effect in diagnosis.leading
 
 
+@pytest.mark.soak_cases("zener")
 @pytest.mark.parametrize("there", ["zener", "zener + inertia"])
 def test_a_mass_is_found_whether_or_not_the_creep_is_of_the_same_rig(there):
     tests = [sweep_of("zener + inertia", 1), step_of(there, "creep", 1)]

@@ -35,6 +35,7 @@ def test_noise_that_is_one_over_f_is_seldom_a_misfit():
     assert np.mean([scatter_of(one_over_f(seed)).misfit for seed in SEEDS]) <= 0.35
 
 
+@pytest.mark.soak_cases("one_over_f")
 @pytest.mark.parametrize("noise", [swinging, one_over_f])
 def test_what_is_missed_beside_it_is_told(noise):
     bump = 8.0 * np.exp(-0.5 * ((np.arange(N) - 300.0) / 15.0) ** 2)

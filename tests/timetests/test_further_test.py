@@ -69,6 +69,7 @@ def fits() -> list:
     return [test, identify([test], HEATED), identify([test], CLOCK)]
 
 
+@pytest.mark.soak
 def test_an_explanation_follows_itself_whatever_is_measured(fits) -> None:
     test, heated, _ = fits
     parts = parts_of_specimen([test])

@@ -53,6 +53,7 @@ def test_a_law_of_temperature_is_identified_from_any_material_alone():
     assert max(test.relative_rms for test in fit.tests) < 0.01
 
 
+@pytest.mark.soak
 def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
     untold = [replace(test, temperature=None) for test in relaxations(0.01, 4)]
     answer = springpot.diagnose(untold)
@@ -61,7 +62,7 @@ def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
     assert "temperature=25[degC]" in answer.says
 
 
-@pytest.mark.soak_cases("5")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", [2, 5])
 def test_the_truth_leaves_no_more_than_noise_and_nothing_is_missing_from_it(seed):
     few = ["vertical-shift", "inertia"]

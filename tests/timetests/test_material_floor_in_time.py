@@ -75,6 +75,7 @@ def squares(tests, model, theta):
     return sum(float(np.sum(part.residual(model, theta, 293.15).value ** 2)) for part in parts)
 
 
+@pytest.mark.soak_cases("creep")
 @pytest.mark.parametrize("kind", ["relaxation", "creep"])
 @settings(max_examples=8, deadline=None, derandomize=True)
 @given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([1e-3, 1e-2, 0.1]))
@@ -97,6 +98,7 @@ def test_a_fluid_that_does_not_jump_is_a_material(share):
     assert identify(test, MATERIAL).relative_rms < max(share, 1e-7)
 
 
+@pytest.mark.soak_cases("burgers-3-0.01", "jeffreys-kelvin-139266-0.001")
 @pytest.mark.parametrize(
     ("name", "seed", "share"),
     [("burgers", 3, 0.01), ("jeffreys-kelvin", 139266, 1e-3), ("maxwell", 235821, 1e-3)],
@@ -155,6 +157,7 @@ def test_the_floor_of_a_poor_model_lies_below_every_network(kind, name, seed, sh
     assert 0.0 < floor <= 1.001 * errors(tests, model, theta)[0]
 
 
+@pytest.mark.soak_cases("jeffreys-kelvin-267398-0.001")
 @pytest.mark.parametrize(
     ("name", "seed", "share"), [("jeffreys-kelvin", 267398, 1e-3), ("jeffreys", 465594, 1e-2)]
 )

@@ -134,6 +134,7 @@ def test_it_stands_beside_a_test_in_time(file):
     assert narrow < 0.9 * wide
 
 
+@pytest.mark.soak
 def test_it_is_compared_drawn_and_told(file, tmp_path):
     compared = springpot.compare(file, ["maxwell + inertia", "fractional-maxwell + inertia"])
     assert compared.judgements[0].model.name == "fractional-maxwell + inertia"

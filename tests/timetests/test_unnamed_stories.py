@@ -30,6 +30,7 @@ def relaxation(model, theta, jump=0.0, seed=1):
 JUMP = f"a jump in relax at {TIME[45]:.3g} s"
 
 
+@pytest.mark.soak_cases("-100.0")
 @pytest.mark.parametrize("height", [-40.0, -100.0])
 def test_a_slip_is_no_effect_of_the_library(height):
     found = diagnose(relaxation(ZENER, THETA, height), ZENER, library(*LIKE_A_SLIP))
@@ -72,6 +73,7 @@ def test_a_jump_pays_for_its_place():
     assert max(each.evidence["unknown"] for each in found) < 0.9
 
 
+@pytest.mark.soak
 def test_a_ripple_of_a_sweep_that_tells_its_noise_itself_is_no_noise():
     """Of four points a period, as rough as noise to neighbours."""
     exact = ZENER.stiffness(THETA, OMEGA)
