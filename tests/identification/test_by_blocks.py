@@ -165,6 +165,7 @@ def test_many_data_sets_are_fitted_by_blocks_each_as_if_alone() -> None:
         assert cost[i] == pytest.approx(alone.cost, rel=1e-6)
 
 
+@pytest.mark.soak
 def test_simulated_fits_scatter_as_the_intervals_say_and_take_little_memory() -> None:
     data, ends = batch(40), []
     tracemalloc.start()

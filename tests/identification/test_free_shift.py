@@ -56,6 +56,7 @@ def test_the_first_guess_is_near():
     np.testing.assert_allclose(found, LOG_A[[0, 1, 3, 4]], atol=1.0)
 
 
+@pytest.mark.soak
 def test_the_order_of_rows_changes_nothing():
     data = superposable(0.01)
     order = np.random.default_rng(3).permutation(len(data))

@@ -96,6 +96,7 @@ def test_given_deviations_are_used_by_default():
     )
 
 
+@pytest.mark.soak_cases("least-squares-500")
 @pytest.mark.parametrize(
     ("optimiser", "budget"), [("least-squares", 500), ("differential-evolution", 4000)]
 )

@@ -19,6 +19,7 @@ def damper(rng) -> springpot.Measurement:
     return springpot.Measurement(omega, stiffness * noise, conditions=warm)
 
 
+@pytest.mark.suite_cases("arrhenius-shift + inertia")
 @pytest.mark.parametrize(
     "effects",
     [

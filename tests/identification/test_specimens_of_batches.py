@@ -17,6 +17,7 @@ LETTERS = [("A", "B", "C")[i] for i in BATCH]
 OMEGA = np.geomspace(1.0, 100.0, 8)
 
 
+@pytest.mark.suite_cases("0.01")
 @pytest.mark.parametrize("batches", [0.0, 0.01, 0.04])
 def test_of_24_specimens_in_3_batches_the_mean_is_covered(batches: float) -> None:
     """At least .93 and at most .97 in the long run, whatever batches differ by.
@@ -64,6 +65,7 @@ def test_a_specimen_that_is_sure_stays_where_its_batch_is_drawn_to_the_others() 
     assert list(found.specimens.values()) == pytest.approx(value.tolist(), abs=1e-5)
 
 
+@pytest.mark.soak
 def test_batches_are_compared_as_often_right_as_is_said() -> None:
     """All three differences at once within their intervals in 95 % of 400 draws."""
     rng, held, pairs = np.random.default_rng(7), 0, (("A", "B"), ("A", "C"), ("B", "C"))
