@@ -46,6 +46,7 @@ def test_half_the_noise_halves_the_intervals():
     assert 1.5 < ratio < 2.7
 
 
+@pytest.mark.soak
 def test_another_reference_moves_all_factors_alike(found):
     moved = springpot.mastercurve(measured(simple), reference=60.0)
     assert moved.reference == 60.0
@@ -84,6 +85,7 @@ def test_vogel_is_wlf_by_another_name(found):
     assert by_name["VFT"].departure == pytest.approx(by_name["WLF"].departure, rel=0.03)
 
 
+@pytest.mark.soak
 def test_an_activated_material_is_told_as_such():
     celsius = TEMPERATURES + 273.15
     log_a = 60.0 / 8.31446261815324e-3 * (1.0 / celsius - 1.0 / 303.15)
@@ -128,6 +130,7 @@ def test_any_column_can_be_shifted_by():
     assert curve.unit == ""
 
 
+@pytest.mark.soak
 def test_standard_deviations_that_all_sweeps_share_are_not_those_of_the_factors():
     data = measured(simple)
     given = data.magnitude * 0.05 * (1 + 1j)
