@@ -61,6 +61,7 @@ def test_several_temperatures_are_no_question_of_the_amplitude():
     assert notes(measured(GEL / (1.0 + AMPLITUDE), temperature=temperature)) == []
 
 
+@pytest.mark.soak
 def test_a_diagnosis_tells_it():
     found = springpot.diagnose(measured(GEL / (1.0 + AMPLITUDE)), "kelvin", only=FEW)
     assert any("one material for all 4 amplitudes" in note for note in found.notes)
@@ -73,6 +74,7 @@ def test_a_mass_shows_where_no_material_behaves_so():
     assert "Hz" in note
 
 
+@pytest.mark.soak
 def test_what_a_material_follows_is_no_such_place():
     found = springpot.diagnose(measured(GEL), "kelvin", only=FEW)
     assert not any("no linear material follows" in note for note in found.notes)
