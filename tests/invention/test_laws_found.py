@@ -51,6 +51,7 @@ def test_the_text_tells_class_floors_and_parameters(found: Invention):
         assert word in text
 
 
+@pytest.mark.soak
 def test_its_picture_is_drawn(found: Invention, tmp_path):
     assert found.plot(tmp_path / "law.svg").stat().st_size > 10_000
 
@@ -77,6 +78,7 @@ def test_nearly_exact_data_give_the_exponent_in_any_unit(units, stiffness, lengt
     assert answer == ("parallel: i*k*X^(-n)", 0.6)
 
 
+@pytest.mark.soak
 def test_exact_data_give_the_exponent_exactly():
     best = springpot.invent(swept(lossy, 0.0)).best
     assert best is not None
