@@ -185,3 +185,12 @@ def meeting(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_
     return np.asarray(
         (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
     )
+
+
+def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Levels (m,) that touch one of them, directly or through others."""
+    reached = np.arange(len(touching)) == reference
+    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
+    for _ in range(len(touching)):
+        reached = touching[reached].any(axis=0)
+    return np.asarray(reached)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import f_sf, student
+from springpot.distributions import student
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
@@ -17,9 +17,10 @@ from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL, VERDICT
+from springpot.thresholds import INTERVAL
 
 from ..numerics import ALIKE, ROUNDING
+from .allowed_shifts import meeting, ranges, reached_from
 from .expected_factors import Expected, expectation
 from .levels_alone import alike, shifted_by
 from .material import is_material
@@ -560,16 +561,27 @@ def _with_factors_of_one(alone: Fit, model: Model) -> Fit:
     return replace(alone, model=whole, theta=theta)
 
 
+def _together(rows: FactorRows) -> NDArray[np.bool_]:
+    """Levels (m,) whose reduced frequencies meet with those of the reference, or through others."""
+    return reached_from(rows.elements[0].reference, meeting(*ranges(rows.number, rows.reduced[1])))
+
+
 def _needless(flat: FactorRows, best: FactorRows) -> bool:
     """Whether vertical factors of one do as well as those found."""
     # The lines are refined after the search for the factors, each time elsewhere: that can end
     # above where it began.
     if flat.objective <= best.objective:
         return True
-    # On straight sweeps many factors follow the noise a little better than one does; that is no
-    # reason for them.
-    if np.sum(told_by_data(best, best.elements[-1].reference)) > 1:
+    # A shift that tears sweeps apart leaves what they differ by to the spectrum between them.
+    if not np.all(_together(flat)) and np.all(_together(best)):
         return False
-    count, dof = len(best.elements[-1].free), max(best.fit.dof, 1)
-    gain = (flat.fit.cost - best.fit.cost) / (count * best.unit)
-    return bool(f_sf(gain, count, dof) >= VERDICT.structure_alarm)
+    # Bayes' theorem with either guess beforehand, both likelihoods by Laplace's approximation: many
+    # factors follow the noise a little better than one does, and that is no reason for them.
+    assert best.expected is not None
+    lifts = slice(len(best.own) - len(best.elements[-1].free), None)
+    narrowed = [
+        float(np.linalg.slogdet(covariance[lifts, lifts])[1])
+        for covariance in (best.expected.covariance, _covariance(best, best.expected))
+    ]
+    gain = (flat.objective - best.objective) / best.unit
+    return gain <= narrowed[0] - narrowed[1]
