@@ -17,12 +17,11 @@ from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL
+from springpot.thresholds import EVIDENCE, INTERVAL
 
 from ..numerics import ALIKE, ROUNDING
-from .allowed_shifts import meeting, ranges, reached_from
 from .expected_factors import Expected, expectation
-from .levels_alone import alike, shifted_by
+from .levels_alone import alike, meeting, ranges, reached_from, shifted_by
 from .material import is_material
 from .native import Fit, fit
 from .problem import Objective, weighted
@@ -381,7 +380,10 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     # infinity, with which nothing can be computed.
     # By an orthonormal basis: which vectors span what is lost is chance.
     lost, _ = np.linalg.qr(right[~known].T / size[:, None])
-    return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
+    covariance = covariance + OPEN**2 * lost @ lost.T
+    if expected is not None and expected.moved is not None:
+        covariance = covariance + np.outer(expected.moved, expected.moved)
+    return np.asarray(covariance, dtype=np.float64)
 
 
 def _noise_of_slopes(rows: FactorRows, sd: Real) -> Real:
@@ -530,9 +532,14 @@ def superposed_fit(
     expected = Expected(expectation(model), unit)
     best = fit(model, measurement, objective, seeds_theta=seeds, expected=expected)
     flat = replace(flat, expected=expected)
-    if _needless(FactorRows.of(flat), FactorRows.of(best)):
-        return flat
-    return best
+    if not _needless(FactorRows.of(flat), FactorRows.of(best)):
+        return best
+    # None the less they may be there: no factor is known better than they would move it.
+    there, here = (each.theta[-expected.rows.shape[1] :] for each in (best, flat))
+    # Constants of a law are no factors, and may be zero or below.
+    moved, factors = np.zeros_like(here), (there > 0.0) & (here > 0.0)
+    moved[factors] = np.log(there[factors] / here[factors])
+    return replace(flat, expected=replace(expected, moved=moved))
 
 
 def _unit_of_factors(
@@ -575,8 +582,9 @@ def _needless(flat: FactorRows, best: FactorRows) -> bool:
     # A shift that tears sweeps apart leaves what they differ by to the spectrum between them.
     if not np.all(_together(flat)) and np.all(_together(best)):
         return False
-    # Bayes' theorem with either guess beforehand, both likelihoods by Laplace's approximation: many
-    # factors follow the noise a little better than one does, and that is no reason for them.
+    # On straight sweeps many factors follow the noise a little better than one does, and that is no
+    # reason for them: by Bayes' theorem, with the likelihoods of Laplace's approximation, one does
+    # unless the others are clearly better.
     assert best.expected is not None
     lifts = slice(len(best.own) - len(best.elements[-1].free), None)
     narrowed = [
@@ -584,4 +592,4 @@ def _needless(flat: FactorRows, best: FactorRows) -> bool:
         for covariance in (best.expected.covariance, _covariance(best, best.expected))
     ]
     gain = (flat.objective - best.objective) / best.unit
-    return gain <= narrowed[0] - narrowed[1]
+    return gain <= narrowed[0] - narrowed[1] + 2.0 * EVIDENCE.as_good

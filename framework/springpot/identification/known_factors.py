@@ -13,10 +13,10 @@ from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 from ..numerics import ALIKE, DECADE
-from .allowed_shifts import ROOM, meeting, ranges, reached_from, scatter_between
+from .allowed_shifts import ROOM, scatter_between
 from .expected_factors import spread_between
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
-from .levels_alone import FEW, Alone, each_alone
+from .levels_alone import FEW, Alone, each_alone, meeting, ranges, reached_from
 from .material import is_material
 from .problem import relative_objective
 from .uncertainty import Uncertainty
