@@ -88,8 +88,10 @@ def main(trials: int, seconds: float) -> None:
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     command_time, memory = usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
     beyond = 1e3 * (cluster_time + command_time - own) / count
-    print("| trials | kept at the kill | by the clock [s] | cluster [s] | command [s] | its memory")
-    print("[MiB] | optimisers' own [s] | beyond it [ms a trial] |")
+    print(
+        "| trials | kept at the kill | by the clock [s] | cluster [s] | command [s] |"
+        " its memory [MiB] | optimisers' own [s] | beyond it [ms a trial] |"
+    )
     print("|---:|---:|---:|---:|---:|---:|---:|---:|")
     print(
         f"| {count} | {kept} | {wall:.0f} | {cluster_time:.0f} | {command_time:.0f} |"
