@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from springpot import read
+
 FREQUENCY = np.geomspace(0.5, 50.0, 10)
 
 
@@ -34,6 +36,12 @@ def test_a_prediction_says_of_which_level(springpot, specimens, tmp_path):
     assert told.json["points"][0]["storage"] == pytest.approx(110.0, rel=1e-5)
     named = springpot("predict", fit, "-f", "1", "--at", f"file={specimens[1].stem}", "--json")
     assert named.json["points"] == told.json["points"]
+    assert named.json["points"][0]["file"] == specimens[1].stem
+    table = tmp_path / "one.csv"
+    springpot("predict", fit, "-f", "1", "--at", "file=2", "-o", table)
+    assert read(table).labels["file"].tolist() == [specimens[1].stem]
+    quantities = springpot("quantities", fit, "--at", "file=2", "--json").json["quantities"]
+    assert {row["at"]["file"] for row in quantities} == {specimens[1].stem}
     springpot("predict", fit, "--frequency", "1").is_one_line("depends on file", "file=")
 
 
@@ -67,7 +75,7 @@ def test_files_that_are_specimens_need_no_further_word(springpot, specimens):
     assert apart.err.count("no column 'day'") == 2
 
 
-def test_specimens_are_judged_and_discovered_together(springpot, write):
+def test_specimens_are_judged_and_discovered_together(springpot, write, tmp_path):
     files, rng = [], np.random.default_rng(1)
     for i, k in enumerate((90.0, 100.0, 110.0)):
         omega = 2.0 * np.pi * FREQUENCY
@@ -83,6 +91,8 @@ def test_specimens_are_judged_and_discovered_together(springpot, write):
     assert "of s0 + s1 + s2: effect-missing" in text
     named = " ".join(map(str, files))
     assert f"springpot discover {named} --model kelvin --accept inertia --own k" in text
-    ladder = springpot("discover", *files, *words, "inertia", "--json").json
+    report = tmp_path / "report.html"
+    ladder = springpot("discover", *files, *words, "inertia", "--report", report, "--json").json
+    assert all(f"file s{i}" in report.read_text() for i in range(3))
     assert ladder["steps"][-1]["accepted"] == "inertia"
     assert ladder["verdict"] == "adequate"

@@ -14,6 +14,7 @@ from springpot.measurement import Measurement, Units, parse_geometry, through
 from springpot.measurement.geometry import (
     GEOMETRIES,
     AnnularDashpot,
+    BondedBlock,
     ConePlate,
     Constants,
     ParallelPlates,
@@ -24,6 +25,7 @@ from springpot.measurement.geometry import (
 
 EXAMPLES = (
     ShearPads(0.02, 0.01, 2),
+    BondedBlock(0.02, 0.5, 0.01),
     AnnularDashpot(0.02, 0.025, 0.1),
     AnnularDashpot(0.02, 0.0201, 0.1, closed=True),
     ParallelPlates(0.02, 0.001),
@@ -45,7 +47,28 @@ def test_shear_pads_are_area_over_thickness():
     assert strain[0] == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize("geometry", EXAMPLES[:-1], ids=lambda geometry: geometry.name)
+def test_a_bonded_block_is_a_column_where_it_is_slender_and_a_squeezed_film_where_it_is_thin():
+    """Of a disc, the film is Stefan's: 3 pi R^4 / (2 h^3) times the shear modulus, E / 3."""
+    radius = 0.05
+    area, edge = pi * radius**2, 2.0 * pi * radius
+    slender, thin = BondedBlock(area, edge, 5.0), BondedBlock(area, edge, 1e-5)
+    assert slender.shape == pytest.approx(area / 5.0, rel=1e-4)
+    assert thin.shape == pytest.approx(pi * radius**4 / (2.0 * 1e-5**3), rel=1e-6)
+
+
+def test_a_bonded_block_gives_youngs_modulus():
+    pressed = Measurement([1.0], [1e6 + 1e5j], units=Units("N/m", "mm"))
+    found = pressed.as_modulus(parse_geometry("bonded-block area=100cm^2 perimeter=40cm gap=2cm"))
+    # S = 0.01 / (0.4 0.02) = 1.25, so that K = E 4.125 0.01 / 0.02
+    assert found.stiffness[0] == pytest.approx((1e6 + 1e5j) / 2.0625)
+    assert found.units.letter == "E"
+
+
+FORCED = [one for one in EXAMPLES if not isinstance(one, Constants | BondedBlock)]
+"""Of which stress and strain are those within the material."""
+
+
+@pytest.mark.parametrize("geometry", FORCED, ids=lambda geometry: geometry.name)
 def test_work_of_the_force_is_work_in_the_material_or_less(geometry):
     """Peak stress times strain over the whole volume is at least force times displacement."""
     volume = {

@@ -112,14 +112,15 @@ def test_rows_and_curve_of_tests_in_time(name, stays):
 def test_rungs_of_a_ladder(stays):
     data = sweep("heavy", 2, 0.02)
     ladder = springpot.discover(data, MODEL, accept="inertia", only=["inertia", "time-delay"])
-    drawn = answers.rungs(ladder, lambda part: answers.drawn(part, data))
+    page = scene.PageScene(data)
+    drawn = answers.rungs(ladder, lambda part: answers.drawn(part, page))
     stays(plain({str(i): rung for i, rung in enumerate(drawn)}), within=1e-3)
 
 
 def test_a_rung_of_tests_in_time(stays):
     tests = [relaxed()]
     ladder = springpot.discover(tests, MODEL, accept=[], only=["force-drift", "series-spring"])
-    stays(plain(in_time.drawn_in_time(ladder, tests)), within=1e-3)
+    stays(plain(in_time.drawn_in_time(ladder, in_time.TimeScene(tests))), within=1e-3)
 
 
 def test_a_page_allows_its_own_program_alone():

@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.constraints import marked
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
+from springpot.timetests.experiment import planned_tests
+from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("zener")
 STIFF = (400.0, 440.0, 380.0)
@@ -102,6 +105,12 @@ def test_each_temperature_has_its_own():
 def test_what_tells_no_test_from_another_is_refused(chosen, own, says):
     with pytest.raises(DataError, match=says):
         springpot.identify([specimens()[i] for i in chosen], "zener", own=own)
+
+
+def test_a_sweep_is_planned_of_the_first_specimen():
+    parts = parts_of_specimen(marked(specimens(), "file"))
+    plans = [each.part.test for each in planned_tests(parts, fit()) if "extend" in each.says]
+    assert [set(plan.conditions["file"]) for plan in plans] == [{1.0}, {1.0}]
 
 
 def test_all_tests_together_show_what_is_missing():

@@ -45,6 +45,15 @@ SMALL = """() => [...document.querySelectorAll(
     .map(([target]) => target.id || target.outerHTML)"""
 
 
+# Words that are cut, but for the name of the data, which is before a button is.
+CUT_SHORT = """() => [...document.querySelectorAll("body *:not(svg *, h1, .hidden, .plots)")]
+    .filter((each) => each.checkVisibility({ visibilityProperty: true }) && each.textContent.trim())
+    .filter((each) => ["hidden", "clip"].includes(getComputedStyle(each).overflowX))
+    .filter((each) => each.scrollWidth > each.clientWidth + 1
+        || each.scrollHeight > each.clientHeight + 1)
+    .map((each) => `${each.id || each.className}: ${each.textContent}`)"""
+
+
 def _unless_at_rest(route: Any) -> None:
     """Hold what is asked for while nobody waits: each test would pay for it."""
     if '"quiet":true' not in (route.request.post_data or ""):
@@ -79,17 +88,17 @@ class Page:
         """
         self.page.locator("body:not([aria-busy])").wait_for(state="attached")
 
-    def drop(self, name: str, content: bytes) -> None:
-        """Drop a file on the page as a hand does."""
+    def drop(self, name: str, content: bytes, **more: bytes) -> None:
+        """Drop a file on the page as a hand does, or several at once."""
         self.page.locator("#model-body #judge").wait_for()
         self.page.evaluate(
-            """([name, text]) => {
+            """(dropped) => {
                 const files = new DataTransfer();
-                files.items.add(new File([text], name));
+                for (const [name, text] of dropped) files.items.add(new File([text], name));
                 const drop = { dataTransfer: files, bubbles: true, cancelable: true };
                 document.body.dispatchEvent(new DragEvent("drop", drop));
             }""",
-            [name, content.decode()],
+            [[name, text.decode()] for name, text in {name: content, **more}.items()],
         )
 
     def name(self, model: str) -> None:
@@ -163,6 +172,7 @@ class Page:
 
     def close(self) -> None:
         """Nothing went wrong, and nothing left this machine."""
+        assert self.page.evaluate(CUT_SHORT) == []
         assert self.faults == []
         assert [
             url

@@ -121,7 +121,7 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.constraints import asks_for_all
+    from springpot.constraints import asks_for_all, owning
     from springpot.registry import of_each, parse_model
     from springpot.report.told import told
 
@@ -146,6 +146,10 @@ def command(
     arguments |= {**chosen, **known}
     tests = _tests(data, geometry, specimens=asks_for_all(known["own"], known["share"]))
     ladder, code = _climbed(tests, expression, **arguments)
+    if expression is not None:
+        # What is drawn has the levels of which parameters are, as the fits have them.
+        given = {name: known[name] for name in ("own", "share", "specimen")}
+        tests = owning(expression, tests, **given)[1]
     _write(ladder, tests, figure, report, again)
     emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
     # A program that reads the JSON reads nothing else.

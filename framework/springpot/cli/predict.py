@@ -127,10 +127,9 @@ def show(predicted: Prediction) -> None:
     from springpot.format_numbers import number
     from springpot.report.text import TextTable, with_interval
 
-    unit, given = predicted.units.stiffness, predicted.conditions
-    units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
+    unit, given = predicted.units.stiffness, predicted.places
     band = f"{100.0 * predicted.level:g} % band"
-    headers = [_clock(predicted), *(f"{name} [{units.get(name, '-')}]" for name in given)]
+    headers = [_clock(predicted), *_conditions(predicted)]
     # The second band has a blank behind it, as two columns of one name would be one.
     headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} ", "measured"]
     rows = []
@@ -138,7 +137,8 @@ def show(predicted: Prediction) -> None:
         storage = with_interval(predicted.storage[i], predicted.low.real[i], predicted.high.real[i])
         loss = with_interval(predicted.loss[i], predicted.low.imag[i], predicted.high.imag[i])
         rate = predicted.units.on_clock(float(predicted.frequency[i]))
-        places = [number(rate), *(number(float(column[i])) for column in given.values())]
+        at = [rate, *(column[i] for column in given.values())]
+        places = [one if isinstance(one, str) else number(one) for one in at]
         rows.append([*places, *storage, *loss, timetests.WHERE[int(predicted.outside[i])]])
     print(f"{predicted.model}\n")
     table = TextTable(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
@@ -154,21 +154,25 @@ def _clock(predicted: Prediction) -> str:
     return {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.units.clock]
 
 
+def _conditions(predicted: Prediction) -> list[str]:
+    """The titles of the conditions, of which some are told by name."""
+    units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
+    units |= dict.fromkeys(predicted.words, "text")
+    return [f"{name} [{units.get(name, '-')}]" for name in predicted.conditions]
+
+
 def table_text(predicted: Prediction) -> str:
     """A CSV table with units in its header, which opens again as a measurement."""
+    from springpot.measurement.csv_safe import csv_text
+
     unit = predicted.units.stiffness
-    units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
-    names = [
-        _clock(predicted),
-        *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions),
-    ]
+    names = [_clock(predicted), *_conditions(predicted)]
     names += [f"{name} [{unit}]" for name in ("storage", "loss")]
     names += [f"{part}_{end} [{unit}]" for part in ("storage", "loss") for end in ("low", "high")]
     names.append("measured [text]")
-    lines = [",".join(names)]
+    table: list[list[object]] = [[*names]]
     for row, outside in zip(predicted.rows(), predicted.outside.tolist(), strict=True):
         # The other of frequency and angular frequency would be one column too many.
-        kept = (row[predicted.units.clock == "rad/s"], *row[2:])
-        # `repr` keeps every digit: the table opens again as the same numbers.
-        lines.append(",".join([*map(repr, kept), timetests.WHERE[outside]]))
-    return "\n".join(lines) + "\n"
+        kept = row[predicted.units.clock == "rad/s"], *row[2:]
+        table.append([*kept, timetests.WHERE[outside]])
+    return csv_text(table)

@@ -132,17 +132,17 @@ def in_each_place(search: Search, grown: Grown, effects: Sequence[Effect]) -> It
     effects : sequence of Effect
         What may stand in a place.
     """
-    for rest, _, scores in _places(search, grown, effects):
-        yield from _from_there(grown, one_more(rest, scores, SEARCH.singles))
+    for place in _places(search, grown, effects):
+        yield from _from_there(grown, one_more(place.rest, place.scores, SEARCH.singles))
 
 
 def one_or_two_for_one(
     search: Search, grown: Grown, effects: Sequence[Effect]
 ) -> Iterator[AskedSet]:
     """Sets with another effect or two in the place of one, the best at first sight; see above."""
-    for rest, fitted, scores in _places(search, grown, effects):
-        two = two_more(rest, fitted, fitted.frame(), scores)
-        yield from _from_there(grown, [*one_more(rest, scores), *two])
+    for place in _places(search, grown, effects):
+        two = two_more(place.rest, place.standing, place.standing.frame(), place.near)
+        yield from _from_there(grown, [*one_more(place.rest, place.scores), *two])
 
 
 def scanned_beside(
@@ -153,15 +153,58 @@ def scanned_beside(
     return scan_effects(fitted, fitted.frame(), others).scores
 
 
-def _places(
-    search: Search, grown: Grown, effects: Sequence[Effect]
-) -> Iterator[tuple[tuple[Effect, ...], Refit, list[Score]]]:
-    """For each effect of a set: the others, their fit, and the scores of what may stand there."""
-    for i in range(len(grown.effects)):
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """The place of one effect of a set, and what may stand there.
+
+    Attributes
+    ----------
+    rest : tuple of Effect
+        The others.
+    standing : Refit
+        These as they stand in the set: fitted anew they take the place as far as they can, and what
+        could stand there is seen from afar.
+    near, afar : list of Score
+        What may stand there, seen beside the others as they stand and as they are fitted anew.
+    """
+
+    rest: tuple[Effect, ...]
+    standing: Refit
+    near: list[Score]
+    afar: list[Score]
+
+    @property
+    def scores(self) -> list[Score]:
+        """Of both that which foretells the least of each effect, the best effects first."""
+        best: dict[str, Score] = {}
+        for score in sorted([*self.near, *self.afar], key=lambda score: score.predicted):
+            best.setdefault(score.influence.effect.name, score)
+        return list(best.values())
+
+
+def _places(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[_Place]:
+    """The places of a set."""
+    for i, effect in enumerate(grown.effects):
         rest = (*grown.effects[:i], *grown.effects[i + 1 :])
-        fitted = _without(search, grown, i)
-        others = [effect for effect in effects if effect.name != grown.names[i]]
-        yield rest, fitted, scanned_beside(rest, fitted, others)
+        others = [other for other in effects if other.name != effect.name]
+        standing, fitted = _standing(grown, effect), _without(search, grown, i)
+        near, afar = (scanned_beside(rest, one, others) for one in (standing, fitted))
+        yield _Place(rest, standing, near, afar)
+
+
+def _standing(grown: Grown, effect: Effect) -> Refit:
+    """A fitted set as it stands without one of its effects."""
+    model, theta = _less(grown, effect)
+    left = replace(grown.refit, fit=replace(grown.refit.fit, model=model, theta=theta))
+    residual = left.frame().residual
+    return replace(left, fit=replace(left.fit, cost=float(residual @ residual)))
+
+
+def _less(grown: Grown, effect: Effect) -> tuple[Model, Real]:
+    """The model of a set without an effect, and the parameters (p,) that are left."""
+    model = grown.refit.model - effect.name
+    values = dict(zip(grown.refit.model.names, grown.refit.theta.tolist(), strict=True))
+    return model, np.array([values[name] for name in model.names])
 
 
 def _from_there(grown: Grown, asked: Sequence[AskedSet]) -> Iterator[AskedSet]:
@@ -183,9 +226,7 @@ def _without(search: Search, grown: Grown, i: int) -> Refit:
     known = [one.refit for one in search.grown if one.key == key]
     if known:
         return max(known, key=lambda one: one.log_evidence)
-    model = grown.refit.model - grown.effects[i].name
-    values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
-    start = np.array([values[name] for name in model.names])
+    model, start = _less(grown, grown.effects[i])
     fitted = refit(model, search.base.data, search.base.noise, [start], starts=2)
     search.grown.append(Grown(rest, fitted, fitted.rss))
     return fitted

@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from springpot.measurement.joining import LEVELS, levels_in_words
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.units import Units
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
 from springpot.rheology.points import ROOM, Real
-
-LEVELS = "levels {}"
-"""Where the provenance of a measurement tells what the levels of a column are called."""
 
 
 def rates_of(model: Model) -> list[float] | None:
@@ -119,12 +117,13 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     )
 
 
-def levels_in_words(data: Measurement, column: str) -> list[str] | None:
-    """What the levels of a numbered column are called, in the order of their numbers."""
-    told = data.provenance.get(LEVELS.format(column))
-    if told is None:
-        return None
-    return [str(word) for word in json.loads(told)]
+def called(
+    words: Mapping[str, Sequence[str]], column: str, numbers: Sequence[float | str]
+) -> list[float | str]:
+    """What is told of these levels of a column: their names, where it numbers such."""
+    if column not in words:
+        return list(numbers)
+    return [words[column][round(float(number)) - 1] for number in numbers]
 
 
 def note_on_levels(words: Mapping[str, Sequence[str]], column: str) -> str:

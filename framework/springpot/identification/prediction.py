@@ -32,6 +32,7 @@ from springpot.thresholds import INTERVAL
 from ..format_numbers import LISTED, NAMED, listed
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .bordered import Bordered, Covariance, lost_and_known
+from .kept import called
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,6 +83,8 @@ class Prediction(Moduli):
         Probability of the band.
     covered : Covered
         What was measured.
+    words : mapping of str to sequence of str
+        What the levels of numbered conditions are called.
     """
 
     model: str
@@ -93,6 +96,7 @@ class Prediction(Moduli):
     units: Units = field(default_factory=Units)
     level: float = 0.95
     covered: Covered = field(default_factory=Covered)
+    words: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "conditions", dict(self.conditions))
@@ -136,11 +140,18 @@ class Prediction(Moduli):
         ends = ("storage_low", "storage_high", "loss_low", "loss_high")
         return ("frequency", "omega", *self.conditions, "storage", "loss", *ends)
 
-    def rows(self) -> Iterator[tuple[float, ...]]:
+    @property
+    def places(self) -> dict[str, list[float | str]]:
+        """The conditions of each point: a number, or what a numbered level is called."""
+        told = self.conditions.items()
+        return {name: called(self.words, name, column.tolist()) for name, column in told}
+
+    def rows(self) -> Iterator[tuple[float | str, ...]]:
         """Frequency, omega, conditions, K', K'' and the ends of their bands, point by point."""
-        columns = [self.frequency, self.omega, *self.conditions.values(), self.storage, self.loss]
-        columns += [self.low.real, self.high.real, self.low.imag, self.high.imag]
-        yield from zip(*(column.tolist() for column in columns), strict=True)
+        ends = [self.low.real, self.high.real, self.low.imag, self.high.imag]
+        before, after = [self.frequency, self.omega], [self.storage, self.loss, *ends]
+        columns = [column.tolist() for column in before], [column.tolist() for column in after]
+        yield from zip(*columns[0], *self.places.values(), *columns[1], strict=True)
 
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
@@ -152,7 +163,7 @@ class Prediction(Moduli):
         return f"<Prediction of {self.model}: {len(self)} points, [{self.units.stiffness}]>"
 
     def _repr_html_(self) -> str:
-        rows = [[f"{cell:.4g}" for cell in row] for row in self.rows()]
+        rows = [[c if isinstance(c, str) else f"{c:.4g}" for c in row] for row in self.rows()]
         title = f"{self.model}, [{self.units.stiffness}], band of {100 * self.level:.0f} %"
         notes = tag("ul", *(tag("li", note) for note in self.notes))
         return tag("div", tag("p", tag("b", title)), table(self._headers(), rows), notes)
@@ -239,6 +250,10 @@ class Known:
         places = self.model.places[number]
         told = {"model": self.model.of_any_level, "theta": self.theta[places]}
         return Known(**{**self._told(), **told, "slopes": self.slopes[places]})
+
+    def named(self, at: Mapping[str, float | str]) -> dict[str, float | str]:
+        """Conditions, where levels of the data have names by these."""
+        return {name: called(self.words, name, [value])[0] for name, value in at.items()}
 
     @property
     def of_specimen(self) -> Known:
@@ -346,7 +361,8 @@ class Known:
         elif frequency is not None:
             units = replace(units, clock="Hz")
         name, covered = self.model.name, self.covered
-        return Prediction(name, rate, value, low, high, conditions, units, level, covered)
+        band = value, low, high
+        return Prediction(name, rate, *band, conditions, units, level, covered, self.words)
 
 
 def _rate(sweep: Measurement | None, frequency: ArrayLike | None, omega: ArrayLike | None) -> Real:

@@ -144,6 +144,47 @@ class ShearPads(Geometry):
 
 
 @dataclass(frozen=True)
+class BondedBlock(Geometry):
+    """A block bonded to plates that press or pull it: K = E (1 + 2 S^2) A / h.
+
+    S = A / (p h), of a free edge all around p, is the shape factor: what the plates hold cannot
+    spread. Of a material that keeps its volume, at small strains; square, round or moderately
+    rectangular; stress and strain are those of a block that is free to spread.
+
+    Parameters
+    ----------
+    area : float
+        Bonded area of one plate, m^2.
+    perimeter : float
+        Of that area, that of a hole included, m.
+    gap : float
+        Thickness h between the plates, m.
+    """
+
+    name = "bonded-block"
+    source = "Gent, Lindley: Proc. IMechE 173 (1959) 111, doi:10.1243/PIME_PROC_1959_173_022_02"
+    modulus = "E"
+    area: float
+    perimeter: float
+    gap: float
+
+    @property
+    def shape_factor(self) -> float:
+        """Of a bonded area over the area that is free to bulge."""
+        return self.area / (self.perimeter * self.gap)
+
+    @property
+    def stress_factor(self) -> float:
+        """1 / (A (1 + 2 S^2)): what a block that is free to spread bears of the force."""
+        return 1.0 / (self.area * (1.0 + 2.0 * self.shape_factor**2))
+
+    @property
+    def strain_factor(self) -> float:
+        """1 / h."""
+        return 1.0 / self.gap
+
+
+@dataclass(frozen=True)
 class AnnularDashpot(Geometry):
     """A piston moving along the axis of a tube, the material in the annulus.
 
@@ -354,7 +395,15 @@ class Constants(Geometry):
 
 GEOMETRIES: dict[str, type[Geometry]] = {
     kind.name: kind
-    for kind in (ShearPads, AnnularDashpot, ParallelPlates, ConePlate, TorsionBar, Constants)
+    for kind in (
+        ShearPads,
+        BondedBlock,
+        AnnularDashpot,
+        ParallelPlates,
+        ConePlate,
+        TorsionBar,
+        Constants,
+    )
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -14,6 +15,8 @@ from .measurement import CONDITIONS, Measurement
 from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS, one_modulus
 
 FILE = "file"
+LEVELS = "levels {}"
+"""Where the provenance of a measurement tells what the levels of a column are called."""
 
 _EXAMPLES = {"temperature": "temperature=20[degC]", "amplitude": "amplitude=0.5[mm]"}
 """How a condition of all rows of a file is said behind its name."""
@@ -22,6 +25,14 @@ _EXAMPLES = {"temperature": "temperature=20[degC]", "amplitude": "amplitude=0.5[
 def file_of(name: str) -> str:
     """The file of a test, which may be one of several in it: ``creep#2``."""
     return name.partition("#")[0]
+
+
+def levels_in_words(data: Measurement, column: str) -> list[str] | None:
+    """What the levels of a numbered column are called, in the order of their numbers."""
+    told = data.provenance.get(LEVELS.format(column))
+    if told is None:
+        return None
+    return [str(word) for word in json.loads(told)]
 
 
 def joined(measurements: Sequence[Measurement]) -> Measurement:

@@ -185,12 +185,12 @@ def _bench(ladder: Ladder, data: Measurement | Sequence[Test]) -> PageParts:
     """The panels of the workbench, with every step of the ladder."""
     # The same scene as the workbench, so that a report and the page cannot say different things.
     if isinstance(data, Measurement):
-        scene, excluded = PageScene(data).to_dict(), excluded_rows(ladder, data)
-        steps = rungs(ladder, lambda part: drawn(part, data))
-    else:
-        scene, excluded = TimeScene(data).to_dict(), []
-        steps = rungs(ladder, lambda part: drawn_in_time(part, data))
-    return bench_of({"scene": scene, "rungs": steps, "excluded": excluded})
+        scene, excluded = PageScene(data), excluded_rows(ladder, data)
+        steps = rungs(ladder, lambda part: drawn(part, scene))
+        return bench_of({"scene": scene.to_dict(), "rungs": steps, "excluded": excluded})
+    tests = TimeScene(data)
+    steps = rungs(ladder, lambda part: drawn_in_time(part, tests))
+    return bench_of({"scene": tests.to_dict(), "rungs": steps, "excluded": []})
 
 
 def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement.joining import levels_in_words
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
 from springpot.thresholds import VARIED
 
 Rows = NDArray[np.int64]
+Words = NDArray[np.str_]
 
 MOST_DRAWN = 12
 """Sweeps drawn at most; of more, evenly many are chosen.
@@ -99,15 +101,22 @@ def all_sweeps(
     along : ndarray, shape (n,)
         Where each point stands on it.
     own : collection of str
-        Further columns of which a model has parameters for each level.
+        Further columns that set sweeps apart, as levels do of which a model has parameters.
     """
     parts = [np.arange(len(measurement))]
     # Only what tells sweeps from one another is worth a word in their labels.
-    telling: list[tuple[str, Real]] = []
+    telling: list[tuple[str, Real | Words]] = []
+    further: list[tuple[str, Real | Words]] = []
+    for name in sorted(set(own) - {"temperature", "amplitude"}):
+        number, told = _further(measurement, name)
+        parts = [one for part in parts for one in _alike(part, number)]
+        further.append((name, told))
     if measurement.repeat is not None:
-        parts = list(_alike(parts[0], measurement.repeat))
-        if len(parts) > 1:
+        again = [one for part in parts for one in _alike(part, measurement.repeat)]
+        # Specimens are repeats already.
+        if len(again) > len(parts):
             telling.append(("repeat", measurement.repeat.astype(float)))
+        parts = again
     for name in ("temperature", "amplitude"):
         values = measurement.conditions.get(name)
         if values is None or name == column:
@@ -119,14 +128,23 @@ def all_sweeps(
         if len(finer) > len(parts):
             telling.append((name, values))
         parts = finer
-    for name in sorted(set(own) - {"temperature", "amplitude"}):
-        values = measurement.conditions[name]
-        parts = [one for part in parts for one in _alike(part, levels_of(name, values))]
-        telling.append((name, values))
+    telling += further
     ordered = [rows[np.argsort(along[rows], kind="stable")] for rows in parts]
     return [
         DrawnSweep(_label(rows, telling, measurement.units.amplitude), rows) for rows in ordered
     ]
+
+
+def _further(measurement: Measurement, name: str) -> tuple[Rows, Real | Words]:
+    """The level (n,) of each row of a further column, and the words or numbers that tell it."""
+    if name in measurement.labels:
+        label = measurement.labels[name]
+        places = {word: i for i, word in enumerate(dict.fromkeys(label.tolist()))}
+        return np.array([places[word] for word in label.tolist()]), label
+    values = measurement.conditions[name]
+    words = levels_in_words(measurement, name)
+    told = values if words is None else np.array(words)[values.astype(int) - 1]
+    return levels_of(name, values), told
 
 
 def chosen(sweeps: list[DrawnSweep]) -> list[DrawnSweep]:
@@ -205,18 +223,22 @@ def _bins(values: Real) -> NDArray[np.int64]:
     return rank * count // len(values)
 
 
-def _label(rows: Rows, telling: list[tuple[str, Real]], unit: str) -> str:
+def _label(rows: Rows, telling: list[tuple[str, Real | Words]], unit: str) -> str:
     """``20 °C, 0.5 mm``, or the range of a bin; ``all`` where nothing is told."""
     return ", ".join(_condition(name, values[rows], unit) for name, values in telling) or "all"
 
 
-def _condition(name: str, values: Real, unit: str) -> str:
-    low, high = float(np.min(values)), float(np.max(values))
-    mean = float(np.mean(values))
+def _condition(name: str, values: Real | Words, unit: str) -> str:
+    # Rows of one sweep have one word.
+    if values.dtype.kind == "U":
+        return f"{name} {values[0]}"
+    numbers = values.astype(float)
+    low, high = float(np.min(numbers)), float(np.max(numbers))
+    mean = float(np.mean(numbers))
     if name == "temperature":
         mean = round(mean, 1)
     shown = f"{mean:.4g}"
-    if name != "repeat" and varies(name, values):
+    if name != "repeat" and varies(name, numbers):
         shown = f"{low:.3g} to {high:.3g}"
     if name == "temperature":
         return f"{shown} °C"

@@ -234,6 +234,9 @@ def _sweep(parts: Sequence[TestPart], fit: Identification, omega: Real) -> Sweep
     """A sweep under the conditions of the tests, as noisy for its size as they are."""
     amplitude = np.full(len(omega), reach_of(parts))
     conditions: Mapping[str, Real] = {"amplitude": amplitude}
+    for name in fit.model.own.values():
+        # Of specimens with parameters of their own the first stands for all.
+        conditions = {**conditions, name: np.full(len(omega), parts[0].test.conditions[name][0])}
     if any("temperature" in part.conditions for part in parts):
         conditions = {**conditions, "temperature": np.full(len(omega), fit.reference - KELVIN)}
     units = units_of([part.test for part in parts])

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from springpot.constraints import parameters_of
 from springpot.errors import DataError
 from springpot.inputs import bytes_of, json_of
+from springpot.measurement.joining import FILE
 from springpot.measurement.joining import joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
@@ -208,7 +209,13 @@ def _one_table(one: Measurement, other: Measurement) -> Measurement:
         units=both.units,
         name=both.name,
         provenance={**one.provenance, "joined with": other.name},
+        labels={FILE: np.concatenate([_files(one), _files(other)])},
     )
+
+
+def _files(data: Measurement) -> NDArray[np.str_]:
+    """From which file each row (n,) came, which may be a specimen by itself."""
+    return data.labels.get(FILE, np.full(len(data), data.name))
 
 
 LONGEST_NAME = 200

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -178,8 +178,8 @@ def specimen_of(text: str) -> Specimen:
     return Specimen(tuple(kept))
 
 
-def given(data: Opened) -> Any:
-    """What every function of springpot takes."""
+def tests_in(data: Opened) -> tuple[Test, ...]:
+    """The tests in what was opened, which every function of springpot takes."""
     if isinstance(data, Specimen):
         return data.tests
-    return data
+    return (data,)

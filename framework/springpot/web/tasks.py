@@ -32,14 +32,14 @@ from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
 from springpot.report.interactive.in_time import TimeScene, drawn_in_time
-from springpot.report.interactive.scene import PageScene, relative_error, rounded
+from springpot.report.interactive.scene import rounded
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
 from springpot.suggestions import suggested
-from springpot.timetests.specimen import reference_of
+from springpot.timetests.residuals_of_tests import units_of
 
 from . import leaving
 from .sessions import (
@@ -54,21 +54,22 @@ from .sessions import (
     session_of,
     text_of,
 )
-from .specimen import Opened, Specimen, given, safe_name
+from .specimen import Opened, Specimen, safe_name, tests_in
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
 from .trying import (
     Told,
     bound,
+    drawing,
     first_look,
     hand_of,
     invented,
-    model_and_data,
+    leveled,
     ranked,
+    scene_of,
     telling,
     theta_of,
     tried,
-    units_in,
     with_law,
 )
 from .understanding import understood_sweeps
@@ -94,7 +95,7 @@ def ladder_of(
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    used = given(kept(measurement, state.excluded))
+    used = tests_in(kept(measurement, state.excluded))
     # A list, though it may be empty: without one the evidence would accept effects by itself.
     accepted, model = list(state.accepted), state.model or None
     ladder = discover(
@@ -128,10 +129,8 @@ def answer(state: State, ladder: Ladder, measurement: Opened) -> dict[str, Any]:
     dict
         ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
     """
-    if isinstance(measurement, Specimen):
-        shown = drawn_in_time(ladder, measurement.tests)
-    else:
-        shown = drawn(ladder, model_and_data(state, measurement)[1])
+    scene = scene_of(state, measurement)
+    shown = drawn_in_time(ladder, scene) if isinstance(scene, TimeScene) else drawn(ladder, scene)
     return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **shown}
 
 
@@ -355,7 +354,8 @@ def curve(
     """The curve of a model whose parameters were set by hand, and its error."""
     asked, data = State.of(state), _opened(text)
     model = bound(asked, data)
-    return _drawn(asked, data, model, theta_of(model, units_in(data), hand_of(model, hands)))
+    theta = theta_of(model, units_of(tests_in(data)), hand_of(model, hands))
+    return drawing(asked, data)(model, theta)
 
 
 def held(
@@ -368,29 +368,19 @@ def held(
     hand = hand_of(model, hands)
     # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
-    used = given(kept(data, asked.excluded))
+    used, units = tests_in(kept(data, asked.excluded)), units_of(tests_in(data))
     fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
-        parameter.name: float(value * units_in(data).of(parameter.unit)[0])
+        parameter.name: float(value * units.of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
     }
-    return {**_drawn(asked, data, fit.model, fit.theta), "values": values}
-
-
-def _drawn(state: State, data: Opened, model: Model, theta: Any) -> dict[str, Any]:
-    if isinstance(data, Specimen):
-        tests = kept(data, state.excluded).tests
-        reference = reference_of(tests)
-        error = TimeScene(tests).error(model, theta, reference)
-        return {"error": error, **TimeScene(data.tests).curve(model, theta, reference)}
-    error = relative_error(kept(data, state.excluded), model, theta)
-    return {"error": error, **PageScene(data).curve(model, theta)}
+    return {**drawing(asked, data)(fit.model, fit.theta), "values": values}
 
 
 def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[str, Any]:
     """The model of a state, with a law that is typed if there is one, fitted and drawn."""
     (asked, own), data = with_law(State.of(state), law), _opened(text)
-    used = given(kept(data, asked.excluded))
+    used = tests_in(kept(data, asked.excluded))
     fit: Any = identify(used, parse_model(asked.expression), **asked.known)
     return tried(asked, own, data, fit)
 
@@ -406,7 +396,7 @@ def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """All installed models against what any material reaches, see `ranked`."""
     asked, data = State.of(state), _opened(text)
-    found = compare(given(kept(data, asked.excluded)), seed=asked.seed, progress=told)
+    found = compare(tests_in(kept(data, asked.excluded)), seed=asked.seed, progress=told)
     return ranked(asked, data, found)
 
 
@@ -443,23 +433,25 @@ def leave(
     """One of the things that a user leaves with: its name, and its text or its bytes."""
     asked, data = State.of(state), _opened(text)
     if isinstance(data, Specimen):
-        return leave_in_time(kind, asked, data, lambda: _ladder(asked, text, told))
-    measurement, stem = data, Path(safe_name(source)).stem
+        used = leveled(asked, kept(data, asked.excluded).tests)
+        return leave_in_time(kind, asked, data, used, lambda: _ladder(asked, text, told))
+    stem = Path(safe_name(source)).stem
     shown = leaving.source_of(source, asked, joined)
     if kind == "command":
         return {"name": f"{stem}.txt", "text": leaving.command(asked, shown) + "\n"}
     if kind == "script":
         return {"name": f"{stem}.py", "text": leaving.script(asked, shown)}
     if kind == "data":
-        return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
+        return {"name": f"{stem}-used.csv", "text": text_of(kept(data, asked.excluded))}
     # What comes below needs the fits; command, script and data do not, and come at once.
-    ladder, measurement = _ladder(asked, text, told), model_and_data(asked, data)[1]
+    ladder, [seen] = _ladder(asked, text, told), leveled(asked, [data])
+    assert isinstance(seen, Measurement)
     if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
+        return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, seen)}
     if kind == "plan":
-        return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
+        return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, seen)}
     if kind == "report":
-        return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
+        return {"name": f"{stem}-report.html", "text": _report(ladder, seen, asked, shown)}
     if kind == "replay":
         return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder)}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")

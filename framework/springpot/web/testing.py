@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from springpot.report.interactive.in_time import TimeScene, case_of
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 from . import leaving
-from .sessions import State, kept
+from .sessions import State
 from .specimen import Specimen
 
 LACKS = {
@@ -70,9 +70,11 @@ def _columns(test: Test, several: bool) -> list[tuple[str, str, Any]]:
 
 
 def leave_in_time(
-    kind: str, state: State, data: Specimen, ladder: Callable[[], Ladder]
+    kind: str, state: State, data: Specimen, used: Sequence[Test], ladder: Callable[[], Ladder]
 ) -> dict[str, str]:
     """One of the things that a user leaves with; `ladder` is asked only where it is needed.
+
+    `used` are the tests as the model sees them, without what is left out.
 
     Raises
     ------
@@ -81,6 +83,7 @@ def leave_in_time(
     """
     if kind in LACKS:
         raise DataError(LACKS[kind])
+
     sources, stem = data.sources, Path(data.sources[0]).stem
     if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
         raise DataError("rows of several tests were left out, which only the session can say")
@@ -93,21 +96,20 @@ def leave_in_time(
             raise DataError("one command takes one file: the Python script takes all of them")
         return {"name": f"{stem}.txt", "text": command + "\n"}
     if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), kept(data, state.excluded))}
+        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), used)}
     if kind == "replay":
         return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder())}
     if kind == "report":
-        tests = kept(data, state.excluded).tests
-        text = leaving.report(ladder(), tests, shlex.split(command))
+        text = leaving.report(ladder(), used, shlex.split(command))
         return {"name": f"{stem}-report.html", "text": text}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
 
 
-def _curves(ladder: Ladder, data: Specimen) -> str:
+def _curves(ladder: Ladder, tests: Sequence[Test]) -> str:
     """What each test measured and what the model computes there, number by number."""
     base = case_of(ladder.steps[-1]).base
     table: list[list[Any]] = [["test", "at [s, or Hz of a sweep]", "measured", "model", "unit"]]
-    for part in parts_of_specimen(data.tests):
+    for part in parts_of_specimen(tests):
         rows = np.arange(len(part.measured))
         model = part.answer(base.model, base.theta, base.reference, rows).value
         unit = part.unit

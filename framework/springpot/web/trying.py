@@ -7,8 +7,8 @@ model, points left out, parameters set, fixed or bounded by hand; and laws that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
 from springpot.misfit.refit import Refit
 from springpot.misfit.words import percent
@@ -41,10 +42,10 @@ from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
 from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.residuals_of_tests import units_of
-from springpot.timetests.specimen import reference_of
+from springpot.timetests.specimen import as_had_by, reference_of
 
 from .sessions import LONGEST_NAME, State, kept
-from .specimen import Opened, Specimen
+from .specimen import Opened, Specimen, tests_in
 
 MOST_RANKED = 8
 """Models that are proposed in the place of the present one."""
@@ -55,47 +56,65 @@ Told = Callable[[Any], None]
 SAYS = "what may be missing is being sought"
 
 
-def model_and_data(state: State, data: Measurement) -> tuple[Model, Measurement]:
-    """The model with what is held, tied and each level's own, and the data with their levels."""
+def model_and_tests(state: State, tests: Sequence[Test]) -> tuple[Model, list[Test]]:
+    """The model with what is held, tied and each level's own, and the tests with their levels."""
     known = state.known
     fix, tie = known.pop("fix"), known.pop("tie", ())
-    model = constrained(parse_model(state.expression), data.units, fix, tie=tie)
-    model, [seen] = owning(model, [data], known.pop("own", None), **known)
+    model = constrained(parse_model(state.expression), units_of(tests), fix, tie=tie)
+    return owning(model, tests, known.pop("own", None), **known)
+
+
+def leveled(state: State, tests: Sequence[Test]) -> Sequence[Test]:
+    """The tests as the model of a state sees them."""
+    return model_and_tests(state, tests)[1] if state.options else tests
+
+
+def scene_of(state: State, data: Opened) -> PageScene | TimeScene:
+    """The data as the page draws them, all rows with the levels that a fit of those used has."""
+    if isinstance(data, Specimen):
+        there = {test.name for test in kept(data, state.excluded).tests}
+        # Numbered in their order, those first that the fit has.
+        order = sorted(range(len(data.tests)), key=lambda i: data.tests[i].name not in there)
+        first = leveled(state, [data.tests[i] for i in order])
+        return TimeScene([first[order.index(i)] for i in range(len(order))])
+    if not state.options:
+        return PageScene(data)
+    [used], [seen] = leveled(state, [kept(data, state.excluded)]), leveled(state, [data])
     assert isinstance(seen, Measurement)
-    return model, seen
+    stays = np.ones(len(data), dtype=bool)
+    stays[list(state.excluded)] = False
+    conditions = dict(seen.conditions)
+    for name in conditions.keys() - data.conditions.keys():
+        number = dict(zip(conditions[name][stays].tolist(), used.conditions[name], strict=True))
+        # Of a level that is left out wholly there are no parameters: it is drawn as the last.
+        conditions[name] = np.array([number.get(n, len(seen)) for n in conditions[name].tolist()])
+    return PageScene(data, replace(seen, conditions=conditions))
 
 
 def bound(state: State, data: Opened) -> Model:
     """The model of a state, with the levels of its rows."""
-    if isinstance(data, Specimen):
-        return constrained(parse_model(state.expression), units_in(data), state.fix)
-    model, used = model_and_data(state, kept(data, state.excluded))
-    return model.bound_to(used.points)
-
-
-def units_in(data: Opened) -> Units:
-    """Those of the data."""
-    if isinstance(data, Specimen):
-        return units_of(data.tests)
-    return data.units
+    return as_had_by(*model_and_tests(state, tests_in(kept(data, state.excluded))))
 
 
 def first_look(state: State, data: Opened) -> dict[str, Any]:
     """An answer as `springpot.web.tasks.answer`, without a single cause."""
+    scene = scene_of(state, data)
     if isinstance(data, Specimen):
-        model, tests = bound(state, data), kept(data, state.excluded).tests
+        assert isinstance(scene, TimeScene)
+        model, tests = model_and_tests(state, kept(data, state.excluded).tests)
         [judged] = compare_in_time(tests, [model]).judgements
         assert isinstance(judged.fitted, Identification)
-        return _sought(state, judged, drawn_in_time_at_once(judged.fitted, TimeScene(data.tests)))
-    measurement, used = data, kept(data, state.excluded)
+        return _sought(state, judged, drawn_in_time_at_once(judged.fitted, scene))
+    assert isinstance(scene, PageScene)
+    used = kept(data, state.excluded)
     if len(used) > FEW:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
         used = used.subset(rows)
-    measurement = model_and_data(state, measurement)[1]
-    model, used = model_and_data(state, used)
-    [judged] = compare(used, [model], np.random.default_rng(state.seed)).judgements
-    return _sought(state, judged, drawn_at_once(judged.refit, measurement))
+    model, [few] = model_and_tests(state, [used])
+    assert isinstance(few, Measurement)
+    [judged] = compare(few, [model], np.random.default_rng(state.seed)).judgements
+    return _sought(state, judged, drawn_at_once(judged.refit, scene))
 
 
 def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str, Any]:
@@ -166,21 +185,23 @@ def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -
     values = {name: value for name, value in fit.parameters.items() if name.startswith(mine)}
     sizes = [f"{name.removeprefix(mine)} = {value}" for name, value in values.items()]
     return {
-        **_drawn(state, data, fit),
+        **drawing(state, data)(fit.model, fit.theta),
         "says": says,
         "accept": list(state.accepted[-1:]),
         "sizes": sizes,
     }
 
 
-def _drawn(state: State, data: Opened, fit: Identification | Refit) -> dict[str, Any]:
-    if isinstance(data, Specimen):
-        assert isinstance(fit, Identification)
-        stays = TimeScene(kept(data, state.excluded).tests)
-        return drawn_effect(TimeScene(data.tests), stays, fit.model, fit.theta, fit.reference)
-    data = model_and_data(state, data)[1]
-    used = kept(data, state.excluded)
-    return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
+def drawing(state: State, data: Opened) -> Callable[[Model, Real], dict[str, Any]]:
+    """How fitted models are drawn, with their relative error over the rows that are used."""
+    scene, tests = scene_of(state, data), tests_in(kept(data, state.excluded))
+    used = leveled(state, tests)
+    if isinstance(scene, TimeScene):
+        stays, reference = TimeScene(used), reference_of(used)
+        return lambda model, theta: drawn_effect(scene, stays, model, theta, reference)
+    [rows], name = used, state.expression
+    assert isinstance(rows, Measurement)
+    return lambda model, theta: preview(scene, rows, Preview(name, model, theta, True))
 
 
 def telling(told: Told, state: State, data: Opened) -> Fitted:
@@ -190,11 +211,11 @@ def telling(told: Told, state: State, data: Opened) -> Fitted:
     """
     if state.accepted:
         return unseen
-    draw, units = _drawing(state, data), units_in(data)
+    draw, units = drawing(state, data), units_of(tests_in(data))
     left: dict[str, str] = {}
 
     def tell(tried: TriedEffect) -> None:
-        name, shown = tried.effect.name, draw(tried)
+        name, shown = tried.effect.name, draw(tried.model, tried.theta)
         leaves = f"{name} would leave {percent(shown['error'])}"
         # Tried again in another noise, most leave the same.
         if left.get(name) == leaves:
@@ -211,17 +232,6 @@ def telling(told: Told, state: State, data: Opened) -> Fitted:
     return tell
 
 
-def _drawing(state: State, data: Opened) -> Callable[[TriedEffect], dict[str, Any]]:
-    """How the previews of these data are drawn."""
-    if isinstance(data, Specimen):
-        scene, stays = TimeScene(data.tests), TimeScene(kept(data, state.excluded).tests)
-        reference = reference_of(stays.tests)
-        return lambda one: drawn_effect(scene, stays, one.model, one.theta, reference)
-    data = model_and_data(state, data)[1]
-    page, used = PageScene(data), kept(data, state.excluded)
-    return lambda one: preview(page, used, Preview(one.effect.name, one.model, one.theta, True))
-
-
 def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:
     """A ranking, each of its models as something that can be done.
 
@@ -232,12 +242,12 @@ def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:
         takes the place of the present one, what is ``shown`` of it, and ``previews`` by their
         names.
     """
-    handy = [found.handy] if found.handy else []
+    handy, draw = [found.handy] if found.handy else [], drawing(state, data)
     actions, previews = [], {}
     for one in list(dict.fromkeys([*found.shown[: MOST_RANKED - len(handy)], *handy])):
         assert isinstance(one.fitted, Identification | Refit)
         name, count = f"{one.model.name} instead", one.free_parameters
-        previews[name] = _drawn(state, data, one.fitted)
+        previews[name] = draw(one.fitted.model, one.fitted.theta)
         actions.append(
             {
                 "name": name,

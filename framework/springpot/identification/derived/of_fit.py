@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -65,6 +66,7 @@ def of_fit(
     at = model.at(frequency or usual((low, high), known.units.clock))
     sweeps = [of_amplitude(test) for test in tests if isinstance(test, Measurement)]
     rows, notes = parted([*_lacking(found, free), *found, *at, *chain.from_iterable(sweeps)])
+    rows = tuple(replace(row, at=known.named(row.at)) for row in rows)
     return Quantities(name, of, known.units, rows, notes, left)
 
 

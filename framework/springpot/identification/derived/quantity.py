@@ -39,8 +39,9 @@ class Quantity:
         With its interval and unit.
     source : {"data", "model"}
         Whether measured points around it say it, or a fitted model.
-    at : mapping of str to float
-        Frequency in Hz, temperature in degC, amplitude in the unit of the data, that it belongs to.
+    at : mapping of str to float or str
+        Frequency in Hz, temperature in degC, amplitude in the unit of the data, that it belongs to;
+        of a column whose levels have names, such as that of the files, the name.
     outside : bool
         Whether it lies, or the model was asked, outside of what was measured.
     says : str
@@ -50,7 +51,7 @@ class Quantity:
     name: str
     value: Value
     source: Source
-    at: Mapping[str, float] = field(default_factory=dict)
+    at: Mapping[str, float | str] = field(default_factory=dict)
     outside: bool = False
     says: str = ""
 
@@ -63,7 +64,7 @@ class Quantity:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Quantity:
         """What `to_dict` gave."""
-        name, at = str(row["name"]), {key: float(value) for key, value in row["at"].items()}
+        name, at = str(row["name"]), dict(row["at"])
         told = bool(row["outside_measured"]), str(row["says"])
         return as_declared(cls(name, values_of({name: row})[name], row["source"], at, *told))
 
@@ -71,7 +72,9 @@ class Quantity:
         """Where it belongs to, as people say it."""
         told = []
         for name, value in self.at.items():
-            if name == "frequency":
+            if isinstance(value, str):
+                told.append(f"{name} {value}")
+            elif name == "frequency":
                 told.append(units.at(value))
             else:
                 unit = {"temperature": "degC", "amplitude": units.amplitude}.get(name, "-")

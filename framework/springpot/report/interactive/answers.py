@@ -29,15 +29,15 @@ ON_A_RIVAL = 160
 """Points of a rival's curve: as many as the picture has columns of three pixels."""
 
 
-def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
+def drawn(ladder: Ladder, scene: PageScene) -> dict[str, Any]:
     """The last rung of a ladder as a page shows it.
 
     Parameters
     ----------
     ladder : Ladder
         The answer.
-    measurement : Measurement
-        Its data, all rows, those that are left out among them.
+    scene : PageScene
+        Its data.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         to measure next;
         ``next``: the rivals at the proposed points.
     """
-    scene, case = PageScene(measurement), ladder.steps[-1].case
+    case, units = ladder.steps[-1].case, scene.measurement.units
     base = case.search.base
     used, fit = base.data.raw, base.identified
     # Once, for previews and rivals alike: each is a model with its parameters.
@@ -64,7 +64,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     acted_on = {act.name: preview(scene, act.used, act.preview) for act in acts}
     return {
         "discovery": ladder.to_dict(),
-        "of": measurement.units.magnitude,
+        "of": units.magnitude,
         "parameters": parameters_of(
             fit.model, ladder.steps[-1].parameters, used.units, Uncertainty.of(fit).correlation
         ),
@@ -75,16 +75,15 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         "actions": [act.to_dict() for act in acts],
         "previews": acted_on | {one.effect: preview(scene, used, one) for one in grown},
         "proposed": ladder.proposed,
-        "next": _next(ladder, {one.effect: one for one in grown}, measurement),
+        "next": _next(ladder, {one.effect: one for one in grown}, scene.seen),
     }
 
 
-def drawn_at_once(base: Refit, measurement: Measurement) -> dict[str, Any]:
+def drawn_at_once(base: Refit, scene: PageScene) -> dict[str, Any]:
     """A fitted model as `drawn`, without anything that it may lack."""
-    scene = PageScene(measurement)
     noise = _noise(scene, base)
     return {
-        "of": measurement.units.magnitude,
+        "of": scene.measurement.units.magnitude,
         "parameters": [],
         "noise": in_parts(noise),
         "reference": "",

@@ -253,19 +253,19 @@ def _views(part: TestPart, number: int, count: int) -> list[tuple[str, dict[str,
     return views
 
 
-def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
+def drawn_in_time(ladder: Ladder, scene: TimeScene) -> dict[str, Any]:
     """The last rung of a ladder of tests in time, as `springpot.report.interactive.answers.drawn`.
 
     There is no preview of what would be measured next, and nothing that can be done with the data.
     """
-    scene, case = TimeScene(tests), case_of(ladder.steps[-1])
+    case = case_of(ladder.steps[-1])
     base, diagnosis = case.base, case.diagnosis
     after = {row.effect: row.after for row in diagnosis.candidates}
     return {
         **drawn_in_time_at_once(base, scene),
         "discovery": ladder.to_dict(),
         "parameters": parameters_of(
-            base.model, base.parameters, units_of(tests), correlation_of(base.covariance)
+            base.model, base.parameters, units_of(scene.tests), correlation_of(base.covariance)
         ),
         "spots": [place.spot for place in diagnosis.where],
         "previews": {

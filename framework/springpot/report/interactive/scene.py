@@ -14,14 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.value import Value
+from springpot.measurement.joining import FILE
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_tests import settings_of, told_apart
 from springpot.measurement.units import Units
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 
 from ..residuals import plane_name, plane_of
-from ..sweeps import DrawnSweep, chosen
+from ..sweeps import MOST_DRAWN, DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
 MOST_POINTS = 1500
@@ -61,9 +63,17 @@ class PageScene:
     ----------
     measurement : Measurement
         All rows, those that are left out among them.
+    leveled : Measurement, optional
+        The same rows as a model sees them whose levels have parameters of their own: numbered.
     """
 
     measurement: Measurement
+    leveled: Measurement | None = None
+
+    @property
+    def seen(self) -> Measurement:
+        """The rows as the model sees them."""
+        return self.leveled or self.measurement
 
     @cached_property
     def axis(self) -> DrawnAxis:
@@ -73,7 +83,13 @@ class PageScene:
     @cached_property
     def sweeps(self) -> list[DrawnSweep]:
         """The sweeps that are drawn."""
-        return chosen(sweeps_of(self.measurement, self.axis))
+        measurement = self.measurement
+        apart = {*told_apart(measurement), *({FILE} & settings_of(measurement).keys())}
+        every = sweeps_of(measurement, self.axis, apart)
+        # Of more than can be drawn no row is hidden for the sake of a column that no effect knows.
+        if len(every) > MOST_DRAWN:
+            every = sweeps_of(measurement, self.axis)
+        return chosen(every)
 
     @cached_property
     def rows(self) -> NDArray[np.int64]:
@@ -94,12 +110,12 @@ class PageScene:
     @cached_property
     def points(self) -> Points:
         """Where these rows were measured."""
-        return _rows_of(self.measurement.points, self.rows)
+        return _rows_of(self.seen.points, self.rows)
 
     @cached_property
     def grids(self) -> list[tuple[Real, Points]]:
         """For each sweep the places of its smooth curve along the axis, and their conditions."""
-        whole = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
+        whole = [smooth(self.seen, self.axis, sweep) for sweep in self.sweeps]
         # Each preview carries such a curve for each sweep: the page would otherwise grow by
         # megabytes.
         count = sum(len(x) for x, _ in whole)

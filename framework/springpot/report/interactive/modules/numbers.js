@@ -9,9 +9,12 @@ export function number(value, digits = 4) {
   return value.toFixed(Math.max(0, digits - 1 - exponent));
 }
 
+const RAISED = { ".": "·", "-": "⁻", alpha: "ᵅ", beta: "ᵝ" };
+const raised = (_, power) => RAISED[power] || power.replace(/./g, (sign) => RAISED[sign] || "⁰¹²³⁴⁵⁶⁷⁸⁹"[sign]);
+
 // Units and names in words as they are printed: °C and s², where a file can only say degC and s^2.
-export const pretty = (text) => String(text).replace(/\bdegC\b/g, "°C").replace(/\^2\b/g, "²").replace(/\^3\b/g, "³")
-  .replace(/\^alpha\b/g, "^α").replace(/\bomega\b/g, "ω").replace(/\bsigma\b/g, "σ").replace(/(\d) x(?![\w.])/g, "$1 ×")
+export const pretty = (text) => String(text).replace(/\bdegC\b/g, "°C").replace(/\^(-?\d+(?:\.\d+)?|alpha|beta)(?!\w|\.\d)/g, raised)
+  .replace(/\bomega\b/g, "ω").replace(/\bsigma\b/g, "σ").replace(/(\d) x(?![\w.])/g, "$1 ×")
   .replace(/\b\d(\.\d+)?e\+0[1-5]\b/g, (told) => String(Number(told)));
 
 export const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
