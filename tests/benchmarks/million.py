@@ -85,7 +85,8 @@ def main(trials: int, seconds: float) -> None:
         subprocess.run(command, check=True)
         wall, cluster_time = perf_counter() - start, processor(there) - before
         count, own = stored(store)
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        # Of the two commands alone: the cluster's processes have not been waited for yet.
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     command_time, memory = usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
     beyond = 1e3 * (cluster_time + command_time - own) / count
     print(
