@@ -15,7 +15,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import fields
+from itertools import cycle, permutations, product
 from pathlib import Path
 from typing import Any
 
@@ -24,17 +26,36 @@ from numpy.typing import NDArray
 
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Table, save_table, store_path
-from springpot.benchmark.cases import problem_of
+from springpot.benchmark.cases import problem_of, reference_of
 from springpot.benchmark.statistics import expected_running_time
+from springpot.identification.problem import Problem
 from springpot.identification.recorder import Recorder
 from springpot.rheology import Real
-from springpot_plugins.optimisers.auto import TURN, Auto, Seen, leaf, looked
-from suite import SUITE, plan
+from springpot_plugins.optimisers import auto
+from springpot_plugins.optimisers.auto import TOLERANCE, Auto, Seen, Watched, leaf, looked
+from springpot_plugins.optimisers.leastsquares import LeastSquares
+from suite import SUITE, TARGET, plan, sweeps
 
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "results"
 RULES = ROOT / "plugins" / "springpot_plugins" / "optimisers" / "auto.toml"
-OWN, FIRST = Auto.name, "least-squares-alternating"
+OWN = Auto.name
+KINDS = tuple(
+    {"method": method, "logarithmic": logarithmic}
+    for method in ("trf", "dogbox")
+    for logarithmic in (True, False)
+)
+"""Descents that are tried."""
+SAME = ("least-squares", "least-squares-alternating", "optimagic-scipy-ls-dogbox")
+"""Who makes no other descents than these, and has no turn beside them."""
+LENGTHS = (30, 50, 80, 120, 200, 400)
+"""Evaluations after which one is ended."""
+TURNS = (0.1, 0.2, 0.3, 0.45)
+"""Shares of the budget for which descents and the chosen optimiser take turns."""
+TRIED, TRIED_IN_TIME = 30, 8
+"""Descents of each kind on each problem, and on those with tests in time."""
+DRAWN = 40
+"""Runs of descents that are put together from those."""
 DRAWS = 5
 """Looks at each problem, from different points."""
 DEEPEST, FEWEST = 2, 4
@@ -46,6 +67,7 @@ RANKED = 4
 EXTRAS = ("dfo-", "minion-", "minuit-", "nevergrad-", "optimagic-", "pymoo-")
 
 Trials = Mapping[str, Mapping[str, tuple[Real, Real]]]
+Order = tuple[int, ...]
 
 
 def trials_of(findings: Findings) -> dict[str, dict[str, tuple[Real, Real]]]:
@@ -67,48 +89,148 @@ def halves() -> tuple[list[str], list[str]]:
     return learnt, [name for name in measured if name not in learnt]
 
 
-def looks(budget: int) -> dict[str, list[Seen]]:
-    """What is seen of each problem, from several draws."""
-    limit, found = int(Auto().share * budget), dict[str, list[Seen]]()
+def training() -> list[tuple[str, Problem, float]]:
+    """Name, problem and target of those that are learnt from."""
+    half, found = halves()[0], []
     for case in plan().cases:
-        problem = problem_of(case.source, case.source.model_of(case.model), case.objective)
-        with np.errstate(all="ignore"):
-            found[case.source.name] = [
-                looked(Recorder(problem, budget), limit, np.random.default_rng(draw))
-                for draw in range(DRAWS)
-            ]
+        source = case.source
+        if source.name in half and source.best is not None:
+            problem = problem_of(source, source.model_of(case.model), case.objective)
+            goal = source.best + TARGET * (reference_of(problem) - source.best)
+            found.append((source.name, problem, goal))
     return found
 
 
-def cost(trials: Trials, problem: str, name: str, budget: int) -> float:
-    """Expected running time of descents for a share of the budget, then in turns with another."""
-    limit, turn = Auto().share * budget, TURN * budget
-    first, spent = trials[problem][FIRST]
-    if name == FIRST:
-        return min(expected_running_time(first, spent), FAILED * budget)
-    own = trials[problem][name][0]
+def looks(budget: int) -> dict[str, list[Seen]]:
+    """What is seen of each problem, from several draws."""
+    limit = int(Auto().share * budget)
+    with np.errstate(all="ignore"):
+        return {
+            name: [
+                looked(Recorder(problem, budget), limit, np.random.default_rng(draw))
+                for draw in range(DRAWS)
+            ]
+            for name, problem, _ in training()
+        }
+
+
+Bank = dict[str, Real]
+"""By problem (kinds, n, 2): evaluations of a descent, and those at which it met the target."""
+
+
+def bank() -> Bank:
+    """Single descents of every kind."""
+    found: Bank = {}
+    for name, problem, goal in training():
+        count = TRIED if name in sweeps() else TRIED_IN_TIME
+        found[name] = np.array(
+            [
+                [_descent(problem, goal, kind, np.random.default_rng(i)) for i in range(count)]
+                for kind in KINDS
+            ]
+        )
+    return found
+
+
+def _descent(
+    problem: Problem, goal: float, kind: Mapping[str, Any], rng: np.random.Generator
+) -> tuple[float, float]:
+    run = Recorder(problem, max(LENGTHS))
+    watched = Watched(run, max(LENGTHS), kind["logarithmic"])
+    start = run.lower + rng.random(run.dimension) * (run.upper - run.lower)
+    with np.errstate(all="ignore"), suppress(Exception):
+        LeastSquares(tolerance=TOLERANCE, **kind).descend(watched, start)
+    return run.evaluations, next((at for at, value in run.trace if value <= goal), np.inf)
+
+
+def expected(runs: Real, order: Order, longest: int) -> float:
+    """Expected evaluations until descents in this order, over and over, meet the target."""
+    total, open_still = 0.0, 1.0
+    for kind in order:
+        met = runs[kind, :, 1] <= longest
+        spent = np.where(met, runs[kind, :, 1], np.minimum(runs[kind, :, 0], longest))
+        total += open_still * float(spent.mean())
+        open_still *= 1.0 - float(met.mean())
+    return total / (1.0 - open_still) if open_still < 1.0 else np.inf
+
+
+def rotation(known: Bank, budget: int) -> tuple[Order, int]:
+    """The order of kinds, each at most once, and the length that take least on all problems."""
+    orders = [o for n in range(1, len(KINDS) + 1) for o in permutations(range(len(KINDS)), n)]
+
+    def level(way: tuple[Order, int]) -> float:
+        times = [min(expected(runs, *way), FAILED * budget) for runs in known.values()]
+        return float(np.mean(np.log10(times)))
+
+    return min(product(orders, LENGTHS), key=level)
+
+
+def put_together(runs: Real, order: Order, longest: int, budget: int) -> Real:
+    """Evaluations (n,) at which runs of such descents meet the target, infinite if they do not."""
+    rng, hits = np.random.default_rng(0), np.full(DRAWN, np.inf)
+    for i in range(DRAWN):
+        spent = 0.0
+        for kind in cycle(order):
+            taken, met = runs[kind, rng.integers(runs.shape[1])]
+            if spent + met <= budget and met <= longest:
+                hits[i] = spent + met
+            spent += max(1.0, min(taken, longest))
+            if np.isfinite(hits[i]) or spent >= budget:
+                break
+    return hits
+
+
+def cost(first: Real, own: Real, share: float, budget: int) -> float:
+    """Expected running time of descents for a share of the budget, then in turns with another.
+
+    Parameters
+    ----------
+    first, own : ndarray, shape (n,) and (m,)
+        Evaluations at which descents and the other alone meet the target.
+    share : float
+        Of the budget, a turn.
+    budget : int
+        Evaluations of a trial.
+    """
+    limit, turn = Auto().share * budget, share * budget
+    first, own = first[:, None], own[None, :]
     with np.errstate(invalid="ignore"):
-        # Before either arrives, the other has had as many turns.
-        late = limit + (np.ceil(own / turn) - 1.0) * turn + own
+        # It begins anew with each of its turns, of which it has the first.
+        late = np.where(own <= turn, limit + own, np.inf)
         more = first + np.ceil((first - limit) / turn) * turn
-    hits = np.where(first <= limit, first, np.fmin(late, more))
+    hits = np.where(first <= limit, first, np.fmin(late, more)).ravel()
     hits = np.where(hits <= budget, hits, np.inf)
     return min(expected_running_time(hits, np.full(len(hits), budget)), FAILED * budget)
 
 
-def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[str, Any]:
-    """The tree."""
-    training = halves()[0]
-    # Descents go on in any case: the rules say who takes turns with them.
-    names = [name for name in next(iter(trials.values())) if name not in (OWN, FIRST)]
-    costs = np.log10([[cost(trials, p, name, budget) for name in names] for p in training])
-    rows = np.array(
-        [[list(each.to_dict().values()) for each in seen[problem]] for problem in training]
-    )
+def learnt(trials: Trials, budget: int) -> dict[str, Any]:
+    """The rules."""
+    known = bank()
+    order, longest = rotation(known, budget)
+    rules: dict[str, Any] = {"longest": longest, "turn": TURNS[0]}
+    rules["descents"] = [KINDS[kind] for kind in order]
+    # What is seen hangs on the descents.
+    write(rules | {"tree": auto.rules()["tree"]})
+    seen, problems = looks(budget), list(known)
+    alone = {p: put_together(known[p], order, longest, budget) for p in problems}
+    names = [name for name in next(iter(trials.values())) if name not in (OWN, *SAME)]
+    best = np.inf
+    for turn in TURNS:
+        costs = np.log10(
+            [[cost(alone[p], trials[p][name][0], turn, budget) for name in names] for p in problems]
+        )
+        level, tree = _tree(costs, [seen[p] for p in problems], names)
+        if level < best:
+            best, rules["turn"], rules["tree"] = level, turn, tree
+    return rules
+
+
+def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> tuple[float, dict[str, Any]]:
+    """Mean cost on problems that are left out one by one, and the tree from all of them."""
     keys = [each.name for each in fields(Seen)]
     # Each look at a problem is a row; all of a problem have its costs.
-    owner = np.repeat(np.arange(len(training)), DRAWS)
-    rows = rows.reshape(-1, len(keys))
+    owner = np.repeat(np.arange(len(seen)), DRAWS)
+    rows = np.array([list(each.to_dict().values()) for looks in seen for each in looks])
 
     def grown(which: NDArray[np.bool_], depth: int) -> dict[str, Any]:
         return _grown(rows[which], costs[owner][which], owner[which], keys, names, depth)
@@ -116,15 +238,16 @@ def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[
     def left_out(depth: int) -> float:
         """Mean cost of each problem by the rules that are learnt without it."""
         total = 0.0
-        for problem in range(len(training)):
+        for problem in range(len(seen)):
             tree, mine = grown(owner != problem, depth), rows[owner == problem]
             picks = [leaf(tree, dict(zip(keys, row, strict=True)))[0][0] for row in mine]
             total += float(np.mean([costs[problem, names.index(pick)] for pick in picks]))
-        return total
+        return total / len(seen)
 
     # As many questions as pay on problems that were left out.
-    depth = min(range(DEEPEST + 1), key=left_out)
-    return grown(np.ones(len(rows), dtype=bool), depth)
+    levels = [left_out(depth) for depth in range(DEEPEST + 1)]
+    depth = int(np.argmin(levels))
+    return levels[depth], grown(np.ones(len(rows), dtype=bool), depth)
 
 
 def _grown(
@@ -210,10 +333,18 @@ def main() -> None:
     if "learn" not in sys.argv:
         told(findings, RESULTS / "suite_race")
         return
-    budget = findings.scale.budget
-    tree = learnt(trials_of(findings), looks(budget), budget)
-    head = f"# Learnt by studies/suite_choice.py from {len(halves()[0])} problems of {SUITE}.\n\n"
-    RULES.write_text(head + toml(tree), encoding="utf-8")
+    write(learnt(trials_of(findings), findings.scale.budget))
+
+
+def write(rules: Mapping[str, Any]) -> None:
+    """Keep the rules where `auto` reads them."""
+    text = f"# Learnt by studies/suite_choice.py from {len(halves()[0])} problems of {SUITE}.\n\n"
+    text += f"longest = {rules['longest']}\nturn = {rules['turn']}\n"
+    for kind in rules["descents"]:
+        text += f'\n[[descents]]\nmethod = "{kind["method"]}"\n'
+        text += f"logarithmic = {str(kind['logarithmic']).lower()}\n"
+    RULES.write_text(f"{text}\n{toml(rules['tree'])}", encoding="utf-8")
+    auto.rules.cache_clear()
 
 
 if __name__ == "__main__":

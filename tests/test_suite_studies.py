@@ -56,3 +56,41 @@ def test_all_readings_of_the_swarm_are_raced():
     assert len({each.clamp for each in swarms}) == 3
     assert {type(each) for each in swarms} == {PaperSwarm, ScalarSwarm}
     assert len(set(map(repr, swarms))) == len(swarms) == 12
+
+
+def test_descents_in_turn_take_what_one_by_one_is_expected_of_them():
+    from suite_choice import expected
+
+    # Of the first kind half of the descents meet the target at 10, the others end at 20 without.
+    runs = np.array([[[10.0, 10.0], [20.0, np.inf]], [[5.0, np.inf], [5.0, np.inf]]])
+    assert expected(runs, (0,), 100) == 15.0 / 0.5
+    assert expected(runs, (0, 1), 100) == (15.0 + 0.5 * 5.0) / 0.5
+    # One that is cut short misses, and costs no more than that.
+    assert expected(runs, (0,), 8) == np.inf
+    assert expected(runs, (0,), 15) == 12.5 / 0.5
+    assert expected(runs, (1,), 100) == np.inf
+
+
+def test_the_order_of_descents_is_that_which_takes_least_on_all_problems():
+    from suite_choice import KINDS, rotation
+
+    never = [[50.0, np.inf]] * 2
+    runs = np.array([never, [[9.0, 9.0]] * 2, [[3.0, np.inf]] * 2, never])
+    assert len(runs) == len(KINDS)
+    other = np.array([never, never, [[3.0, 3.0]] * 2, never])
+    order, longest = rotation({"one": runs, "other": other}, 8000)
+    assert set(order) == {1, 2}
+    assert order[0] == 2
+    assert longest == 30
+
+
+def test_whoever_begins_anew_in_each_turn_arrives_within_one_or_not():
+    from suite_choice import cost
+
+    first, budget = np.array([np.inf]), 1000
+    # After 50 evaluations of descents a turn is 100 long.
+    assert cost(first, np.array([80.0]), 0.1, budget) == 50.0 + 80.0
+    assert cost(first, np.array([180.0]), 0.1, budget) == 10.0 * budget
+    assert cost(np.array([20.0]), np.array([80.0]), 0.1, budget) == 20.0
+    # Descents go on in every second turn.
+    assert cost(np.array([60.0]), np.array([np.inf]), 0.1, budget) == 160.0

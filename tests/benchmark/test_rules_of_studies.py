@@ -356,11 +356,11 @@ def test_a_script_is_loaded_once_and_its_faults_are_told_by_line(tmp_path):
 
 @pytest.mark.parametrize(
     ("processor", "evaluations", "each"),
-    [(2.0, 4, 0.5), (None, 4, None), (0.0, 4, None), (2.0, 0, None)],
+    [(2.0, 4, 0.5), (None, 4, np.nan), (0.0, 4, np.nan), (2.0, 0, np.nan)],
 )
 def test_a_clock_that_shows_nothing_gives_no_rate(processor, evaluations, each):
-    row = SimpleNamespace(processor=processor, evaluations=evaluations)
-    assert summary._each(row) == each
+    trials = summary.CellTrials(("processor", "evaluations"), [(processor, evaluations)])
+    np.testing.assert_array_equal(summary._each(trials), [each])
 
 
 def test_a_canary_goes_through_each_door():

@@ -197,14 +197,6 @@ def test_factors_of_each_level(stays):
     )  # fmt: skip
 
 
-def test_levels_reach_each_other_through_others():
-    touching = np.eye(5, dtype=bool)
-    for i, j in ((0, 1), (1, 2), (3, 4)):
-        touching[i, j] = touching[j, i] = True
-    assert known_factors.reached_from(0, touching).tolist() == [True, True, True, False, False]
-    assert known_factors.reached_from(4, touching).tolist() == [False, False, False, True, True]
-
-
 def test_ranges_meet(stays):
     number, values = np.array([0, 0, 1, 1, 2]), np.array([1.0, 3.0, 3.5, 5.0, 9.0])
     low, high = allowed_shifts.ranges(number, values)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 
 import springpot
 from springpot.errors import ModelError, OptionError
 from springpot.identification.problem import Problem
+from springpot.identification.recorder import BudgetSpent, Recorder
 from springpot.identification.runs import run
 from springpot.registry import plugins
 from springpot_plugins.optimisers import auto
-from springpot_plugins.optimisers.leastsquares import AlternatingLeastSquares
 
 BUDGET = 600
 SEEN = auto.Seen(5, 4, 1.0, 0.0, 3.0, 2.0, 0.0)
@@ -29,15 +31,25 @@ def leaves(node):
     return leaves(node["below"]) + leaves(node["above"])
 
 
-def test_what_it_looks_at_is_the_beginning_of_least_squares():
+def test_what_it_looks_at_are_the_descents_of_its_rules():
     limit = int(auto.Auto().share * BUDGET)
-    traces = [
-        run(kind(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace
-        for kind in (auto.Auto, AlternatingLeastSquares)
-    ]
-    early = [[step for step in trace if step[0] <= limit] for trace in traces]
-    assert early[0] == early[1]
-    assert early[0]
+    whole = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace
+    descents = Recorder(problem("mass-and-delay"), limit)
+    with contextlib.suppress(BudgetSpent):
+        auto.descents(descents, limit, np.random.default_rng(3))
+    assert [step for step in whole if step[0] <= limit] == descents.trace
+    assert descents.trace
+
+
+def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch):
+    known = {"longest": 4, "descents": [{"method": "trf", "logarithmic": True}, {"method": "lm"}]}
+    monkeypatch.setattr(auto, "rules", lambda: known)
+    kinds, made = auto.kinds(), Recorder(problem("mass-and-delay"), BUDGET)
+    for methods in ("trf", "lm", "trf"):
+        kind, before = next(kinds), made.evaluations
+        assert kind.method == methods
+        assert auto.descended(made, kind, np.random.default_rng(1), BUDGET).cut
+        assert made.evaluations == before + 4
 
 
 def test_it_says_which_optimiser_it_goes_on_with_and_why():

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from springpot.identification.allowed_shifts import meeting
-from springpot.identification.known_factors import reached_from
+from springpot.identification.levels_alone import meeting, reached_from
 
 
 def test_a_chain_of_overlaps_is_followed_to_its_end_and_not_over_a_gap():

@@ -56,6 +56,7 @@ def test_the_readme_story_by_mouse(page: Open, damper: bytes, tmp_path: Path):
     here = page()
     here.open("damper.csv", damper, MODEL)
     assert here.reads("#facts") == "14 points, 1 sweep"
+    assert "kN sᵅ/m" in here.reads("#model-body"), "powers are raised"
     before = here.error()
 
     # Preview: a dashed curve and an error, from what is in the page, without a trace.

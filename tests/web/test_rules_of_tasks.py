@@ -186,10 +186,10 @@ def test_rows_of_several_tests_leave_by_no_script_and_no_command(
     state = State("x", excluded=excluded)
     if "." not in says:
         with pytest.raises(DataError, match=says):
-            testing.leave_in_time(kind, state, data, None)
+            testing.leave_in_time(kind, state, data, (), None)
         return
     text = {"script": f"reads {sources}", "command": "reads a.csv\n"}[kind]
-    assert testing.leave_in_time(kind, state, data, None) == {"name": says, "text": text}
+    assert testing.leave_in_time(kind, state, data, (), None) == {"name": says, "text": text}
 
 
 @pytest.mark.parametrize(

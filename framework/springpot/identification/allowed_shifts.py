@@ -19,7 +19,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import LARGEST_SHIFT, Real
 
 from ..numerics import ALIKE, DECADE
-from .levels_alone import Alone, each_alone
+from .levels_alone import Alone, each_alone, meeting, ranges
 from .native import Fit
 from .problem import relative_objective
 
@@ -172,16 +172,3 @@ def scatter_between(own: Alone) -> Real:
         usual = float(np.median(own.error[own.judged]))
     scatter = np.where(own.judged, own.error, usual)
     return np.asarray(np.add.outer(scatter**2, scatter**2), dtype=np.float64)
-
-
-def ranges(number: NDArray[np.int64], values: Real) -> tuple[Real, Real]:
-    """Least and largest value (m,) of each level."""
-    parts = [values[number == i] for i in range(number.max() + 1)]
-    return np.array([part.min() for part in parts]), np.array([part.max() for part in parts])
-
-
-def meeting(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
-    """Which ranges (m, m) meet within room."""
-    return np.asarray(
-        (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
-    )

@@ -41,10 +41,13 @@ class Expected:
         about zero; nothing is expected of one whose column is zero.
     unit : float
         Variance of a weighted residual of the data, by which departures are weighed against these.
+    moved : ndarray, shape (q,), optional
+        By how much the logarithms would be others with what the evidence did not ask for.
     """
 
     rows: Real
     unit: float
+    moved: Real | None = None
 
     @property
     def weighted(self) -> Real:
@@ -66,7 +69,8 @@ class Expected:
         rows = rows[np.any(rows != 0.0, axis=1)]
         if not len(rows):
             return None
-        return Expected(rows, self.unit)
+        moved = None if self.moved is None else self.moved[list(columns)]
+        return Expected(rows, self.unit, moved)
 
 
 def expectation(model: Model) -> Real:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import f_sf, student
+from springpot.distributions import student
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
@@ -17,11 +17,11 @@ from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL, VERDICT
+from springpot.thresholds import EVIDENCE, INTERVAL
 
 from ..numerics import ALIKE, ROUNDING
 from .expected_factors import Expected, expectation
-from .levels_alone import alike, shifted_by
+from .levels_alone import alike, meeting, ranges, reached_from, shifted_by
 from .material import is_material
 from .native import Fit, fit
 from .problem import Objective, weighted
@@ -380,7 +380,10 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     # infinity, with which nothing can be computed.
     # By an orthonormal basis: which vectors span what is lost is chance.
     lost, _ = np.linalg.qr(right[~known].T / size[:, None])
-    return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
+    covariance = covariance + OPEN**2 * lost @ lost.T
+    if expected is not None and expected.moved is not None:
+        covariance = covariance + np.outer(expected.moved, expected.moved)
+    return np.asarray(covariance, dtype=np.float64)
 
 
 def _noise_of_slopes(rows: FactorRows, sd: Real) -> Real:
@@ -529,9 +532,14 @@ def superposed_fit(
     expected = Expected(expectation(model), unit)
     best = fit(model, measurement, objective, seeds_theta=seeds, expected=expected)
     flat = replace(flat, expected=expected)
-    if _needless(FactorRows.of(flat), FactorRows.of(best)):
-        return flat
-    return best
+    if not _needless(FactorRows.of(flat), FactorRows.of(best)):
+        return best
+    # None the less they may be there: no factor is known better than they would move it.
+    there, here = (each.theta[-expected.rows.shape[1] :] for each in (best, flat))
+    # Constants of a law are no factors, and may be zero or below.
+    moved, factors = np.zeros_like(here), (there > 0.0) & (here > 0.0)
+    moved[factors] = np.log(there[factors] / here[factors])
+    return replace(flat, expected=replace(expected, moved=moved))
 
 
 def _unit_of_factors(
@@ -560,16 +568,28 @@ def _with_factors_of_one(alone: Fit, model: Model) -> Fit:
     return replace(alone, model=whole, theta=theta)
 
 
+def _together(rows: FactorRows) -> NDArray[np.bool_]:
+    """Levels (m,) whose reduced frequencies meet with those of the reference, or through others."""
+    return reached_from(rows.elements[0].reference, meeting(*ranges(rows.number, rows.reduced[1])))
+
+
 def _needless(flat: FactorRows, best: FactorRows) -> bool:
     """Whether vertical factors of one do as well as those found."""
     # The lines are refined after the search for the factors, each time elsewhere: that can end
     # above where it began.
     if flat.objective <= best.objective:
         return True
-    # On straight sweeps many factors follow the noise a little better than one does; that is no
-    # reason for them.
-    if np.sum(told_by_data(best, best.elements[-1].reference)) > 1:
+    # A shift that tears sweeps apart leaves what they differ by to the spectrum between them.
+    if not np.all(_together(flat)) and np.all(_together(best)):
         return False
-    count, dof = len(best.elements[-1].free), max(best.fit.dof, 1)
-    gain = (flat.fit.cost - best.fit.cost) / (count * best.unit)
-    return bool(f_sf(gain, count, dof) >= VERDICT.structure_alarm)
+    # On straight sweeps many factors follow the noise a little better than one does, and that is no
+    # reason for them: by Bayes' theorem, with the likelihoods of Laplace's approximation, one does
+    # unless the others are clearly better.
+    assert best.expected is not None
+    lifts = slice(len(best.own) - len(best.elements[-1].free), None)
+    narrowed = [
+        float(np.linalg.slogdet(covariance[lifts, lifts])[1])
+        for covariance in (best.expected.covariance, _covariance(best, best.expected))
+    ]
+    gain = (flat.objective - best.objective) / best.unit
+    return gain <= narrowed[0] - narrowed[1] + 2.0 * EVIDENCE.as_good

@@ -13,10 +13,10 @@ from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 from ..numerics import ALIKE, DECADE
-from .allowed_shifts import ROOM, meeting, ranges, scatter_between
+from .allowed_shifts import ROOM, scatter_between
 from .expected_factors import spread_between
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
-from .levels_alone import FEW, Alone, each_alone
+from .levels_alone import FEW, Alone, each_alone, meeting, ranges, reached_from
 from .material import is_material
 from .problem import relative_objective
 from .uncertainty import Uncertainty
@@ -146,15 +146,6 @@ def _frequencies(rows: FactorRows) -> NDArray[np.int64]:
     """Distinct frequencies (m,) of each level."""
     omega = rows.fit.measurement.omega
     return np.array([len(np.unique(omega[rows.number == i])) for i in range(rows.number.max() + 1)])
-
-
-def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Levels (m,) that touch one of them, directly or through others."""
-    reached = np.arange(len(touching)) == reference
-    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
-    for _ in range(len(touching)):
-        reached = touching[reached].any(axis=0)
-    return np.asarray(reached)
 
 
 def _ends(

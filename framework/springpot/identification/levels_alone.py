@@ -350,3 +350,25 @@ def _too_large(own: Alone) -> float:
     if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return 0.0
     return float(np.sqrt(dof / max(cost, SMALLEST)))
+
+
+def ranges(number: NDArray[np.int64], values: Real) -> tuple[Real, Real]:
+    """Least and largest value (m,) of each level."""
+    parts = [values[number == i] for i in range(number.max() + 1)]
+    return np.array([part.min() for part in parts]), np.array([part.max() for part in parts])
+
+
+def meeting(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
+    """Which ranges (m, m) meet within room."""
+    return np.asarray(
+        (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
+    )
+
+
+def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Levels (m,) that touch one of them, directly or through others."""
+    reached = np.arange(len(touching)) == reference
+    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
+    for _ in range(len(touching)):
+        reached = touching[reached].any(axis=0)
+    return np.asarray(reached)

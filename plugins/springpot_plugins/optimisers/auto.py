@@ -1,21 +1,22 @@
 """Least squares first, and then the optimiser that suits what they have shown of the problem.
 
-Short descents, by logarithms and by the parameters themselves in turn, are what most problems need,
-and what they leave behind may tell the others apart: how many of them agree, how far they fell, how
-the valley is shaped. The rules are a small tree, learnt from half of the problems of springpot-60
-by ``studies/suite_choice.py`` and kept in ``auto.toml``; as no question paid on problems that were
-left out, it asks none today and names one optimiser for all.
+Short descents of several kinds in turn are what most problems need, and what they leave behind may
+tell the others apart: how many of them agree, how far they fell, how the valley is shaped. Which
+kinds, in which order, how long a descent may be, who comes next and for how long: all of it was
+learnt from half of the problems of springpot-60 by ``studies/suite_choice.py`` and is kept in
+``auto.toml``.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
 from itertools import cycle
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -32,14 +33,14 @@ from springpot.identification import (
 from springpot.rheology import Real
 
 from .cube import keep_on
-from .leastsquares import AlternatingLeastSquares, LeastSquares, Misfit
+from .leastsquares import LeastSquares, Misfit
 
 ALIKE = 1e-6
 """Share of the way from no response at all to the best end that is as good as nothing."""
 EDGE = 1e-6
 """Share of the box within which a parameter lies at an edge of it."""
-TURN = 0.1
-"""Share of the budget after which descents and the chosen optimiser take turns."""
+TOLERANCE = 1e-6
+"""Relative change of objective, point and gradient that ends a short descent."""
 LARGEST = 16.0
 """Decades beyond which nothing but rounding is told."""
 
@@ -79,8 +80,8 @@ class Seen:
         return {each.name: float(getattr(self, each.name)) for each in fields(self)}
 
 
-class _LookedEnoughError(Exception):
-    """Ends a descent where the share of the budget for looking is spent."""
+class _CutShortError(Exception):
+    """Ends a descent that has had its evaluations."""
 
 
 @dataclass(frozen=True)
@@ -116,9 +117,15 @@ class Auto(Optimiser):
         problem.remark(f"{name} was chosen to take turns with descents: {why}")
         other: Optimiser = springpot.plugins().find("optimiser", name)()
         # In turns: where the rules err, half of the budget is still the descents'.
-        turns: list[Optimiser] = [other, AlternatingLeastSquares()]
-        ways = cycle(turns)
-        keep_on(problem, lambda: in_turn(problem, next(ways), budget, rng))
+        turns = cycle([other.minimise, descents])
+        length = max(1, int(rules()["turn"] * budget))
+        keep_on(problem, lambda: in_turn(problem, next(turns), length, rng))
+
+
+def descents(problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+    """Nothing but the short descents, until the recorder ends the run."""
+    ways = kinds()
+    keep_on(problem, lambda: descended(problem, next(ways), rng, budget))
 
 
 class Turn(Searched):
@@ -142,13 +149,16 @@ class Turn(Searched):
         return self.run.misfit(x)
 
 
-def in_turn(problem: Recorder, optimiser: Optimiser, budget: int, rng: np.random.Generator) -> None:
-    """Let an optimiser search for one turn, or as long as the run has evaluations left."""
-    length = min(max(1, int(TURN * budget)), problem.left)
+Search: TypeAlias = Callable[[Recorder, int, np.random.Generator], None]
+
+
+def in_turn(problem: Recorder, search: Search, length: int, rng: np.random.Generator) -> None:
+    """Let somebody search for so many evaluations, or as many as the run has left."""
+    length = min(length, problem.left)
     if length < 1:
         return
     try:
-        optimiser.minimise(Recorder(Turn(problem), length), length, rng)
+        search(Recorder(Turn(problem), length), length, rng)
     except BudgetSpent:
         # That of the turn; the end of the run ends this too.
         if problem.left < 1:
@@ -157,32 +167,58 @@ def in_turn(problem: Recorder, optimiser: Optimiser, budget: int, rng: np.random
 
 def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
     """Descend from uniform points until so many evaluations are made, and say what was seen."""
-    starts, ends, ways = list[float](), list[float](), cycle((True, False))
+    starts, ends, ways = list[float](), list[float](), kinds()
     while problem.evaluations < limit:
-        misfit = _Watched(problem, limit, next(ways))
-        try:
-            AlternatingLeastSquares().descend(misfit, rng)
-        except _LookedEnoughError:
-            # One that was cut short has ended nowhere; without it there may be none.
-            if ends:
-                break
+        misfit = descended(problem, next(ways), rng, limit)
+        # One that was cut short by the limit has ended nowhere; without it there may be none.
+        if misfit.cut and problem.evaluations >= limit and ends:
+            break
         starts.append(misfit.first)
         ends.append(misfit.least)
     return _told(problem, np.array(starts), np.array(ends))
 
 
-class _Watched(Misfit):
-    """Residuals that remember the first and the least objective, and end a descent in time."""
+def kinds() -> Iterator[LeastSquares]:
+    """The kinds of descent in the order of the rules, over and over."""
+    return cycle(LeastSquares(tolerance=TOLERANCE, **each) for each in rules()["descents"])
+
+
+def descended(
+    problem: Recorder, kind: LeastSquares, rng: np.random.Generator, limit: int
+) -> Watched:
+    """A short descent from a uniform point, at the latest until `limit` evaluations of the run."""
+    longest = problem.evaluations + int(rules()["longest"])
+    misfit = Watched(problem, min(limit, longest), kind.logarithmic)
+    width = problem.upper - problem.lower
+    start = problem.first(problem.lower + rng.random(problem.dimension) * width)
+    with suppress(_CutShortError):
+        kind.descend(misfit, start)
+    return misfit
+
+
+class Watched(Misfit):
+    """Residuals that remember the first and the least objective, and end a descent in time.
+
+    Parameters
+    ----------
+    problem : Recorder
+        The run.
+    limit : int
+        Its evaluations at which the descent is cut short.
+    logarithmic : bool
+        As of `Misfit`.
+    """
 
     def __init__(self, problem: Recorder, limit: int, logarithmic: bool) -> None:
         super().__init__(problem, logarithmic)
-        self.limit, self.first, self.least = limit, np.inf, np.inf
+        self.limit, self.first, self.least, self.cut = limit, np.inf, np.inf, False
 
     def both(self, y: Real) -> tuple[Real, Real]:
-        """Both, unless enough has been looked."""
+        """Both, unless it has had enough."""
         before = self.problem.evaluations
         if before >= self.limit:
-            raise _LookedEnoughError
+            self.cut = True
+            raise _CutShortError
         residual, jacobian = super().both(y)
         if self.problem.evaluations > before:
             value = float(residual @ residual)
@@ -231,7 +267,7 @@ def _decades(large: float, small: float) -> float:
 
 @cache
 def rules() -> Mapping[str, Any]:
-    """The tree, as it was learnt."""
+    """The descents, the turns and the tree, as they were learnt."""
     return tomllib.loads(files(__package__).joinpath("auto.toml").read_text(encoding="utf-8"))
 
 

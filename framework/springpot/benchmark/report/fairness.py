@@ -18,6 +18,10 @@ OF_ITS_OWN = {
         "auto chooses by rules that were learnt from half of the problems of springpot-60: on these"
         " it is no newcomer."
     ),
+    "least-squares-alternating": (
+        "least-squares-alternating was made for these models: that logarithms and parameters take"
+        " turns was found by a trial on sweeps of springpot-60."
+    ),
     "pso-paper": (
         "pso-paper is born where the paper has it, in (0, k-bar) of a box that reaches twice as"
         " far, and may leave the box."
