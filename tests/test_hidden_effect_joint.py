@@ -32,6 +32,7 @@ def verdicts():
         return [judged(drawn_case(SEED, index), index, effects) for index in CASES]
 
 
+@pytest.mark.soak
 def test_what_several_tests_miss_is_named_and_nothing_else(verdicts):
     plain = [each for each in verdicts if each.hidden]
     assert all(each.visible >= NAMED and each.right for each in plain)
@@ -40,6 +41,7 @@ def test_what_several_tests_miss_is_named_and_nothing_else(verdicts):
     assert not any(each.flagged for each in clean)
 
 
+@pytest.mark.soak
 def test_the_joint_tables_count_all_cases(verdicts, tmp_path):
     write_joint(verdicts, tmp_path, SEED)
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
@@ -80,6 +82,7 @@ def test_a_joint_case_is_the_same_every_time():
         assert np.array_equal(getattr(one, name), getattr(other, name))
 
 
+@pytest.mark.soak
 def test_a_gain_of_one_of_two_tests_is_one_of_the_other_just_as_well():
     cases = [drawn_case(5, index) for index in range(40)]
     gains = [case for case in cases if case.group == "calibration"]

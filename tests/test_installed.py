@@ -216,6 +216,7 @@ def test_the_reader_opens_its_files(installed: Environment):
     assert "damper.json" in told
 
 
+@pytest.mark.soak
 def test_the_effect_takes_part_in_diagnosis_and_is_found(installed: Environment):
     noise = np.random.default_rng(7).normal(size=(2, len(OMEGA))) * 0.003
     lost = 1j * OMEGA / (1j * OMEGA + 2.0)

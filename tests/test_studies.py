@@ -82,7 +82,15 @@ def test_a_study_is_named_like_its_script_and_says_what_it_shows(path):
 
 
 @pytest.mark.soak_cases(
-    "model_error", "nist_fluid", "swarm_claim", "table2", "table3", "table4", "table5", "table6"
+    "model_error",
+    "nist_fluid",
+    "swarm_claim",
+    "table1",
+    "table2",
+    "table3",
+    "table4",
+    "table5",
+    "table6",
 )
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_study_runs_with_a_tiny_budget(path, tmp_path):
@@ -119,6 +127,7 @@ def test_one_worker_and_two_give_the_same_bytes(name, tmp_path):
     assert found[0] == found[1]
 
 
+@pytest.mark.soak
 @pytest.mark.slow
 def test_a_script_and_the_command_do_the_same(tmp_path):
     script = ROOT / "studies" / "table1.py"

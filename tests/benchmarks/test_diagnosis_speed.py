@@ -76,7 +76,7 @@ def test_a_master_curve_costs_some_thousand_bare_solutions():
     assert curve < 5000 * one
 
 
-@pytest.mark.soak_cases("temperatures1-60-27000")
+@pytest.mark.soak
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("temperatures", "points", "most"),

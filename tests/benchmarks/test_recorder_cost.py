@@ -38,6 +38,7 @@ def least(calls, turns, clock=process_time):
     return spent.min(axis=0)
 
 
+@pytest.mark.soak
 @patient
 def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
     """At most 2 us beyond the objective on a machine that clamps a point in 0.8 us.

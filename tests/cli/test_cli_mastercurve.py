@@ -20,6 +20,7 @@ def test_the_text_has_factors_laws_and_a_verdict(springpot):
         assert words in answer.out
 
 
+@pytest.mark.soak
 def test_json_is_the_same_as_in_python(springpot):
     told = springpot("mastercurve", "nist-srm2491", "--json").json
     found = package.mastercurve("nist-srm2491")

@@ -251,6 +251,7 @@ def test_discover_is_for_tests_in_time_too(springpot, relaxed):
     assert "k, c, series" not in springpot("discover", relaxed, *held).out
 
 
+@pytest.mark.soak
 def test_without_a_model_any_material_is_judged(springpot, relaxed):
     told = springpot("diagnose", relaxed)
     assert told.code == 0, told.err
@@ -312,6 +313,7 @@ def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed
     )
 
 
+@pytest.mark.soak
 def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
     springpot, relaxed, swept, tmp_path
 ):

@@ -219,6 +219,7 @@ def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path)
     assert figure.read_bytes().endswith(b"</svg>\n")
 
 
+@pytest.mark.soak
 def test_without_a_model_any_material_is_judged(springpot, heavy):
     few = ("--effects", "inertia,time-delay,series-spring")
     answer = springpot("diagnose", heavy, *few, "--json").json
@@ -305,6 +306,7 @@ def test_who_waits_is_told_why(capsys, monkeypatch):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.soak
 def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, monkeypatch):
     from springpot import api
     from springpot.api import library as effects_of

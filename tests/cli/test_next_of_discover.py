@@ -43,6 +43,7 @@ def following(answer):
     return answer.out.splitlines()[-1]
 
 
+@pytest.mark.soak
 def test_one_test_of_several_is_chosen_before_their_parameters(springpot, ages):
     assert (
         following(springpot("discover", ages, "--auto"))

@@ -21,6 +21,7 @@ def test_a_typed_effect_is_named_with_its_formula_and_loaded_again(springpot, tm
     assert library.load(path).best.physics.equation == "K + -m*omega^2"
 
 
+@pytest.mark.soak
 def test_an_accepted_law_is_a_rung_by_its_formula(springpot):
     asked = ("--effect", MASS, "--effects", "my-mass", "--accept", "my-mass")
     said = springpot("discover", *HIDDEN[1:], *asked, "--json").json

@@ -75,6 +75,7 @@ def test_files_that_are_specimens_need_no_further_word(springpot, specimens):
     assert apart.err.count("no column 'day'") == 2
 
 
+@pytest.mark.soak
 def test_specimens_are_judged_and_discovered_together(springpot, write, tmp_path):
     files, rng = [], np.random.default_rng(1)
     for i, k in enumerate((90.0, 100.0, 110.0)):

@@ -21,6 +21,7 @@ def record(write, force, name="rig.csv"):
     return write("\n".join(["time [s],displacement [mm],force [N]", *rows]) + "\n", name)
 
 
+@pytest.mark.soak
 def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(
     springpot, write, rng
 ):

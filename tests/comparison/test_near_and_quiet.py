@@ -42,6 +42,7 @@ def test_a_small_noise_is_not_called_a_bad_measurement(monkeypatch):
     assert first(monkeypatch, 0.005, WHY).endswith(f"is as near as any linear material: {WHY}")
 
 
+@pytest.mark.soak
 def test_a_large_one_is(monkeypatch):
     assert first(monkeypatch, 0.3, WHY).endswith("is no good measurement: repeat it")
 

@@ -141,6 +141,7 @@ def test_the_members_of_a_family_end_where_one_more_says_nothing():
     assert [one.model.name for one in ranking.judgements] == ["prony-2"]
 
 
+@pytest.mark.soak
 def test_members_of_a_family_are_tried_up_to_six_while_each_says_more():
     family = next(
         item for item in springpot.registry.plugins().items("model") if item.name == "prony-N"

@@ -129,6 +129,7 @@ def test_intervals_are_those_of_the_parameters(name, expression, values):
     assert np.log(found.high / found.value) == pytest.approx(reach, rel=0.01)
 
 
+@pytest.mark.soak
 def test_intervals_cover():
     """Of 80 series: within three deviations of 95 %, from the data as from the model."""
     hits = {"model": 0, "data": 0}

@@ -27,7 +27,10 @@ def diagnosed(effect, mass, hertz=HERTZ, unit="Pa"):
 
 
 @pytest.mark.soak_cases(
-    "specimen-inertia-MPa", "specimen-inertia-fixed-MPa", "specimen-inertia-fixed-Pa"
+    "specimen-inertia-MPa",
+    "specimen-inertia-Pa",
+    "specimen-inertia-fixed-MPa",
+    "specimen-inertia-fixed-Pa",
 )
 @pytest.mark.parametrize("unit", ["Pa", "MPa"])
 @pytest.mark.parametrize("effect", ["specimen-inertia", "specimen-inertia-fixed"])

@@ -88,6 +88,7 @@ def test_a_resonance_is_not_tried_where_a_common_effect_explains_all():
     assert "frame-resonance" not in [candidate.effect for candidate in diagnosis.candidates]
 
 
+@pytest.mark.soak
 def test_an_accepted_effect_never_raises_the_error(resonant):
     """The rung starts from the smaller model: cold starts miss the narrow valley of this effect."""
     before, after = resonant.steps

@@ -48,6 +48,7 @@ def test_of_a_gel_the_network_leads(gel):
     assert row(gel, "self-heating").probability < row(gel, "payne").probability
 
 
+@pytest.mark.soak
 def test_it_is_told_that_no_specimen_heats_so_much(gel):
     (note,) = [note for note in gel.notes if "no specimen reaches" in note]
     assert note.startswith("self-heating")

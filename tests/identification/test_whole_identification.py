@@ -60,6 +60,7 @@ def without_time(answer):
     return {name: part for name, part in answer.to_dict().items() if name != "seconds"}
 
 
+@pytest.mark.soak_cases("leastsquares", "free shift")
 @pytest.mark.parametrize("case", list(FITS))
 def test_fit_of_a_sweep(case, stays):
     name, options = FITS[case]

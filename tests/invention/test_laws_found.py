@@ -105,6 +105,7 @@ def test_what_no_formula_is_is_called_so(stays):
     stays(found.to_dict())
 
 
+@pytest.mark.soak
 def test_a_law_of_the_frequency_alone_is_one_beside_a_named_model():
     data = swept(lambda k, x: k - 400.0 - 0.004 * OMEGA**2, conditions={})
     sweep = data.subset(np.arange(8))
@@ -129,6 +130,7 @@ def test_a_column_that_was_not_varied_is_refused_in_one_line():
         springpot.invent(swept(lossy), along="current")
 
 
+@pytest.mark.soak
 def test_a_condition_that_moved_with_the_rest_is_taken_where_it_is_asked_for():
     data = swept(lossy, conditions={"amplitude": 30.0 / OMEGA}).subset(np.arange(8))
     (note, *_) = springpot.invent(data, "spring", along="amplitude").notes

@@ -66,6 +66,7 @@ def test_what_is_off_in_most_places_is_the_signal() -> None:
     assert len(strays(record(100.0 * np.cos(T) + NOISE[0] + often))) == 0
 
 
+@pytest.mark.soak
 def test_a_model_does_not_follow_it() -> None:
     time = np.geomspace(0.01, 100.0, 80)
     model = springpot.parse_model("zener")

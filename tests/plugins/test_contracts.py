@@ -41,21 +41,69 @@ def samples() -> dict[str, list[Path | bytes]]:
 SAMPLES = samples()
 
 
-@pytest.mark.soak_cases("model kelvin-N")
+@pytest.mark.soak_cases(
+    "model 1s2p1d",
+    "model 2s2p1d",
+    "model fractional-burgers",
+    "model fractional-jeffreys-kelvin",
+    "model fractional-kelvin-dashpot",
+    "model fractional-kelvin-general",
+    "model fractional-maxwell-dashpot",
+    "model fractional-maxwell-general",
+    "model fractional-poynting-thomson-general",
+    "model fractional-solid",
+    "model fractional-zener-general",
+    "model fractional-zener5",
+    "model huet",
+    "model jeffreys-kelvin",
+    "model kelvin-N",
+    "model maxwell-N",
+    "model oldroyd-b",
+    "model zener-2",
+    "model zener-kelvin",
+)
 class TestModels(PluginContract):
     plugin = "springpot_plugins.models"
     passive = True
 
 
 @pytest.mark.soak_cases(
+    "effect ageing",
+    "effect arrhenius-dashpot",
+    "effect asymmetric-damping",
+    "effect asymmetric-stop",
+    "effect backlash-in-time",
+    "effect basset",
+    "effect bearing-friction",
+    "effect cubic-damping",
+    "effect dead-zone",
+    "effect displacement-clipping",
+    "effect displacement-offset",
+    "effect elasto-sliding",
+    "effect fading-network",
+    "effect filter-mismatch",
+    "effect finite-ramp",
+    "effect fixture-resonance",
     "effect free-shift",
     "effect free-vertical-shift",
+    "effect frequency-error",
     "effect hardening-mount",
+    "effect parallel-dashpot",
+    "effect parallel-spring",
+    "effect phase-error",
+    "effect power-law-damper",
     "effect power-law-slip",
+    "effect retardation-mode",
+    "effect rig-drag",
+    "effect series-dashpot",
+    "effect series-springpot",
     "effect smooth-hysteresis",
-    "effect ageing",
-    "effect finite-ramp",
+    "effect specimen-inertia-fixed",
+    "effect strain-softening",
+    "effect strain-stiffening",
+    "effect thermal-growth",
     "effect thermal-transient",
+    "effect yielding",
 )
 class TestEffects(PluginContract):
     plugin = "springpot_plugins.effects"
@@ -69,14 +117,24 @@ class TestEffects(PluginContract):
 
 
 @pytest.mark.soak_cases(
-    "optimiser cma-es",
-    "optimiser dual-annealing",
-    "optimiser least-squares",
-    "optimiser native",
+    "optimiser auto",
     "optimiser basin-hopping",
+    "optimiser bipop-cma-es",
+    "optimiser cma-es",
     "optimiser cobyqa",
+    "optimiser dual-annealing",
+    "optimiser ipop-cma-es",
+    "optimiser least-squares",
+    "optimiser least-squares-alternating",
+    "optimiser native",
+    "optimiser nlopt-bobyqa",
+    "optimiser nlopt-crs",
+    "optimiser nlopt-direct-l",
+    "optimiser nlopt-isres",
     "optimiser nlopt-lbfgs",
     "optimiser nlopt-mlsl",
+    "optimiser nlopt-nelder-mead",
+    "optimiser pso-paper-scalar",
     "optimiser shgo",
 )
 class TestOptimisers(PluginContract):
@@ -91,7 +149,16 @@ class TestDataSets(PluginContract):
     plugin = "springpot_plugins.datasets"
 
 
-@pytest.mark.soak_cases("reader malvern", "reader signals-csv", "reader trios-lims", "reader trios")
+@pytest.mark.soak_cases(
+    "reader malvern",
+    "reader reptate-laos",
+    "reader signals-csv",
+    "reader signals-mat",
+    "reader ta-thermal",
+    "reader trios",
+    "reader trios-json",
+    "reader trios-lims",
+)
 class TestReaders(PluginContract):
     plugin = "springpot_plugins.readers"
     samples = SAMPLES

@@ -57,7 +57,13 @@ def test_stops_exactly_at_its_budget(name, budget):
     assert found.trace[-1] == (found.trace[-1][0], found.best)
 
 
-@pytest.mark.soak_cases("cobyqa-springpot")
+@pytest.mark.soak_cases(
+    "cobyqa-fractional-zener",
+    "cobyqa-springpot",
+    "least-squares-alternating-fractional-zener",
+    "nlopt-lbfgs-fractional-zener",
+    "shgo-fractional-zener",
+)
 @pytest.mark.parametrize("model", ["springpot", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
 def test_same_seed_same_bits_whatever_ran_before(name, model):
@@ -89,7 +95,15 @@ def test_deterministic_ones_do_not_depend_on_the_seed(name):
     assert traces[0] == traces[1]
 
 
-@pytest.mark.soak_cases("cobyqa-fractional-zener")
+@pytest.mark.soak_cases(
+    "basin-hopping-fractional-kelvin4",
+    "cma-es-fractional-zener",
+    "cobyqa-fractional-kelvin4",
+    "cobyqa-fractional-zener",
+    "least-squares-alternating-fractional-kelvin4",
+    "least-squares-alternating-fractional-zener",
+    "least-squares-fractional-zener",
+)
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
 def test_results_keep_limits_and_thermodynamic_order(name, model):
@@ -104,7 +118,9 @@ def test_results_keep_limits_and_thermodynamic_order(name, model):
             assert (found.theta > 0).all()
 
 
-@pytest.mark.soak_cases("cobyqa-fractional-kelvin4")
+@pytest.mark.soak_cases(
+    "cobyqa-fractional-kelvin4", "cobyqa-fractional-zener", "nlopt-bobyqa-fractional-kelvin4"
+)
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_good_ones_find_the_artificial_optimum(name, model):
@@ -115,7 +131,18 @@ def test_good_ones_find_the_artificial_optimum(name, model):
     np.testing.assert_allclose(found.theta, truth(model), rtol=0.02)
 
 
-@pytest.mark.soak_cases("basin-hopping", "cma-es", "cobyqa", "least-squares", "nlopt-lbfgs", "shgo")
+@pytest.mark.soak_cases(
+    "auto",
+    "basin-hopping",
+    "bipop-cma-es",
+    "cma-es",
+    "cobyqa",
+    "ipop-cma-es",
+    "least-squares",
+    "least-squares-alternating",
+    "nlopt-lbfgs",
+    "shgo",
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_every_one_beats_a_handful_of_random_points(name):
     problem = artificial("fractional-maxwell")

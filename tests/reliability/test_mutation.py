@@ -76,6 +76,7 @@ def forty():
     return list(drawn(np.random.default_rng(1), 40))
 
 
+@pytest.mark.soak
 def test_each_change_is_one_line_that_python_reads_and_that_differs(forty):
     for mutant in forty:
         text = (ROOT / mutant.path).read_text()
@@ -86,11 +87,13 @@ def test_each_change_is_one_line_that_python_reads_and_that_differs(forty):
         )
 
 
+@pytest.mark.soak
 def test_changes_are_spread_over_the_rooms(forty):
     rooms = {room_of(mutant.path) for mutant in forty}
     assert len(rooms) >= 10
 
 
+@pytest.mark.soak
 def test_the_same_seed_draws_the_same_changes():
     first, second = (list(drawn(np.random.default_rng(5), 5)) for _ in range(2))
     assert first == second
@@ -133,6 +136,7 @@ TURNED = Mutant(SUMS, Change(2, 11, 16, "x + x", "x - x"))
 FIRST, SECOND = (f"tests/room/test_{name}.py::test_it" for name in "ab")
 
 
+@pytest.mark.soak
 def test_the_first_failing_test_is_told_of_those_that_can_pass(copy):
     copy.failing.add(FIRST)
     assert copy._run(*own_tests("room")) == ""

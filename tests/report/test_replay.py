@@ -56,6 +56,7 @@ def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     np.testing.assert_allclose(half.at(points), middle, rtol=1e-12)
 
 
+@pytest.mark.soak
 def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     """Over its own axes; half way the curve lies between both fits, and so does what is left."""
     monkeypatch.setattr(replay, "FRAMES", 2)

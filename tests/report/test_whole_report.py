@@ -157,6 +157,7 @@ def seen(name):
     }[name]()
 
 
+@pytest.mark.soak_cases("heated twice")
 @pytest.mark.parametrize("name", ["heavy", "several", "strains", "heated", "heated twice"])
 def test_all_views_of(name, stays):
     scene = Scene(*seen(name))

@@ -59,6 +59,7 @@ def formulas(draw, depth=3):
     return draw(st.sampled_from(NODES)).format(*parts)
 
 
+@pytest.mark.soak
 @settings(max_examples=60, deadline=None)
 @given(text=formulas(), values=st.tuples(*[st.floats(0.4, 2.5)] * 3))
 def test_slopes_of_any_formula_are_those_of_a_tiny_step(text, values):

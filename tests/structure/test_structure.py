@@ -195,6 +195,7 @@ def braced(*, friction: bool = False):
     return Frame(np.full(2, 1e5), np.array([8e7, 7e7]), 0.02, dampers)
 
 
+@pytest.mark.soak_cases("True")
 @pytest.mark.parametrize("friction", [False, True])
 def test_what_the_dampers_take_is_axial_force_times_stroke_of_each(friction: bool):
     record = GroundMotion(0.0025, shaken(0.0025).acceleration[:2500])
@@ -212,6 +213,7 @@ def test_what_the_dampers_take_is_axial_force_times_stroke_of_each(friction: boo
     assert gone == pytest.approx(motion.energy["input"], abs=5e-3 * motion.energy["input"].max())
 
 
+@pytest.mark.soak_cases("True")
 @pytest.mark.parametrize("friction", [False, True])
 def test_peaks_between_samples_are_found(friction: bool):
     """A record at a quarter of the first period.

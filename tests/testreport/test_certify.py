@@ -97,6 +97,7 @@ def test_where_a_test_fails_its_hidden_effect_is_named(springpot, tests):
     assert reasons["design-1"]["effects"] == []
 
 
+@pytest.mark.soak
 def test_a_lag_that_no_single_frequency_shows_is_found_in_all_of_them(tmp_path, rng):
     """A channel that is 4 ms late makes a damper softer the faster it moves."""
     code, records = tmp_path / "code.toml", []

@@ -58,6 +58,7 @@ def test_slow_drift_moves_no_stiffness_and_no_energy(kind, drift, rng):
         assert abs(told.value - truth[name]) <= max(1e-3 * size, told.high - told.value), name
 
 
+@pytest.mark.suite_cases("coulomb")
 @pytest.mark.parametrize("kind", KINDS)
 def test_intervals_hold_the_truth_as_often_as_they_say(kind):
     rng, inside, asked = np.random.default_rng(5), 0, 0
@@ -205,6 +206,7 @@ def test_a_channel_that_counts_the_other_way_is_told():
     assert any("force=-kN" in note for note in evaluate(LoopRecord(t, x, -force, "mm", "kN")).notes)
 
 
+@pytest.mark.soak
 def test_the_law_of_speeds_is_found_with_its_interval(rng):
     inside = 0
     for _ in range(8):

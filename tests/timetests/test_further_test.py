@@ -46,6 +46,7 @@ def test_a_larger_step_tells_what_grows_with_the_load(open_question) -> None:
     assert again == asked
 
 
+@pytest.mark.soak
 def test_once_it_is_measured_the_question_is_closed(open_question) -> None:
     both = springpot.diagnose([relaxed(1.0, 1), relaxed(3.0, 2)], MODEL, effects=RIVALS)
     odds = {each.effect: each.probability for each in both.candidates}

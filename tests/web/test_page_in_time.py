@@ -262,6 +262,7 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     assert "kPa; model" in here.reads("#readout")
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_a_record_is_drawn_as_loops_and_sweeps_stand_beside(page: Open):
     here = page()

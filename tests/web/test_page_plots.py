@@ -388,6 +388,7 @@ def test_two_views_stand_side_by_side_with_one_cursor_and_one_preview(page: Open
     assert second.is_hidden()
 
 
+@pytest.mark.soak
 def test_the_spectrum_of_any_material_is_a_view(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, "material")

@@ -154,6 +154,7 @@ def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
     assert here.page.input_value("#expression") == "zen"
 
 
+@pytest.mark.soak
 def test_a_step_on_the_data_that_are_open_ends_no_reading(judged: Page, damper: bytes):
     here = judged
     with here.held("data"):

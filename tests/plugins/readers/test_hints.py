@@ -33,6 +33,11 @@ def forces(path, hint):
     return float(test.response.max()), signals_to_measurement([f"{path}?{hint}"]).storage[0]
 
 
+@pytest.mark.suite_cases(
+    "Force (V),Force (N),Displacement (mm)-force",
+    "Load (V),Force (N),Displacement (mm)-Force",
+    "Force/V,F [N],x [mm]-F",
+)
 @pytest.mark.parametrize("key", ["force", "Force", "load", "F"])
 @pytest.mark.parametrize(
     "titles",
