@@ -44,11 +44,13 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Leave the cases that `soak_cases` names to the soak, the others in the suite."""
+    """Leave the cases that `soak_cases` names to the soak, and all that `suite_cases` does not."""
     for item in items:
-        for mark in item.iter_markers("soak_cases"):
-            if item.name.partition("[")[2].removesuffix("]") in mark.args:
-                item.add_marker(pytest.mark.soak)
+        case = item.name.partition("[")[2].removesuffix("]")
+        left = [case in mark.args for mark in item.iter_markers("soak_cases")]
+        left += [case not in mark.args for mark in item.iter_markers("suite_cases")]
+        if any(left):
+            item.add_marker(pytest.mark.soak)
 
 
 @pytest.fixture

@@ -80,6 +80,7 @@ def test_a_joint_case_is_the_same_every_time():
         assert np.array_equal(getattr(one, name), getattr(other, name))
 
 
+@pytest.mark.soak
 def test_a_gain_of_one_of_two_tests_is_one_of_the_other_just_as_well():
     cases = [drawn_case(5, index) for index in range(40)]
     gains = [case for case in cases if case.group == "calibration"]

@@ -27,6 +27,7 @@ def study(monkeypatch):
     sys.modules.pop("master_curves", None)
 
 
+@pytest.mark.soak
 def test_the_made_factors_are_found_again(study):
     curve = springpot.mastercurve(study.made())
     answer = study.ours(curve, 0.0)

@@ -103,6 +103,7 @@ def test_a_hang_ends_at_its_deadline_also_where_that_is_an_integer(tmp_path, cap
     assert [row.status for row in rows["walk"]] == [Status.BUDGET] * 3
 
 
+@pytest.mark.soak
 def test_the_clock_starts_at_the_first_value_also_after_a_worker_was_ended(tmp_path):
     """What a library takes to be imported is no trial's time, in no process."""
     study = moody_study("fine", optimisers=[Heavy()], repetitions=4, deadline=0.4)
@@ -129,6 +130,7 @@ def test_who_asks_for_no_value_is_waited_for_once_and_one_run_for_all_has_one_de
     assert {row.reason for row in found["fixed"]} == {"ended after the deadline of 0.3 s"}
 
 
+@pytest.mark.soak
 def test_times_are_those_of_the_processor_and_of_one_trial_alone(tmp_path):
     """What an optimiser that runs its repetitions side by side saves by that is told apart."""
     study = small_study(

@@ -129,6 +129,7 @@ def test_the_table_judges_by_regret_parameters_and_intervals(stores):
         baseline_of(store)
 
 
+@pytest.mark.soak
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """95 % of them, by least squares on noise of one size; 90 % of the level would show."""
     plan = noisy_study(

@@ -29,12 +29,14 @@ def folder(request, tmp_path_factory):
     return folder
 
 
+@pytest.mark.soak_cases("seven problems")
 def test_every_cell_is_what_numpy_makes_of_the_trials(folder):
     agree, wrong = recomputed.compared(folder / "csv", folder)
     assert wrong == []
     assert agree > 500
 
 
+@pytest.mark.soak_cases("seven problems")
 def test_a_cell_that_is_off_is_found(folder):
     table = folder / "pairs.csv"
     text = table.read_text(encoding="utf-8")

@@ -75,6 +75,7 @@ def test_the_same_seed_gives_the_same_baseline(baseline, tmp_path):
     assert update(quick(), tmp_path / "again.json").read_text() == baseline.read_text()
 
 
+@pytest.mark.soak
 def test_costs_are_those_of_the_trials(baseline, tmp_path):
     outcome = run_study(quick(), engine="serial", out=tmp_path, quiet=True)
     kept = read_baseline(baseline)
@@ -124,6 +125,7 @@ def test_a_worse_constant_fails_with_the_right_name(name, worse, tmp_path):
     assert any(f"{name} on {MAXWELL}" in note and "got better" in note for note in back.notes)
 
 
+@pytest.mark.soak
 def test_noise_alone_passes(baseline, tmp_path):
     """Another seed is another sample of the same optimisers: no alarm, however often."""
     before = read_baseline(baseline)

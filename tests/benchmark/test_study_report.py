@@ -141,6 +141,7 @@ def test_the_same_store_gives_the_same_report(tmp_path):
     assert path.read_text(encoding="utf-8") == first
 
 
+@pytest.mark.soak
 def test_what_a_study_asks_stands_before_what_it_found(tmp_path):
     asks = ("Who is first?", "Share of trials.", "One ahead of all.")
     words = " ".join(read(report_of(tmp_path, [Walk(), Lazy()], asks=asks)).words)

@@ -166,6 +166,10 @@ def test_an_older_store_is_brought_up_to_date_when_the_study_runs_again(tmp_path
     assert [row.oracle_trace() is None for row in rows] == [True] * 4 + [False]
 
 
+@pytest.mark.suite_cases(
+    "UPDATE problem SET truth = 'x'-cells are damaged and left out",
+    "UPDATE trial SET best = 'x'-is damaged and counted as failed",
+)
 @pytest.mark.parametrize(
     ("change", "told"),
     [

@@ -140,6 +140,7 @@ def test_report(store, stays):
     stays([told(part) for part in parts], within=1e-8)
 
 
+@pytest.mark.soak_cases("many-ioh", "many-coco", "many-csv")
 @pytest.mark.parametrize("kind", ["ioh", "coco", "csv"])
 def test_files_for_other_tools(store, kind, stays, tmp_path):
     export = WRITERS[kind](store, tmp_path)

@@ -193,6 +193,8 @@ def test_one_answer_is_spread_over_lines_and_of_several_each_is_one(capsys):
     assert capsys.readouterr().out == "words\n"
 
 
+@pytest.mark.soak_cases("1-command1")
+@pytest.mark.soak_cases("2-command1")
 @pytest.mark.soak_cases("3-command1")
 @pytest.mark.parametrize("command", [("inspect",), ("identify", "-m", "kelvin")])
 @pytest.mark.parametrize("count", [1, 2, 3])

@@ -56,6 +56,7 @@ def test_programs_get_them_and_give_them_back(apart):
     assert type(apart).from_dict(answer).steps == apart.steps
 
 
+@pytest.mark.soak
 def test_effects_that_lower_the_error_are_offered_after_the_steps():
     found = springpot.diagnose("artificial-hidden", "fractional-maxwell")
     commands = [action.command for action in found.actions]

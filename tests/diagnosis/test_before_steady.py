@@ -41,6 +41,7 @@ def test_the_start_is_told_as_such(found):
     assert "the specimen changes" not in " ".join([found.says, *found.notes])
 
 
+@pytest.mark.soak
 def test_the_next_step_leaves_it_out(found):
     assert found.one_test == "time=4036..4156"
     later = springpot.measurement.select(record(transient=0.9), {"time": "4036..4156"})

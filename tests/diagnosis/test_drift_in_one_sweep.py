@@ -43,6 +43,7 @@ def test_the_headline_names_the_drift_beside_the_phase(drifted):
     assert float(told.partition(" %")[0]) / 100.0 == pytest.approx(drift, rel=0.25)
 
 
+@pytest.mark.soak_cases("-3%")
 @pytest.mark.soak_cases("+5%")
 def test_the_next_experiment_is_the_opposite_order(drifted):
     _, found = drifted
@@ -57,6 +58,7 @@ def test_no_machine_accepts_the_phase_unasked(drifted):
     assert len(springpot.discover(measured, accept="phase-error").steps) == 2
 
 
+@pytest.mark.soak
 def test_a_phase_that_is_wrong_by_as_much_comes_first():
     """That of a drift of 5 % over three decades: these data cannot tell which of the two it is."""
     found = diagnosed(phase=-0.5 * np.pi * np.log(1.05) / np.log(1000.0))
@@ -64,6 +66,7 @@ def test_a_phase_that_is_wrong_by_as_much_comes_first():
     assert found.says.index("missing is phase-error") < found.says.index("a gain that drifts by")
 
 
+@pytest.mark.soak
 def test_a_sweep_up_and_down_again_tells_them_apart():
     there_and_back = np.r_[HERTZ[::2], HERTZ[::-2]]
     found = diagnosed(hertz=there_and_back, phase=0.02)

@@ -159,6 +159,7 @@ def test_mounting_compliance_is_absorbed_by_a_model_with_a_spring_in_series(name
     )
 
 
+@pytest.mark.soak_cases("frequency-error")
 @pytest.mark.parametrize("effect", ["gain-error", "frequency-error"])
 def test_errors_of_scale_are_absorbed_by_the_moduli(effect):
     diagnosis = springpot.diagnose(measured(SWEEP, exact(KELVIN, SWEEP, effect, 0.2)), KELVIN.name)
@@ -248,6 +249,7 @@ def test_fixture_and_specimen_inertia_are_one_class_while_waves_are_long(effect)
     )
 
 
+@pytest.mark.soak
 def test_a_small_delay_and_a_small_filter_are_one_class():
     one_class(
         springpot.diagnose(hidden(KELVIN, SWEEP, "time-delay", 60.0, just=True), KELVIN.name),
@@ -270,6 +272,7 @@ def test_a_slider_that_always_slips_at_one_amplitude_is_no_friction_alone():
     assert "hysteretic-loss" in diagnosis.best.alike
 
 
+@pytest.mark.soak
 def test_three_temperatures_tell_a_vertical_shift_from_a_horizontal_one():
     best = springpot.diagnose(
         hidden(KELVIN, TEMPERATURES, "vertical-shift", 1000.0), KELVIN.name

@@ -46,6 +46,7 @@ def test_an_inertia_that_does_not(measured, said, words):
     assert words in note
 
 
+@pytest.mark.soak
 def test_the_unit_of_the_data_is_converted(measured):
     kilo = replace(measured, stiffness=measured.stiffness / 1000)
     [note] = notes(kilo, INERTIA, "kPa")
@@ -58,6 +59,7 @@ def test_nothing_is_said_without_a_header_or_of_a_damper(measured):
     assert notes(measured, INERTIA, "N/m") == []
 
 
+@pytest.mark.soak
 def test_an_inertia_of_which_nothing_is_known_agrees_with_nothing(measured):
     said = replace(
         measured, provenance={"inertia as modulus": "1.4 Pa s^2"}, units=springpot.Units("Pa", "-")

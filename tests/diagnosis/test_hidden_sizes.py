@@ -129,6 +129,7 @@ def test_a_large_effect_is_in_the_first_class(effect):
     assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
 
 
+@pytest.mark.soak_cases("series-spring", "friction", "self-heating")
 @pytest.mark.soak_cases(
     "arrhenius-shift",
     "backlash",
@@ -157,6 +158,7 @@ MISSED_SIZE = {
 }
 
 
+@pytest.mark.soak_cases("time-delay", "arrhenius-shift")
 @pytest.mark.soak_cases("friction", "series-spring")
 @pytest.mark.parametrize(
     "effect",
@@ -182,6 +184,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
+@pytest.mark.soak_cases("inertia")
 @pytest.mark.soak_cases("friction", "rig-drag", "series-spring")
 @pytest.mark.parametrize(
     "effect",

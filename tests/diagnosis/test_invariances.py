@@ -129,12 +129,14 @@ def test_another_seed_gives_the_same_verdict_and_class():
     assert len({d.best.effect for d in found}) == 1
 
 
+@pytest.mark.soak
 def test_the_same_seed_gives_the_same_ladder():
     again = springpot.discover(data("inertia"), KELVIN.name, seed=0)
     assert again is not discovered("inertia")
     assert strict(again) == strict(discovered("inertia"))
 
 
+@pytest.mark.soak
 def test_a_ladder_begins_with_the_diagnosis_of_its_model():
     assert strict(discovered("inertia").steps[0].case.diagnosis) == strict(
         diagnosed(data("inertia"))

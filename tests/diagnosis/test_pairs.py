@@ -31,6 +31,7 @@ def test_each_pair_is_fitted_once(search):
     assert len(pairs) == len(set(pairs))
 
 
+@pytest.mark.soak
 def test_a_pair_fits_as_well_as_from_the_starts_of_either_way(search):
     alone = {grown.names[0]: grown.refit for grown in search.grown if len(grown.effects) == 1}
     best = next(grown for grown in search.grown if len(grown.effects) == 2)

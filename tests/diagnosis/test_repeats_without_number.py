@@ -33,12 +33,14 @@ def test_specimens_that_differ_are_no_missing_effect():
     assert found.next_experiment is None
 
 
+@pytest.mark.soak
 def test_equal_specimens_are_told_of_nothing():
     found = springpot.diagnose(swept([1.0, 1.0, 1.0]))
     assert found.verdict == "adequate"
     assert not any("same conditions" in note for note in found.notes)
 
 
+@pytest.mark.soak
 def test_a_misfit_that_all_specimens_share_is_not_laid_to_them():
     found = springpot.diagnose(swept([1.0, 1.0, 1.0]), "spring")
     assert "same conditions" not in found.says

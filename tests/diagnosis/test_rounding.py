@@ -26,6 +26,7 @@ def test_three_digits_of_a_plateau_are_no_structure(seed):
     assert springpot.diagnose(data, "zener").verdict in ("adequate", "inconclusive")
 
 
+@pytest.mark.soak_cases("False")
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_constant_exact_column_is_not_taken_for_one_of_coarse_digits(turned):
     """The noise is that of the column beside it, and no third of the tens of an exact 90."""

@@ -80,6 +80,7 @@ def test_a_resonance_of_the_frame_is_named_but_never_certain(resonant):
     assert any("other narrow features" in note for note in diagnosis.notes)
 
 
+@pytest.mark.soak
 def test_a_resonance_is_not_tried_where_a_common_effect_explains_all():
     truth = exact(KELVIN, DENSE) - 0.02 * DENSE.omega**2
     diagnosis = springpot.diagnose(measured(DENSE, truth, level=NOISE), KELVIN.name)

@@ -68,6 +68,7 @@ def test_a_gain_that_creeps_with_time_is_no_temperature_effect():
     assert told(diagnosis, "from row to row")
 
 
+@pytest.mark.soak_cases("time-delay")
 @pytest.mark.parametrize(
     "effect",
     ["time-delay", "phase-error", *map(soaked, ("inertia", "parallel-dashpot", "series-spring"))],

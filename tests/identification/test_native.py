@@ -11,6 +11,8 @@ from springpot.measurement import Measurement
 from springpot.registry import parse_model, plugins
 
 
+@pytest.mark.soak_cases("springpot")
+@pytest.mark.soak_cases("fractional-maxwell")
 @pytest.mark.soak_cases("fractional-kelvin4", "fractional-kelvin", "fractional-zener")
 @pytest.mark.parametrize("name", TRUTHS)
 def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
@@ -21,6 +23,7 @@ def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     assert np.max(np.abs(errors)) < 1e-6
 
 
+@pytest.mark.soak_cases("fractional-kelvin4", "fractional-zener")
 @pytest.mark.parametrize("name", [name for name in TRUTHS if name != "springpot"])
 def test_batch_of_random_truths(name, rng):
     model, theta, stiffness = random_truths(name, 1500, rng)

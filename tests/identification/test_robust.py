@@ -36,6 +36,7 @@ def test_of_normal_noise_95_percent_of_the_efficiency_is_kept(loss: str) -> None
     assert efficiency == pytest.approx(0.95, abs=0.002)
 
 
+@pytest.mark.soak_cases("soft-l1-0.0")
 @pytest.mark.parametrize(("loss", "share"), [("huber", 0.1), ("soft-l1", 0.0)])
 def test_intervals_cover_beside_points_that_are_far_off(loss: str, share: float) -> None:
     """Four parameters of 20 series; without outliers no worse than least squares by 5 %."""

@@ -51,6 +51,7 @@ def test_the_text_tells_class_floors_and_parameters(found: Invention):
         assert word in text
 
 
+@pytest.mark.soak
 def test_its_picture_is_drawn(found: Invention, tmp_path):
     assert found.plot(tmp_path / "law.svg").stat().st_size > 10_000
 
@@ -77,6 +78,7 @@ def test_nearly_exact_data_give_the_exponent_in_any_unit(units, stiffness, lengt
     assert answer == ("parallel: i*k*X^(-n)", 0.6)
 
 
+@pytest.mark.soak
 def test_exact_data_give_the_exponent_exactly():
     best = springpot.invent(swept(lossy, 0.0)).best
     assert best is not None
@@ -103,6 +105,7 @@ def test_what_no_formula_is_is_called_so(stays):
     stays(found.to_dict())
 
 
+@pytest.mark.soak
 def test_a_law_of_the_frequency_alone_is_one_beside_a_named_model():
     data = swept(lambda k, x: k - 400.0 - 0.004 * OMEGA**2, conditions={})
     sweep = data.subset(np.arange(8))
@@ -113,6 +116,7 @@ def grammar_notes(data: Measurement) -> list[str]:
     return list(springpot.invent(data).notes)
 
 
+@pytest.mark.soak
 def test_parameters_are_not_called_as_columns_are():
     column = {"k": AMPLITUDE, "too-long a name": AMPLITUDE}
     data = swept(lambda k, x: k, conditions=column)
@@ -127,6 +131,7 @@ def test_a_column_that_was_not_varied_is_refused_in_one_line():
         springpot.invent(swept(lossy), along="current")
 
 
+@pytest.mark.soak
 def test_a_condition_that_moved_with_the_rest_is_taken_where_it_is_asked_for():
     data = swept(lossy, conditions={"amplitude": 30.0 / OMEGA}).subset(np.arange(8))
     (note, *_) = springpot.invent(data, "spring", along="amplitude").notes

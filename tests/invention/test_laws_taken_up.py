@@ -56,6 +56,7 @@ def test_two_laws_without_a_name_are_two(files: Path):
     assert accepted("inertia", 1).name == "inertia"
 
 
+@pytest.mark.soak
 def test_another_answer_is_no_law(tmp_path: Path):
     ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept=[])
     (tmp_path / "ladder.json").write_text(json.dumps(ladder.to_dict()))

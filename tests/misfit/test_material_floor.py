@@ -54,6 +54,7 @@ def error_of(stiffness, data):
     return float(np.sqrt(np.mean(np.abs(stiffness / data.stiffness - 1.0) ** 2)))
 
 
+@pytest.mark.soak
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([0.0, 1e-4, 1e-2, 0.1]))
 def test_no_network_is_nearer_to_its_own_data_than_any_material(name, seed, noise):
@@ -62,6 +63,7 @@ def test_no_network_is_nearer_to_its_own_data_than_any_material(name, seed, nois
     assert lowest <= 1.005 * error_of(exact, data) + ROUNDING
 
 
+@pytest.mark.soak
 @settings(max_examples=8, deadline=None, derandomize=True)
 @given(
     st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([1e-4, 1e-2]), st.booleans()
@@ -83,6 +85,7 @@ def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(
     )
 
 
+@pytest.mark.soak_cases("series-spring")
 @pytest.mark.parametrize("effect", ["inertia", "series-spring"])
 def test_the_floor_lies_below_a_model_with_effects(effect):
     rng = np.random.default_rng(7)

@@ -72,6 +72,7 @@ def going_on(rng):
     return 0.01 * np.linalg.cholesky(cover) @ (rng.normal(size=30) + 1j * rng.normal(size=30))
 
 
+@pytest.mark.soak_cases("1")
 @pytest.mark.parametrize("seed", range(2))
 def test_replicates_of_several_specimens_are_no_reason_for_doubt(seed):
     data = three_runs(specimen, seed)
@@ -103,6 +104,7 @@ def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
     assert not jumping.one_curve
 
 
+@pytest.mark.soak_cases("gains0-True")
 @pytest.mark.parametrize(
     ("gains", "told"), [((0.03, 0.0, -0.01), True), ((0.0, 0.03, -0.01), False)]
 )

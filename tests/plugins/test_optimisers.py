@@ -47,6 +47,7 @@ def generator(seed=1):
     return np.random.default_rng(seed)
 
 
+@pytest.mark.soak_cases("least-squares-alternating-200")
 @pytest.mark.parametrize("budget", BUDGETS)
 @pytest.mark.parametrize("name", NAMES)
 def test_stops_exactly_at_its_budget(name, budget):
@@ -57,6 +58,8 @@ def test_stops_exactly_at_its_budget(name, budget):
     assert found.trace[-1] == (found.trace[-1][0], found.best)
 
 
+@pytest.mark.soak_cases("least-squares-alternating-fractional-zener")
+@pytest.mark.soak_cases("cobyqa-fractional-zener")
 @pytest.mark.soak_cases("cobyqa-springpot")
 @pytest.mark.parametrize("model", ["springpot", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
@@ -89,6 +92,13 @@ def test_deterministic_ones_do_not_depend_on_the_seed(name):
     assert traces[0] == traces[1]
 
 
+@pytest.mark.soak_cases(
+    "basin-hopping-fractional-kelvin4",
+    "least-squares-fractional-kelvin4",
+    "least-squares-fractional-zener",
+    "least-squares-alternating-fractional-kelvin4",
+)
+@pytest.mark.soak_cases("cobyqa-fractional-kelvin4")
 @pytest.mark.soak_cases("cobyqa-fractional-zener")
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
@@ -104,6 +114,7 @@ def test_results_keep_limits_and_thermodynamic_order(name, model):
             assert (found.theta > 0).all()
 
 
+@pytest.mark.soak_cases("cobyqa-fractional-zener", "nlopt-bobyqa-fractional-kelvin4")
 @pytest.mark.soak_cases("cobyqa-fractional-kelvin4")
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", sorted(GOOD))
@@ -115,6 +126,8 @@ def test_good_ones_find_the_artificial_optimum(name, model):
     np.testing.assert_allclose(found.theta, truth(model), rtol=0.02)
 
 
+@pytest.mark.soak_cases("bipop-cma-es")
+@pytest.mark.soak_cases("auto", "least-squares-alternating")
 @pytest.mark.soak_cases("basin-hopping", "cma-es", "cobyqa", "least-squares", "nlopt-lbfgs", "shgo")
 @pytest.mark.parametrize("name", NAMES)
 def test_every_one_beats_a_handful_of_random_points(name):

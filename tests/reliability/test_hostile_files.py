@@ -31,6 +31,7 @@ def short(monkeypatch):
     monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
 
 
+@pytest.mark.soak_cases("long_header")
 @pytest.mark.soak_cases(
     "comments",
     "compressed_zeros",
@@ -58,6 +59,7 @@ def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):
         assert opened.said
 
 
+@pytest.mark.soak_cases("many_columns_of_a_table")
 @pytest.mark.parametrize(
     "name", ["many_columns_of_a_table", "small_tables", "many_steps", "many_intervals"]
 )

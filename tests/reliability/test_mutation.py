@@ -133,6 +133,7 @@ TURNED = Mutant(SUMS, Change(2, 11, 16, "x + x", "x - x"))
 FIRST, SECOND = (f"tests/room/test_{name}.py::test_it" for name in "ab")
 
 
+@pytest.mark.soak
 def test_the_first_failing_test_is_told_of_those_that_can_pass(copy):
     copy.failing.add(FIRST)
     assert copy._run(*own_tests("room")) == ""

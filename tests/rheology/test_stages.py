@@ -51,6 +51,7 @@ def test_a_sweep_refuses_an_effect_of_other_tests(effect):
             asked(sweep("pad"), model)
 
 
+@pytest.mark.soak
 def test_a_delay_may_be_that_of_one_rig_of_three():
     expression = "fractional-maxwell + time-delay:b"
     late = sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
@@ -63,6 +64,7 @@ def test_a_delay_may_be_that_of_one_rig_of_three():
     assert places == [0, 1, 2]
 
 
+@pytest.mark.soak
 def test_the_scan_looks_at_each_test_with_its_own_effects():
     model = springpot.parse_model("fractional-maxwell + series-spring:a")
     tests = [sweep("a"), sweep("b"), relaxation()]
@@ -110,6 +112,7 @@ def yielding():
     return springpot.TimeTest.of_compliance(T, exact * noise, "kPa", name="b")
 
 
+@pytest.mark.soak_cases("yielding-series-spring")
 @pytest.mark.parametrize(("of", "effect"), [(late, "time-delay"), (yielding, "series-spring")])
 def test_an_effect_of_one_rig_of_three_is_found_there(of, effect):
     effects = [springpot.plugins().effect(name) for name in (effect, "parallel-dashpot")]

@@ -46,6 +46,7 @@ def test_half_the_noise_halves_the_intervals():
     assert 1.5 < ratio < 2.7
 
 
+@pytest.mark.soak
 def test_another_reference_moves_all_factors_alike(found):
     moved = springpot.mastercurve(measured(simple), reference=60.0)
     assert moved.reference == 60.0
@@ -110,6 +111,7 @@ def test_sweeps_that_do_not_overlap_are_named():
     assert note.startswith("0 degC, 15 degC: ")
 
 
+@pytest.mark.soak
 def test_without_vertical_factors_these_are_one():
     curve = springpot.mastercurve(measured(simple), vertical=False)
     np.testing.assert_array_equal(curve.factors.log_b, 0.0)
@@ -128,6 +130,7 @@ def test_any_column_can_be_shifted_by():
     assert curve.unit == ""
 
 
+@pytest.mark.soak
 def test_standard_deviations_that_all_sweeps_share_are_not_those_of_the_factors():
     data = measured(simple)
     given = data.magnitude * 0.05 * (1 + 1j)
@@ -194,6 +197,7 @@ def test_a_picture_is_drawn(found, tmp_path):
     assert "made at 30 degC" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.soak
 def test_the_same_data_give_the_same_bits(found, monkeypatch):
     monkeypatch.undo()  # both are worked out
     again = springpot.mastercurve(measured(simple))

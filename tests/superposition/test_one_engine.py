@@ -40,6 +40,7 @@ def off_the_law(i, omega):
     return material(omega * np.exp(LOG_A[i] + 0.3 * np.sin(2.0 * i)))
 
 
+@pytest.mark.soak_cases("without_lift", "off_the_law")
 @pytest.mark.parametrize("sweep", [without_lift, off_the_law, simple])
 def test_a_shift_alone_has_one_answer_in_all_commands(sweep):
     """With `simple` the missing vertical factors bend the shift; then too it is one answer."""
@@ -61,6 +62,7 @@ def test_diagnose_gives_the_constants_of_the_curve():
     assert np.all(np.abs(np.log((found[:, 2] - found[:, 1]) / width)) < np.log(1.5))
 
 
+@pytest.mark.soak
 def test_vertical_factors_have_one_answer_too():
     data = measured(simple)
     law = wlf_of(springpot.mastercurve(data))
@@ -70,6 +72,7 @@ def test_vertical_factors_have_one_answer_too():
     np.testing.assert_allclose(found, np.column_stack([law.values, law.low, law.high]), rtol=0.01)
 
 
+@pytest.mark.soak
 def test_it_is_said_where_a_model_without_vertical_factors_has_another_law():
     data = measured(simple)
     (note,) = [note for note in springpot.mastercurve(data).notes if "no vertical factors" in note]
@@ -79,6 +82,7 @@ def test_it_is_said_where_a_model_without_vertical_factors_has_another_law():
     assert not [note for note in plain.notes if "no vertical factors" in note]
 
 
+@pytest.mark.soak
 def test_a_law_that_its_levels_depart_from_is_known_as_nearly_as_they_scatter():
     """Ten times the points a level would else shrink an interval that never held the truth."""
     few, many = (
@@ -243,6 +247,7 @@ def test_measured_files_have_one_answer_in_all_commands(name, shared):
     np.testing.assert_allclose(rows_of(found, "wlf-shift."), ours, rtol=1e-9)
 
 
+@pytest.mark.soak
 def test_diagnose_tells_the_constants_of_the_curve():
     """Of the model that is judged, and of a law that is proposed."""
     names = ("Arrhenius", "WLF")
@@ -256,6 +261,9 @@ def test_diagnose_tells_the_constants_of_the_curve():
         np.testing.assert_allclose(theirs, ours, rtol=1e-3)
 
 
+@pytest.mark.soak_cases(
+    "wlf-shift- + free-vertical-shift", "arrhenius-shift-", "arrhenius-shift- + free-vertical-shift"
+)
 @pytest.mark.parametrize("lift", ["", " + free-vertical-shift"])
 @pytest.mark.parametrize("law", ["wlf-shift", "arrhenius-shift"])
 def test_free_factors_end_no_higher_than_the_laws_that_they_contain(law, lift):
@@ -264,6 +272,7 @@ def test_free_factors_end_no_higher_than_the_laws_that_they_contain(law, lift):
     assert free <= cost(data, f"material + {law}{lift}") * (1.0 + 1e-9)
 
 
+@pytest.mark.soak
 def test_free_factors_go_as_far_as_a_law():
     """Sixteen decades from the level of reference: an end of the search there was above the law."""
     celsius, omega = np.linspace(0.0, 100.0, 21), np.geomspace(0.1, 10.0, 7)
@@ -282,6 +291,7 @@ def test_free_factors_go_as_far_as_a_law():
     assert free <= law * (1.0 + 1e-9)
 
 
+@pytest.mark.soak
 def test_lines_and_factors_come_to_rest_together():
     """Line after factor and factor after line, the error stayed at 1.5 x that of the noise."""
     temperatures, omega = np.linspace(0.0, 100.0, 11), np.geomspace(0.1, 10.0, 9)

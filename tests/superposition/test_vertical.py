@@ -88,6 +88,7 @@ def test_an_open_interval_ends_at_numbers_and_warns_of_nothing():
         assert 0.0 < level.a_low <= level.a <= level.a_high <= np.exp(FURTHEST) * 1.001
 
 
+@pytest.mark.soak
 def test_no_law_where_the_material_relaxes_more_slowly_when_hot():
     """As a gel that dries: the factors are found, and no activation energy is."""
     drying = springpot.mastercurve(measured(lambda i, omega: material(omega * np.exp(-LOG_A[i]))))
@@ -191,6 +192,7 @@ def few(points):
     )
 
 
+@pytest.mark.soak_cases("0", "3", "5", "6")
 @pytest.mark.soak_cases("1", "2")
 @pytest.mark.parametrize(
     "data",

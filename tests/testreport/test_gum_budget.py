@@ -59,6 +59,7 @@ RESULTS = {
 }
 
 
+@pytest.mark.soak_cases("K_eff")
 @pytest.mark.parametrize("quantity", ["W_d", "K_eff"])
 def test_the_expanded_uncertainty_covers_95_of_100_with_errors_that_tests_share(quantity):
     rng, draws = np.random.default_rng(11), 1000
@@ -88,6 +89,7 @@ def test_what_all_tests_share_cancels_in_a_ratio_and_not_in_a_mean():
     assert own.standard / own.value == pytest.approx(0.005 / np.sqrt(TESTS))
 
 
+@pytest.mark.soak_cases("force", "phase")
 @pytest.mark.parametrize("acts", ["force", "displacement", "phase"])
 def test_sensitivities_are_what_such_an_error_does_to_a_record(acts):
     t, x, force, _ = loop("linear")

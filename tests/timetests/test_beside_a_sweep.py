@@ -97,6 +97,7 @@ def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
     assert effect in diagnosis.leading
 
 
+@pytest.mark.soak_cases("zener")
 @pytest.mark.parametrize("there", ["zener", "zener + inertia"])
 def test_a_mass_is_found_whether_or_not_the_creep_is_of_the_same_rig(there):
     tests = [sweep_of("zener + inertia", 1), step_of(there, "creep", 1)]
@@ -118,6 +119,7 @@ def test_the_kept_fit_of_a_sweep_and_a_relaxation_predicts_a_relaxation(tmp_path
     assert np.allclose(again.of_specimen.model.relaxation(again.of_specimen.theta, at), expected)
 
 
+@pytest.mark.soak
 def test_a_fault_in_an_effect_is_no_answer():
     def faulty(at: Points, tau):
         raise IndexError("a programming error")
@@ -129,6 +131,7 @@ def test_a_fault_in_an_effect_is_no_answer():
         diagnose(house(1), parse_model("fractional-maxwell + inertia"), [effect])
 
 
+@pytest.mark.soak
 def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeypatch):
     module = importlib.import_module("springpot.timetests.discovery")
     whole = module.examine

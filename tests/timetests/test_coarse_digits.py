@@ -27,6 +27,7 @@ def judged(digit, friction, seed=0):
     return diagnose([test], parse_model("zener"), effects)
 
 
+@pytest.mark.soak_cases("0.02")
 @pytest.mark.parametrize("digit", [0.02, 0.05])
 def test_no_effect_is_found_in_rounding(digit):
     found = judged(digit, 1e-9)
@@ -34,6 +35,7 @@ def test_no_effect_is_found_in_rounding(digit):
     assert found.leading == ()
 
 
+@pytest.mark.soak
 def test_friction_larger_than_a_digit_is_found_all_the_same():
     found = judged(0.05, 0.06)
     assert found.verdict == "effect-missing"

@@ -30,11 +30,13 @@ def one_over_f(seed):
     return noise - slow @ (slow.T @ noise)
 
 
+@pytest.mark.soak
 def test_noise_that_is_one_over_f_is_seldom_a_misfit():
     # By a memory of one sample alone three of four are.
     assert np.mean([scatter_of(one_over_f(seed)).misfit for seed in SEEDS]) <= 0.35
 
 
+@pytest.mark.soak_cases("one_over_f")
 @pytest.mark.parametrize("noise", [swinging, one_over_f])
 def test_what_is_missed_beside_it_is_told(noise):
     bump = 8.0 * np.exp(-0.5 * ((np.arange(N) - 300.0) / 15.0) ** 2)

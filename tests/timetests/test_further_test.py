@@ -36,6 +36,7 @@ def open_question() -> springpot.Diagnosis:
     return springpot.diagnose(relaxed(1.0, 1), MODEL, effects=RIVALS)
 
 
+@pytest.mark.soak
 def test_a_larger_step_tells_what_grows_with_the_load(open_question) -> None:
     asked = open_question.next_experiment
     assert set(asked.separates) == {"thermal-transient", "thermal-force"}
@@ -69,6 +70,7 @@ def fits() -> list:
     return [test, identify([test], HEATED), identify([test], CLOCK)]
 
 
+@pytest.mark.soak
 def test_an_explanation_follows_itself_whatever_is_measured(fits) -> None:
     test, heated, _ = fits
     parts = parts_of_specimen([test])
@@ -96,6 +98,7 @@ def test_a_clock_without_a_time_to_begin_from_is_no_promise(fits) -> None:
     assert contest.linear == contest.fitted() == 0.0
 
 
+@pytest.mark.soak
 def test_slopes_are_those_of_the_differences(fits) -> None:
     test, heated, clock = fits
     parts = parts_of_specimen([test])

@@ -41,6 +41,7 @@ def test_the_law_by_which_times_move_by_decades_is_what_is_missing():
     assert answer.data == "specimen (6 tests)"
 
 
+@pytest.mark.soak
 def test_a_law_of_temperature_is_identified_from_any_material_alone():
     fit = springpot.identify(relaxations(0.001, 2), "material + wlf-shift")
     found = dict(zip(fit.model.names, fit.theta.tolist(), strict=True))
@@ -53,6 +54,7 @@ def test_a_law_of_temperature_is_identified_from_any_material_alone():
     assert max(test.relative_rms for test in fit.tests) < 0.01
 
 
+@pytest.mark.soak
 def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
     untold = [replace(test, temperature=None) for test in relaxations(0.01, 4)]
     answer = springpot.diagnose(untold)

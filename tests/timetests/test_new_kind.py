@@ -120,6 +120,7 @@ def test_it_is_identified_diagnosed_and_accepted(file):
         assert fit.parameters[name].low < value < fit.parameters[name].high
 
 
+@pytest.mark.soak
 def test_it_stands_beside_a_test_in_time(file):
     t = np.geomspace(0.01, 10.0, 60)
     exact = MODEL.relaxation(MODEL.theta(**TRUTH), t)
@@ -134,6 +135,7 @@ def test_it_stands_beside_a_test_in_time(file):
     assert narrow < 0.9 * wide
 
 
+@pytest.mark.soak
 def test_it_is_compared_drawn_and_told(file, tmp_path):
     compared = springpot.compare(file, ["maxwell + inertia", "fractional-maxwell + inertia"])
     assert compared.judgements[0].model.name == "fractional-maxwell + inertia"

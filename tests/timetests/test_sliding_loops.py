@@ -27,6 +27,7 @@ def loop():
     )
 
 
+@pytest.mark.soak_cases("material")
 @pytest.mark.parametrize("model", ["kelvin", "material"])
 def test_the_threshold_is_found_from_no_start(loop, model):
     found = identify(loop, springpot.parse_model(f"{model} + elasto-sliding"))

@@ -366,6 +366,7 @@ def test_what_is_open_or_refused_is_told(page: Open):
     )
 
 
+@pytest.mark.soak
 def test_a_name_without_end_is_cut_before_a_button_is(page: Open, damper: bytes):
     here = page()
     usual = here.page.locator("header").bounding_box()["height"]
@@ -486,6 +487,7 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, named: Workbench
     context.close()
 
 
+@pytest.mark.soak_cases("view1")
 @pytest.mark.parametrize("view", [{"view": "of a later version"}, {"plane": 3, "plan": "x"}])
 def test_a_session_with_an_unknown_view_is_opened_with_the_usual_one(
     page: Open, damper: bytes, view: dict[str, Any]

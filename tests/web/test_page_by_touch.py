@@ -37,6 +37,7 @@ def touch(phone: Page) -> Touch:
     return send
 
 
+@pytest.mark.soak_cases("#plot-residual")
 @pytest.mark.parametrize("plot", ["#plot-view", "#plot-residual"])
 def test_two_fingers_that_stay_leave_no_point_out(phone: Page, touch: Touch, plot: str):
     """Each of them on a point, one after the other."""

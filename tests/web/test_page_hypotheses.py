@@ -135,6 +135,7 @@ def test_rows_are_chosen_by_any_column_that_was_set():
     ]
 
 
+@pytest.mark.soak
 def test_taking_one_of_two_rivals_leaves_the_question(damper_data: Measurement):
     _, before = asked(damper_data, MODEL)
     _, told = asked(damper_data, MODEL, "inertia")
@@ -156,6 +157,7 @@ def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
     assert told["previews"][action["name"]]["error"] < 0.3 * whole
 
 
+@pytest.mark.soak
 def test_causes_are_told_as_they_are_tried(damper_data: Measurement):
     lines: list[Any] = []
     text = text_of(damper_data)

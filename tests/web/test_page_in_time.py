@@ -88,6 +88,7 @@ def test_a_first_look_tells_what_the_answer_tells_of_the_model(
     assert early["previews"] == {}
 
 
+@pytest.mark.soak
 def test_causes_are_told_as_they_are_tried(relaxed: dict[str, Any], answer: dict[str, Any]):
     lines: list[Any] = []
     state = {"data": relaxed["digest"], "model": "maxwell", "seed": 7}  # that no ladder is kept of
@@ -189,6 +190,7 @@ def test_a_hand_moves_the_parameters_of_a_test_in_time(
     assert found["error"] > told
 
 
+@pytest.mark.soak_cases("replay")
 @pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan", "replay"])
 def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str, Any], kind: str):
     state = {"data": relaxed["digest"], "model": "maxwell", "excluded": [0]}

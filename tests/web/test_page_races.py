@@ -46,6 +46,7 @@ def models_asked(here: Page) -> list[str]:
     return found
 
 
+@pytest.mark.soak_cases("False")
 @pytest.mark.parametrize("dropped_first", [True, False])
 def test_a_model_that_is_named_before_its_data_are_read_is_judged(
     page: Open, damper: bytes, dropped_first: bool
@@ -165,6 +166,7 @@ def test_a_step_on_the_data_that_are_open_ends_no_reading(judged: Page, damper: 
     assert here.page.locator("#rungs li").count() == 1
 
 
+@pytest.mark.soak
 def test_a_file_that_is_refused_ends_no_answer(judged: Page):
     here = judged
     with here.held("answer"):
@@ -176,6 +178,7 @@ def test_a_file_that_is_refused_ends_no_answer(judged: Page):
     assert here.reads("#refused").startswith("bad.csv: ")
 
 
+@pytest.mark.soak
 def test_another_view_ends_no_answer(judged: Page):
     here = judged
     with here.held("answer"):
@@ -214,6 +217,7 @@ def test_a_curve_of_the_model_before_is_not_drawn_over_the_next(judged: Page):
     assert here.page.locator("#plot-view .line.edited").count() == 0
 
 
+@pytest.mark.soak
 def test_the_file_that_was_dropped_last_is_open_however_slowly_the_first_was_read(
     page: Open, damper: bytes
 ):
@@ -248,6 +252,7 @@ def test_answers_to_a_question_are_not_asked_for_again_by_an_answer_that_arrives
     )
 
 
+@pytest.mark.soak
 def test_a_state_without_an_answer_says_why_even_after_another_message(page: Open, damper: bytes):
     here = page()
     here.name("kelvn")

@@ -50,6 +50,7 @@ def shown(browser: Any, report: Path) -> Iterator[Shown]:
         context.close()
 
 
+@pytest.mark.soak_cases("390-dark", "1024-light")
 @pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (390, "dark"), (1024, "light")])
 def test_whoever_sees_hears_or_types_can_read_it(shown: Shown, width: int, scheme: str):
     assert violations_on(shown(width, color_scheme=scheme)) == []
@@ -76,6 +77,7 @@ def test_the_ladder_is_played_and_scrubbed(shown: Shown):
     assert page.locator("#scrub").input_value() == "0"
 
 
+@pytest.mark.soak
 def test_tests_in_time_are_played_each_on_its_own_axes(browser: Any, tmp_path: Path):
     rng, time = np.random.default_rng(5), np.geomspace(0.05, 5.0, 20)
     tests = [

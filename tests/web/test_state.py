@@ -263,6 +263,7 @@ def test_the_exported_script_gives_the_numbers_of_the_page(
     assert f"inertia.m = {value.value:.6g} [{value.low:.6g}, {value.high:.6g}] kg" in out
 
 
+@pytest.mark.soak
 def test_new_data_where_it_was_proposed_break_the_tie(
     ladder: Ladder, data: Measurement, rng: np.random.Generator
 ):
@@ -300,6 +301,7 @@ def test_what_is_held_is_a_finite_number_by_its_name(fixed):
         State.of({"data": "x", "fixed": fixed})
 
 
+@pytest.mark.soak
 def test_what_is_held_is_fitted_on_no_rung(state: State, data: Measurement):
     held = replace(state, accepted=("inertia",), fixed=(("k", 390.0),))
     told = answer(held, ladder_of(held, data), data)
@@ -307,6 +309,7 @@ def test_what_is_held_is_fitted_on_no_rung(state: State, data: Measurement):
     assert told["state"]["fixed"] == {"k": 390.0}
 
 
+@pytest.mark.soak
 def test_parameters_are_own_and_tied_as_on_the_command_line():
     omega, lot = np.tile(np.geomspace(1.0, 300.0, 8), 2), np.repeat([1.0, 2.0], 8)
     exact = lot * (100.0 + 2j * omega / (1.0 + 0.01j * omega))
