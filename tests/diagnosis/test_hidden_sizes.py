@@ -119,6 +119,7 @@ def test_a_plain_effect_is_in_the_first_class(effect):
     "rig-drag",
     "self-heating",
     "series-spring",
+    "specimen-inertia",
     "time-delay",
 )
 @pytest.mark.parametrize("effect", some(*PLAIN, *FEW_POINTS, *KINDS))
@@ -134,9 +135,12 @@ def test_a_large_effect_is_in_the_first_class(effect):
     "arrhenius-shift",
     "backlash",
     "cubic-stiffness",
+    "friction",
     "parallel-springpot",
     "retardation-mode",
     "rig-drag",
+    "self-heating",
+    "series-spring",
     "specimen-inertia",
     "time-delay",
 )
@@ -160,6 +164,7 @@ MISSED_SIZE = {
 
 @pytest.mark.soak_cases("time-delay", "arrhenius-shift")
 @pytest.mark.soak_cases("friction", "series-spring")
+@pytest.mark.soak_cases("arrhenius-shift", "friction", "series-spring")
 @pytest.mark.parametrize(
     "effect",
     [
@@ -186,6 +191,7 @@ def test_predicted_and_realised_error_agree(effect):
 
 @pytest.mark.soak_cases("inertia")
 @pytest.mark.soak_cases("friction", "rig-drag", "series-spring")
+@pytest.mark.soak_cases("friction", "rig-drag", "self-heating", "series-spring")
 @pytest.mark.parametrize(
     "effect",
     ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],

@@ -115,6 +115,7 @@ def test_a_gain_of_ten_multiplies_the_moduli_only_where_the_noise_is_unknown():
     close(diagnosed(ordered), diagnosed(strong), {"m": 10.0})
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("effect", ONE)
 def test_the_same_seed_gives_the_same_bits(effect):
     again = springpot.diagnose(data(effect), KELVIN.name, seed=0)

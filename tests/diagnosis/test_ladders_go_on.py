@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 import springpot
 
 MODEL = "fractional-maxwell"
@@ -9,6 +11,7 @@ FEW = ["inertia", "time-delay"]
 IN_TIME = ["parallel-springpot", "force-drift"]
 
 
+@pytest.mark.soak
 def test_a_ladder_of_a_sweep_goes_on_to_the_bit():
     data = springpot.read("artificial-hidden")
     whole = springpot.discover(data, MODEL, accept=["inertia"], only=FEW)

@@ -23,6 +23,7 @@ def gains_of_sweeps() -> Diagnosis:
     return springpot.diagnose(data, "kelvin", only=("inertia", "intrinsic-nonlinearity"))
 
 
+@pytest.mark.soak
 def test_no_effect_of_the_amplitude_is_named_for_the_gains_of_sweeps(gains_of_sweeps):
     assert gains_of_sweeps.leading == ("inertia",)
     assert "what is left looks like a gain of its own at each amplitude" in gains_of_sweeps.says

@@ -173,7 +173,7 @@ def test_a_column_that_sets_the_rows_apart_is_named(apart, name):
     assert value in [f"{cell}".removesuffix(".0") for cell in COLUMNS[name][1]]
 
 
-@pytest.mark.soak_cases("batch", "preload")
+@pytest.mark.soak
 @pytest.mark.parametrize("name", COLUMNS)
 def test_its_selector_opens_one_test_alone(apart, name):
     _, values, gains, _ = COLUMNS[name]
@@ -225,6 +225,7 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
 
 
 @pytest.mark.soak_cases("0.08")
+@pytest.mark.soak_cases("0.0")
 @pytest.mark.parametrize("gain", [0.08, 0.0])
 def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
     """Scatter to all that does not know which geometry a row was measured on."""
@@ -385,7 +386,7 @@ def test_different_materials_are_no_noise_of_repeats(save):
     assert one.error.noise_source == "repeats"
 
 
-@pytest.mark.soak_cases("None")
+@pytest.mark.soak
 @pytest.mark.parametrize("model", [None, "fractional-maxwell"])
 def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     columns = repeated("lane", {"one": (400.0, 60.0, 0.5)})
@@ -511,6 +512,7 @@ def test_what_is_unexplained_is_measured_again_in_the_opposite_order(unexplained
     np.testing.assert_allclose(advice.action["omega"], 2.0 * np.pi * LONG)
 
 
+@pytest.mark.soak
 def test_json_of_it_has_null_and_opens_again(unexplained, tells, tmp_path):
     text = tells("diagnose", unexplained, "--json")
     advice = json.loads(text)["next_experiment"]
@@ -533,6 +535,7 @@ def test_where_an_effect_is_missing_the_next_line_accepts_it(heavy_file, tells):
     assert found.leading[0] in tells(*words)
 
 
+@pytest.mark.soak
 def test_where_nothing_is_missing_and_no_model_was_named_models_are_compared(save, tells):
     path = save("sound", table(LONG, noisy(damper(LONG), 0.005)))
     assert next_command(tells("diagnose", path)) == ["compare", path]

@@ -84,6 +84,7 @@ def test_one_rung_is_exchanged_for_the_effect_that_belongs_there(delayed):
     assert found.refit.rss < last.rss - 20.0
 
 
+@pytest.mark.soak
 def test_one_rung_is_exchanged_for_two_only_if_the_evidence_says_so(three, delayed):
     for search, wanted in ((three, ["hysteretic-loss", "time-delay"]), (delayed, ["time-delay"])):
         last = with_effects(search, "inertia", "parallel-dashpot")

@@ -30,7 +30,7 @@ def notch(place, depth=0.3):
     return 1.0 + depth * (-1.0 + 0.6j * x) * np.exp(-0.5 * x**2)
 
 
-@pytest.mark.soak_cases("20-1", "33-0", "8-1")
+@pytest.mark.soak_cases("20-0", "20-1", "33-0", "33-1", "8-1")
 @pytest.mark.parametrize("seed", [0, 1, *map(soaked, (2, 3))])
 @pytest.mark.parametrize("place", [8, 20, 33])
 def test_a_notch_neither_raises_the_floor_nor_is_called_adequate(place, seed):
@@ -48,6 +48,7 @@ def test_a_notch_neither_raises_the_floor_nor_is_called_adequate(place, seed):
         assert springpot.diagnose(data, MODEL).verdict != "adequate"
 
 
+@pytest.mark.soak_cases("1", "2", "3")
 @pytest.mark.parametrize("seed", range(4))
 def test_a_ripple_in_phase_only_does_not_raise_the_floor(seed):
     ripple = 1.0 + 0.06j * np.cos(2.0 * np.pi * ORDER / 8.0)
@@ -128,6 +129,7 @@ def test_one_absurd_point_is_left_out_of_an_adequate_model(known):
     assert "measure again" in answer.next_experiment.says
 
 
+@pytest.mark.soak
 def test_what_lies_beside_a_bad_reading_tells_it_from_a_resonance():
     answer = standing_out({20: 0.2, 21: 0.024, 19: 0.024})
     assert answer.verdict == "unexplained"

@@ -28,6 +28,7 @@ def told(true_celsius, gain, seed=0):
     return " ".join(found.notes)
 
 
+@pytest.mark.soak
 def test_times_of_one_temperature_are_no_gain_of_the_chain():
     says = told(CELSIUS + 7.0 * (CELSIUS == 45.0), 1.0)
     assert "times of their own at each temperature" in says

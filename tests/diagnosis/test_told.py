@@ -116,6 +116,7 @@ def test_a_held_parameter_costs_what_its_profile_says():
     assert costs == pytest.approx(found.cost + np.array([1.96**2, 0.0, 1.96**2]), rel=1e-3)
 
 
+@pytest.mark.soak
 def test_the_next_experiment_settles_the_more_open_question():
     """The mass is certain.
 

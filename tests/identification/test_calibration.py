@@ -64,6 +64,7 @@ def test_what_is_off_within_the_promise_is_held_with_it_alone(off):
     assert all(holds(springpot.identify(swept(2, off), MODEL, accuracy="2%,3mrad")).values())
 
 
+@pytest.mark.soak
 def test_it_covers_the_truth_in_nineteen_of_twenty():
     rng, held = np.random.default_rng(5), []
     for seed in range(40):

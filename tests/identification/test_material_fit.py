@@ -27,6 +27,7 @@ def alone(ripple):
     return fit(springpot.parse_model("material"), ripple)
 
 
+@pytest.mark.soak_cases("relaxation-mode", "retardation-mode")
 @pytest.mark.parametrize(
     "effect",
     ["series-spring", "series-dashpot", "retardation-mode", "relaxation-mode", "parallel-spring"],

@@ -24,6 +24,7 @@ def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
 
 
 @pytest.mark.soak_cases("fractional-kelvin4", "fractional-zener")
+@pytest.mark.soak_cases("fractional-kelvin4")
 @pytest.mark.parametrize("name", [name for name in TRUTHS if name != "springpot"])
 def test_batch_of_random_truths(name, rng):
     model, theta, stiffness = random_truths(name, 1500, rng)

@@ -72,6 +72,7 @@ def test_the_answer_opens_again_with_its_levels(rng: np.random.Generator, tmp_pa
     assert again.predict(**asked).storage.tolist() == fit.predict(**asked).storage.tolist()
 
 
+@pytest.mark.soak
 def test_what_is_missing_from_all_batches_is_found_beside_their_own(
     rng: np.random.Generator,
 ) -> None:

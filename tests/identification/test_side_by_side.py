@@ -20,6 +20,7 @@ def damper(rng) -> springpot.Measurement:
 
 
 @pytest.mark.soak_cases("inertia + time-delay", "series-spring + inertia")
+@pytest.mark.suite_cases("arrhenius-shift + inertia")
 @pytest.mark.parametrize(
     "effects",
     [

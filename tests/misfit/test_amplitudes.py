@@ -66,6 +66,7 @@ def test_several_temperatures_are_no_question_of_the_amplitude():
     assert notes(measured(GEL / (1.0 + AMPLITUDE), temperature=temperature)) == []
 
 
+@pytest.mark.soak
 def test_a_diagnosis_tells_it():
     found = springpot.diagnose(measured(GEL / (1.0 + AMPLITUDE)), "kelvin", only=FEW)
     assert any("one material for all 4 amplitudes" in note for note in found.notes)

@@ -44,7 +44,7 @@ def judged(data):
     return battery(fitted_to_floor(MODEL, data).frame(), np.random.default_rng(1))
 
 
-@pytest.mark.soak_cases("12-4-2-long tails", "12-4-2-one noisy sweep")
+@pytest.mark.soak
 @pytest.mark.parametrize("kind", ["normal", "long tails", "one noisy sweep", soaked("gain only")])
 @pytest.mark.parametrize(("draws", "few", "rare"), [(12, 4, 2), soaked(24, 5, 2), soaked(60, 9, 4)])
 def test_chances_on_noise_alone_are_chances(kind, draws, few, rare):
@@ -66,6 +66,7 @@ PATTERNS = {
 
 @pytest.mark.soak_cases("single points", "runs")
 @pytest.mark.soak_cases("ripple")
+@pytest.mark.soak_cases("ripple", "runs")
 @pytest.mark.parametrize("name", PATTERNS)
 def test_structure_of_each_kind_raises_the_alarm_and_is_told(name):
     found = judged(sweeps("normal", 3, PATTERNS[name]))

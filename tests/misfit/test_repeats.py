@@ -105,6 +105,7 @@ def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
 
 
 @pytest.mark.soak_cases("gains0-True")
+@pytest.mark.soak_cases("gains1-False")
 @pytest.mark.parametrize(
     ("gains", "told"), [((0.03, 0.0, -0.01), True), ((0.0, 0.03, -0.01), False)]
 )
@@ -128,6 +129,7 @@ def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, 
     assert ("if they are one specimen, it drifts" in notes) is told
 
 
+@pytest.mark.soak_cases("0.0-adequate")
 @pytest.mark.parametrize(("shared", "verdict"), [(0.012, "unexplained"), (0.0, "adequate")])
 def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_together(
     shared, verdict

@@ -47,6 +47,7 @@ def framed(ripple: float, seed: int) -> NoiseFrame:
     return NoiseFrame(data, k, weights, np.zeros((0, omega.size), dtype=np.complex128))
 
 
+@pytest.mark.soak_cases("2", "3")
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_white_noise_of_many_short_sweeps_holds_no_ripple(seed):
     found = trimmed(framed(0.0, seed))

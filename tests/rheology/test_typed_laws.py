@@ -322,6 +322,7 @@ def swept(law, theta, sigma=0.003, **columns):
 HIDDEN = "creeping-grip = parallel: k*log(1 + X/Xc)"
 
 
+@pytest.mark.soak
 def test_a_hidden_effect_is_found_by_its_typed_law(tmp_path):
     data = swept(HIDDEN, [400.0, 60.0, 0.5, 40.0, 0.5], amplitude=[0.2, 0.5, 1.0, 3.0])
     few = ["creeping-grip", "payne", "cubic-stiffness", "friction", "backlash", "inertia"]

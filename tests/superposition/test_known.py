@@ -108,7 +108,7 @@ def test_sweeps_of_few_points_are_told_as_such():
     assert not [note for note in curve.notes if "too straight" in note]
 
 
-@pytest.mark.soak_cases("1")
+@pytest.mark.soak_cases("0", "1")
 @pytest.mark.parametrize("seed", range(2))
 def test_the_line_follows_a_loss_that_is_hardly_a_part_of_the_modulus(seed):
     """Of a glass the loss is a ten thousandth of |K|: 1 % of |K| would leave it anywhere."""
@@ -130,7 +130,7 @@ def test_a_line_that_misses_the_loss_is_not_called_noise():
     assert all("misses the loss" in failure.says for failure in missed)
 
 
-@pytest.mark.soak_cases("1")
+@pytest.mark.soak_cases("0", "1")
 @pytest.mark.parametrize("seed", range(2))
 def test_a_part_that_scatters_as_much_as_it_is_is_not_missed(seed):
     """Noise in proportion to |K| drowns the loss of a glass.

@@ -85,6 +85,7 @@ def test_vogel_is_wlf_by_another_name(found):
     assert by_name["VFT"].departure == pytest.approx(by_name["WLF"].departure, rel=0.03)
 
 
+@pytest.mark.soak
 def test_an_activated_material_is_told_as_such():
     celsius = TEMPERATURES + 273.15
     log_a = 60.0 / 8.31446261815324e-3 * (1.0 / celsius - 1.0 / 303.15)

@@ -19,7 +19,7 @@ def rubber(i, omega):
     return (TEMPERATURES[i] + 273.15) / 303.15 * 1e6 * (1.0 + 0.02j) * np.ones_like(omega)
 
 
-@pytest.mark.soak_cases("1", "2")
+@pytest.mark.soak_cases("0", "1", "2")
 @pytest.mark.parametrize("seed", range(4))
 def test_flat_sweeps_have_nothing_to_shift_by(seed):
     curve = springpot.mastercurve(measured(rubber, noise=0.01, seed=seed))
@@ -38,6 +38,7 @@ def test_flat_sweeps_have_nothing_to_shift_by(seed):
     assert curve._repr_html_().count('data-label="determined">no: flat<') == 4
 
 
+@pytest.mark.soak
 def test_straight_sweeps_that_rise_are_not_called_flat():
     def straight(i, omega):
         return 1e6 * (1j * omega * np.exp(-0.1 * i)) ** 0.05

@@ -41,6 +41,7 @@ def off_the_law(i, omega):
 
 
 @pytest.mark.soak_cases("without_lift", "off_the_law")
+@pytest.mark.soak_cases("off_the_law", "simple")
 @pytest.mark.parametrize("sweep", [without_lift, off_the_law, simple])
 def test_a_shift_alone_has_one_answer_in_all_commands(sweep):
     """With `simple` the missing vertical factors bend the shift; then too it is one answer."""
@@ -150,6 +151,7 @@ def factors(parameters):
     return np.array([[each.value, each.low, each.high] for each in found])
 
 
+@pytest.mark.soak
 def test_free_factors_have_one_answer_in_all_commands():
     """One level scatters more than twice as much: its interval is wider, and no other's."""
     calm = measured(without_lift, noise=0.004, seed=4)
@@ -264,6 +266,7 @@ def test_diagnose_tells_the_constants_of_the_curve():
 @pytest.mark.soak_cases(
     "wlf-shift- + free-vertical-shift", "arrhenius-shift-", "arrhenius-shift- + free-vertical-shift"
 )
+@pytest.mark.suite_cases("wlf-shift-")
 @pytest.mark.parametrize("lift", ["", " + free-vertical-shift"])
 @pytest.mark.parametrize("law", ["wlf-shift", "arrhenius-shift"])
 def test_free_factors_end_no_higher_than_the_laws_that_they_contain(law, lift):

@@ -45,7 +45,7 @@ def seed(request):
     return request.param
 
 
-@pytest.mark.soak_cases("1", "2")
+@pytest.mark.soak_cases("0", "1", "2")
 def test_a_branch_with_its_own_temperature_is_seen(seed):
     rest = springpot.mastercurve(measured(two_branches, seed=seed)).simplicity
     assert rest.verdict == "not-simple"
@@ -95,7 +95,7 @@ def test_too_few_points_are_not_judged():
     assert rest.verdict == "not-judged"
 
 
-@pytest.mark.soak_cases("13-2.0")
+@pytest.mark.soak
 @pytest.mark.parametrize(("points", "decades"), [(13, 2.0), (8, 1.0)])
 def test_a_material_of_each_level_leaves_as_much_as_its_degrees_of_freedom_say(points, decades):
     """A line that stands alone has followed the noise by its place, too."""

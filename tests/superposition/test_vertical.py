@@ -53,7 +53,7 @@ def test_where_a_and_b_are_one_b_stays_what_physics_expects(curve):
     assert curve.simplicity.error <= curve.error_without_vertical
 
 
-@pytest.mark.soak_cases("curve1")
+@pytest.mark.soak_cases("curve0", "curve1")
 def test_it_is_said_in_one_line_where_a_and_b_cannot_be_told_apart(curve):
     (note,) = [note for note in curve.notes if "cannot be told apart" in note]
     assert "70 degC" in note.split(":")[0]
@@ -64,7 +64,7 @@ def test_there_is_a_law_of_the_shift(curve):
     assert "Arrhenius" in {law.law.name for law in curve.laws}
 
 
-@pytest.mark.soak_cases("0.6")
+@pytest.mark.soak
 @pytest.mark.parametrize("lift", [0.6, 1.5])
 def test_data_that_contradict_what_is_expected_have_their_way(lift):
     """A specimen changed before the fourth sweep: its curvature tells the vertical factor."""
@@ -194,6 +194,7 @@ def few(points):
 
 @pytest.mark.soak_cases("0", "3", "5", "6")
 @pytest.mark.soak_cases("1", "2")
+@pytest.mark.suite_cases("5")
 @pytest.mark.parametrize(
     "data",
     [*(power_law(seed)[0] for seed in (8, 12, 15, 25)), few(3), few(4), measured(simple)],

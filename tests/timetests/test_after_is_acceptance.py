@@ -55,6 +55,7 @@ FEW = ["inertia", "parallel-springpot", "parallel-dashpot", "series-spring", "fo
 
 
 @pytest.mark.soak_cases("relaxation", "creep", "record")
+@pytest.mark.soak_cases("joint", "creep")
 @pytest.mark.parametrize("kind", ["relaxation", "creep", "record", "joint"])
 def test_what_is_printed_as_after_is_what_acceptance_gives(
     kind: str, rng: np.random.Generator

@@ -88,7 +88,7 @@ def test_a_discovery_from_a_sweep_and_a_relaxation_ends_at_the_truth(seed):
     assert ladder.verdict == "adequate"
 
 
-@pytest.mark.soak_cases("gain-error", "time-delay")
+@pytest.mark.soak
 @pytest.mark.parametrize("effect", ["time-delay", "gain-error", "phase-error"])
 def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
     tests = [sweep_of(f"zener + {effect}", 1), step_of("zener", "creep", 1)]

@@ -28,6 +28,7 @@ def judged(digit, friction, seed=0):
 
 
 @pytest.mark.soak_cases("0.02")
+@pytest.mark.soak_cases("0.05")
 @pytest.mark.parametrize("digit", [0.02, 0.05])
 def test_no_effect_is_found_in_rounding(digit):
     found = judged(digit, 1e-9)

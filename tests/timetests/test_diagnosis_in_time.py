@@ -38,6 +38,7 @@ def test_nothing_is_missing_where_nothing_is():
 
 @pytest.mark.soak_cases("dead-zone-values2")
 @pytest.mark.soak_cases("cubic-stiffness-values3", "inertia-values1")
+@pytest.mark.soak_cases("cubic-stiffness-values3", "dead-zone-values2", "inertia-values1")
 @pytest.mark.parametrize(
     ("effect", "values"),
     [
@@ -74,6 +75,7 @@ def no_evidence_is_called_absent(found):
         assert each.verdict != "absent" or each.delta_bic < 6.0, each
 
 
+@pytest.mark.soak
 def test_of_two_missing_effects_neither_is_called_absent_nor_one_of_them_all():
     model = MODEL + "friction" + "inertia"
     force = model.respond(np.append(TRUE, [12.0, 30.0]), T, X)

@@ -144,6 +144,7 @@ def test_a_rung_in_time_has_the_error_and_the_floor_of_its_diagnosis(drifting):
         assert (step.relative_rms, step.noise_floor) == (error.relative_rms, error.noise_floor)
 
 
+@pytest.mark.soak
 def test_what_one_test_alone_has_is_accepted_under_its_name():
     # Of three relaxations the second is 6 % too large, as of a gap that is wrong.
     draw, time = np.random.default_rng(3), np.geomspace(0.01, 100.0, 30)

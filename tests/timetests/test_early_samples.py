@@ -42,6 +42,7 @@ def test_commands_hold_the_data_and_the_model_as_the_user_called_them():
     assert step.command.startswith("springpot diagnose 'my gel.csv' --model kv --exclude time=..")
 
 
+@pytest.mark.suite_cases("False-0.05", "True-0.02")
 @pytest.mark.parametrize("early", [0.02, 0.05, 0.1, 0.2, 0.3])
 @pytest.mark.parametrize("at_the_end", [False, True])
 def test_an_error_well_above_the_noise_is_never_nothing_missing(early, at_the_end):

@@ -121,6 +121,7 @@ def test_units_of_the_second_test_are_converted():
     assert found.parameters["k1"].unit == "kPa"
 
 
+@pytest.mark.soak
 def test_friction_beside_the_material_is_found_from_a_record():
     model = ZENER + "friction"
     theta = np.append(TRUE, 12.0)

@@ -63,7 +63,7 @@ def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
     assert "temperature=25[degC]" in answer.says
 
 
-@pytest.mark.soak_cases("5")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", [2, 5])
 def test_the_truth_leaves_no_more_than_noise_and_nothing_is_missing_from_it(seed):
     few = ["vertical-shift", "inertia"]

@@ -41,6 +41,7 @@ def test_another_line_is_a_vibration():
     assert "a vibration" in note
 
 
+@pytest.mark.soak_cases("2", "3")
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_has_none(seed):
     assert not notes_of(0.005, 50.0, 0.0, seed=seed)

@@ -158,6 +158,7 @@ def test_the_floor_of_a_poor_model_lies_below_every_network(kind, name, seed, sh
     assert 0.0 < floor <= 1.001 * errors(tests, model, theta)[0]
 
 
+@pytest.mark.soak_cases("jeffreys-kelvin-267398-0.001")
 @pytest.mark.parametrize(
     ("name", "seed", "share"), [("jeffreys-kelvin", 267398, 1e-3), ("jeffreys", 465594, 1e-2)]
 )

@@ -113,6 +113,7 @@ def test_a_sweep_is_planned_of_the_first_specimen():
     assert [set(plan.conditions["file"]) for plan in plans] == [{1.0}, {1.0}]
 
 
+@pytest.mark.soak
 def test_all_tests_together_show_what_is_missing():
     """A dashpot beside each specimen, of which each has its own stiffness."""
     whole = springpot.parse_model("zener + parallel-dashpot")

@@ -6,6 +6,7 @@ Noise with a memory is no misfit.
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -46,18 +47,15 @@ HIDDEN = {
 }
 
 
-@pytest.fixture(scope="module")
-def found():
-    return {
-        name: diagnose(record(name, values), MODEL, library())
-        for name, (values, _) in HIDDEN.items()
-    }
+@cache
+def found(name):
+    return diagnose(record(name, HIDDEN[name][0]), MODEL, library())
 
 
-@pytest.mark.soak_cases("asymmetric-stop", "backlash-in-time")
+@pytest.mark.suite_cases("force-clipping")
 @pytest.mark.parametrize("name", HIDDEN)
-def test_what_harmonics_hide_is_named_with_its_size(found, name):
-    answer, (values, _) = found[name], HIDDEN[name]
+def test_what_harmonics_hide_is_named_with_its_size(name):
+    answer, (values, _) = found(name), HIDDEN[name]
     assert answer.verdict == "effect-missing"
     assert answer.leading == (name,)
     first = next(iter(answer.best.parameters.values()))
@@ -65,9 +63,10 @@ def test_what_harmonics_hide_is_named_with_its_size(found, name):
     assert answer.best.over_floor == pytest.approx(1.0, abs=0.2)
 
 
+@pytest.mark.suite_cases("force-clipping")
 @pytest.mark.parametrize("name", HIDDEN)
-def test_it_is_located_in_the_loop(found, name):
-    [loop] = [place for place in found[name].where if place.plane == "loop"]
+def test_it_is_located_in_the_loop(name):
+    [loop] = [place for place in found(name).where if place.plane == "loop"]
     assert HIDDEN[name][1] in loop.says
     assert loop.size > 1.5
 
@@ -91,9 +90,9 @@ def test_a_record_that_is_level_at_its_top_is_told():
     assert not any("level" in place.says for place in places(test, residual))
 
 
-def test_the_answer_has_the_keys_of_one_on_a_sweep(found):
+def test_the_answer_has_the_keys_of_one_on_a_sweep():
     path = Path(__file__).parents[2] / "docs" / "schemas" / "diagnosis.json"
-    answer = found["force-clipping"].to_dict()
+    answer = found("force-clipping").to_dict()
     known = set(json.loads(path.read_text(encoding="utf-8"))["properties"])
     # Quantities are told where nothing is missing.
     assert known - set(answer) == {"quantities"}

@@ -25,6 +25,7 @@ def shown(expression, kind, seed, **effect):
 
 
 @pytest.mark.soak_cases("series-spring-size1")
+@pytest.mark.soak_cases("inertia-size0")
 @pytest.mark.parametrize(
     ("name", "size"), [("inertia", {"m": 0.5}), ("series-spring", {"k": 1500.0})]
 )

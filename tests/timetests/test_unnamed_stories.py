@@ -77,6 +77,7 @@ def test_a_jump_pays_for_its_place():
     assert max(each.evidence["unknown"] for each in found) < 0.9
 
 
+@pytest.mark.soak
 def test_a_ripple_of_a_sweep_that_tells_its_noise_itself_is_no_noise():
     """Of four points a period, as rough as noise to neighbours."""
     exact = ZENER.stiffness(THETA, OMEGA)

@@ -33,6 +33,7 @@ def test_the_corners_that_a_smooth_effect_leaves_of_a_jump_are_misfit(seed):
     assert scatter_of(corners + noise(seed)).misfit
 
 
+@pytest.mark.soak_cases("0.3", "0.6")
 @pytest.mark.parametrize("memory", [0.0, 0.3, 0.6])
 def test_noise_with_a_memory_has_no_jump(memory):
     assert not any(scatter_of(noise(seed, memory=memory)).misfit for seed in range(40))
@@ -125,6 +126,7 @@ def test_of_two_places_of_one_effect_each_rig_keeps_its_own():
     assert _different(promises) == promises[:2]
 
 
+@pytest.mark.soak
 def test_an_effect_that_lowers_next_to_nothing_does_not_help():
     """Three waves in the record of a relaxation, beside which any effect is small."""
     model = parse_model("fractional-maxwell")
