@@ -23,8 +23,6 @@ MODULES = [
     "springpot.timetests.fitting",
     "springpot.timetests.prediction",
     "springpot.web.launch",
-)
-@pytest.mark.soak_cases(
     "springpot.comparison.result",
     "springpot.invention.result",
     "springpot.timetests.diagnosis",

@@ -111,9 +111,7 @@ def test_any_material_follows_a_relaxation_and_not_a_mass():
 
 
 # --- what is drawn --------------------------------------------------------------------------------
-@pytest.mark.soak_cases("two")
-@pytest.mark.soak_cases("three")
-@pytest.mark.soak_cases("time", "wrong-base")
+@pytest.mark.soak_cases("two", "three", "time", "wrong-base")
 @pytest.mark.parametrize("stratum", STRATA)
 def test_a_case_is_the_same_each_time_and_another_for_another_seed(stratum, tmp_path):
     one, again, other = (

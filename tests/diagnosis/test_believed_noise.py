@@ -21,8 +21,6 @@ def measured(level, sd=False):
     )
 
 
-@pytest.mark.soak_cases("0.3-True-True")
-@pytest.mark.soak_cases("0.4-False-False")
 @pytest.mark.soak_cases("0.3-True-True", "0.4-False-False")
 @pytest.mark.parametrize(
     ("level", "sd", "good"), [(0.02, False, True), (0.4, False, False), (0.3, True, True)]

@@ -224,8 +224,7 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
     assert diagnosed(shuffled(save, (1.0, 1.2, 0.9, 1.5))).error.noise_floor < 0.02
 
 
-@pytest.mark.soak_cases("0.08")
-@pytest.mark.soak_cases("0.0")
+@pytest.mark.soak_cases("0.08", "0.0")
 @pytest.mark.parametrize("gain", [0.08, 0.0])
 def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
     """Scatter to all that does not know which geometry a row was measured on."""

@@ -29,8 +29,8 @@ def questions():
             yield pytest.param(kind, case, id=case.name.replace(" ", "-"), marks=marks)
 
 
-@pytest.mark.soak_cases("artificial-fractional-zener-noise2-by-springpot")
 @pytest.mark.soak_cases(
+    "artificial-fractional-zener-noise2-by-springpot",
     "fractional-zener-hides-time-delay",
     "any-material-hides-time-delay",
     "artificial-fractional-kelvin4-noise1-as-springpot",

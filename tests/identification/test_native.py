@@ -11,9 +11,9 @@ from springpot.measurement import Measurement
 from springpot.registry import parse_model, plugins
 
 
-@pytest.mark.soak_cases("springpot")
-@pytest.mark.soak_cases("fractional-maxwell")
-@pytest.mark.soak_cases("fractional-kelvin4", "fractional-kelvin", "fractional-zener")
+@pytest.mark.soak_cases(
+    "springpot", "fractional-maxwell", "fractional-kelvin4", "fractional-kelvin", "fractional-zener"
+)
 @pytest.mark.parametrize("name", TRUTHS)
 def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     model, theta, data = setup(name)
@@ -24,7 +24,6 @@ def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
 
 
 @pytest.mark.soak_cases("fractional-kelvin4", "fractional-zener")
-@pytest.mark.soak_cases("fractional-kelvin4")
 @pytest.mark.parametrize("name", [name for name in TRUTHS if name != "springpot"])
 def test_batch_of_random_truths(name, rng):
     model, theta, stiffness = random_truths(name, 1500, rng)

@@ -51,7 +51,6 @@ def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):
 
 
 @pytest.mark.soak_cases("profile-3", "profile-6", "bootstrap-6")
-@pytest.mark.soak_cases("profile-6", "bootstrap-6", "profile-3")
 @pytest.mark.parametrize("count", [3, 6])
 @pytest.mark.parametrize("kind", ["profile", "bootstrap"])
 def test_every_kind_of_interval_follows_the_specimens(kind, count):

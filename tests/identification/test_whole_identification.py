@@ -60,8 +60,9 @@ def without_time(answer):
     return {name: part for name, part in answer.to_dict().items() if name != "seconds"}
 
 
-@pytest.mark.soak_cases("given", "held", "at a bound", "simplex")
-@pytest.mark.soak_cases("not determined", "shifted", "leastsquares")
+@pytest.mark.soak_cases(
+    "given", "held", "at a bound", "simplex", "not determined", "shifted", "leastsquares"
+)
 @pytest.mark.parametrize("case", list(FITS))
 def test_fit_of_a_sweep(case, stays):
     name, options = FITS[case]

@@ -41,8 +41,8 @@ def samples() -> dict[str, list[Path | bytes]]:
 SAMPLES = samples()
 
 
-@pytest.mark.soak_cases("model kelvin-N")
 @pytest.mark.soak_cases(
+    "model kelvin-N",
     "model spring",
     "model dashpot",
     "model maxwell",
@@ -98,8 +98,6 @@ class TestEffects(PluginContract):
     "optimiser nlopt-lbfgs",
     "optimiser nlopt-mlsl",
     "optimiser shgo",
-)
-@pytest.mark.soak_cases(
     "optimiser pso-paper-scalar",
     "optimiser bipop-cma-es",
     "optimiser ipop-cma-es",

@@ -68,9 +68,7 @@ def test_derivatives_are_exact(name: str, rng: np.random.Generator):
         check_derivatives(model.network, sample(model.parameters, rng), points())
 
 
-@pytest.mark.soak_cases("power-law-slip")
-@pytest.mark.soak_cases("hardening-mount", "yielding")
-@pytest.mark.soak_cases("smooth-hysteresis")
+@pytest.mark.soak_cases("power-law-slip", "hardening-mount", "yielding", "smooth-hysteresis")
 @pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_derivatives_are_exact_with_every_effect(effect: str, rng: np.random.Generator):
     model = MODELS["fractional-zener"] + effect

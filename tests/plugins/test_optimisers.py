@@ -58,9 +58,9 @@ def test_stops_exactly_at_its_budget(name, budget):
     assert found.trace[-1] == (found.trace[-1][0], found.best)
 
 
-@pytest.mark.soak_cases("least-squares-alternating-fractional-zener")
-@pytest.mark.soak_cases("cobyqa-fractional-zener")
-@pytest.mark.soak_cases("cobyqa-springpot")
+@pytest.mark.soak_cases(
+    "least-squares-alternating-fractional-zener", "cobyqa-fractional-zener", "cobyqa-springpot"
+)
 @pytest.mark.parametrize("model", ["springpot", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
 def test_same_seed_same_bits_whatever_ran_before(name, model):
@@ -97,9 +97,9 @@ def test_deterministic_ones_do_not_depend_on_the_seed(name):
     "least-squares-fractional-kelvin4",
     "least-squares-fractional-zener",
     "least-squares-alternating-fractional-kelvin4",
+    "cobyqa-fractional-kelvin4",
+    "cobyqa-fractional-zener",
 )
-@pytest.mark.soak_cases("cobyqa-fractional-kelvin4")
-@pytest.mark.soak_cases("cobyqa-fractional-zener")
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
 def test_results_keep_limits_and_thermodynamic_order(name, model):
@@ -114,8 +114,9 @@ def test_results_keep_limits_and_thermodynamic_order(name, model):
             assert (found.theta > 0).all()
 
 
-@pytest.mark.soak_cases("cobyqa-fractional-zener", "nlopt-bobyqa-fractional-kelvin4")
-@pytest.mark.soak_cases("cobyqa-fractional-kelvin4")
+@pytest.mark.soak_cases(
+    "cobyqa-fractional-zener", "nlopt-bobyqa-fractional-kelvin4", "cobyqa-fractional-kelvin4"
+)
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_good_ones_find_the_artificial_optimum(name, model):
@@ -126,9 +127,17 @@ def test_good_ones_find_the_artificial_optimum(name, model):
     np.testing.assert_allclose(found.theta, truth(model), rtol=0.02)
 
 
-@pytest.mark.soak_cases("bipop-cma-es")
-@pytest.mark.soak_cases("auto", "least-squares-alternating")
-@pytest.mark.soak_cases("basin-hopping", "cma-es", "cobyqa", "least-squares", "nlopt-lbfgs", "shgo")
+@pytest.mark.soak_cases(
+    "bipop-cma-es",
+    "auto",
+    "least-squares-alternating",
+    "basin-hopping",
+    "cma-es",
+    "cobyqa",
+    "least-squares",
+    "nlopt-lbfgs",
+    "shgo",
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_every_one_beats_a_handful_of_random_points(name):
     problem = artificial("fractional-maxwell")

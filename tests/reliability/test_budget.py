@@ -86,8 +86,7 @@ def test_the_budget_is_that_of_the_documentation(tmp_path):
     assert found.memory == 10 * 30_000_000 + 200 * 2**20
 
 
-@pytest.mark.soak_cases("stubborn")
-@pytest.mark.soak_cases("loses_the_first_word")
+@pytest.mark.soak_cases("stubborn", "loses_the_first_word")
 @pytest.mark.parametrize("action", [for_ever, stubborn, loses_the_first_word])
 @pytest.mark.usefixtures("short")
 def test_a_reader_that_never_ends_is_ended(path, action):

@@ -11,9 +11,7 @@ CASES = 8
 LARGEST = 100_000
 
 
-@pytest.mark.soak_cases("nest")
-@pytest.mark.soak_cases("pad")
-@pytest.mark.soak_cases("repeat", "widen")
+@pytest.mark.soak_cases("nest", "pad", "repeat", "widen")
 @pytest.mark.parametrize("operation", structure.OPERATIONS)
 def test_files_of_much_structure_are_read_or_refused_within_their_budget(operation, tmp_path):
     rng = np.random.default_rng([7, *operation.encode()])

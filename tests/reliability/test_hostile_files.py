@@ -31,8 +31,8 @@ def short(monkeypatch):
     monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
 
 
-@pytest.mark.soak_cases("long_header")
 @pytest.mark.soak_cases(
+    "long_header",
     "comments",
     "compressed_zeros",
     "dense_workbook",

@@ -105,7 +105,6 @@ def done(tmp_path_factory):
     }
 
 
-@pytest.mark.soak_cases("success without a result-the process ended with exit code 0")
 @pytest.mark.soak
 @pytest.mark.parametrize(("deed", "told"), DEEDS.items())
 def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):

@@ -23,9 +23,12 @@ def spectrum_of(name: str, theta: list[float], decades: float = 2.0):
 
 
 @pytest.mark.soak_cases(
-    "springpot-theta0-0.005", "huet-sayegh-theta2-0.005", "huet-sayegh-theta2-0.0005"
+    "springpot-theta0-0.005",
+    "huet-sayegh-theta2-0.005",
+    "huet-sayegh-theta2-0.0005",
+    "fractional-zener-theta1-0.0005",
+    "springpot-theta0-0.0005",
 )
-@pytest.mark.soak_cases("fractional-zener-theta1-0.0005", "springpot-theta0-0.0005")
 @pytest.mark.parametrize("tolerance", [0.05, 0.005, 0.0005])
 @pytest.mark.parametrize(
     ("name", "theta"),

@@ -63,8 +63,7 @@ print(k.real, k.imag)
 """
 
 
-@pytest.mark.soak_cases("1.0")
-@pytest.mark.soak_cases("8.0")
+@pytest.mark.soak_cases("1.0", "8.0")
 @pytest.mark.parametrize("frequency", [1.0, 8.0, 48.0])
 def test_opensees_gives_k_over_the_band(frequency):
     """A node on the exported material alone, pushed by a sinusoid until it repeats itself."""

@@ -54,8 +54,7 @@ def sweep(rng: np.random.Generator) -> springpot.Measurement:
 FEW = ["inertia", "parallel-springpot", "parallel-dashpot", "series-spring", "force-drift"]
 
 
-@pytest.mark.soak_cases("relaxation", "creep", "record")
-@pytest.mark.soak_cases("joint", "creep")
+@pytest.mark.soak_cases("relaxation", "creep", "record", "joint")
 @pytest.mark.parametrize("kind", ["relaxation", "creep", "record", "joint"])
 def test_what_is_printed_as_after_is_what_acceptance_gives(
     kind: str, rng: np.random.Generator

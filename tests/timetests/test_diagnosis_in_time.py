@@ -36,9 +36,7 @@ def test_nothing_is_missing_where_nothing_is():
     assert "phase-error" not in {each.effect for each in found.candidates}
 
 
-@pytest.mark.soak_cases("dead-zone-values2")
-@pytest.mark.soak_cases("cubic-stiffness-values3", "inertia-values1")
-@pytest.mark.soak_cases("cubic-stiffness-values3", "dead-zone-values2", "inertia-values1")
+@pytest.mark.soak_cases("dead-zone-values2", "cubic-stiffness-values3", "inertia-values1")
 @pytest.mark.parametrize(
     ("effect", "values"),
     [

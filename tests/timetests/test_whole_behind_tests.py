@@ -130,8 +130,7 @@ SCANNED = ("inertia", "friction", "series-spring", "force-drift", "force-offset"
            "parallel-springpot", "time-delay", "stop")  # fmt: skip
 
 
-@pytest.mark.soak_cases("relaxed", "crept", "swept too")
-@pytest.mark.soak_cases("both")
+@pytest.mark.soak_cases("relaxed", "crept", "swept too", "both")
 @pytest.mark.parametrize("case", ["relaxed", "crept", "shaken", "both", "swept too"])
 def test_promises_and_what_is_left(case, stays):
     data, _ = FITS[case]

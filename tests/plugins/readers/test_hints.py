@@ -34,9 +34,12 @@ def forces(path, hint):
 
 
 @pytest.mark.soak_cases(
-    "Force/V,F [N],x [mm]-Force", "Force/V,F [N],x [mm]-load", "Force/V,F [N],x [mm]-F"
+    "Force/V,F [N],x [mm]-Force",
+    "Force/V,F [N],x [mm]-load",
+    "Force/V,F [N],x [mm]-F",
+    "Load (V),Force (N),Displacement (mm)-F",
+    "Force/V,F [N],x [mm]-force",
 )
-@pytest.mark.soak_cases("Load (V),Force (N),Displacement (mm)-F", "Force/V,F [N],x [mm]-force")
 @pytest.mark.parametrize("key", ["force", "Force", "load", "F"])
 @pytest.mark.parametrize(
     "titles",
