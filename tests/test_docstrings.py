@@ -18,6 +18,16 @@ MODULES = [
 ]
 
 
+@pytest.mark.soak_cases(
+    "springpot.solvers.prony",
+    "springpot.timetests.fitting",
+    "springpot.timetests.prediction",
+    "springpot.web.launch",
+    "springpot.comparison.result",
+    "springpot.invention.result",
+    "springpot.timetests.diagnosis",
+    "springpot.timetests.residuals_of_tests",
+)
 @pytest.mark.usefixtures("asked_once")
 @pytest.mark.parametrize("name", MODULES)
 def test_examples_run(name: str, tmp_path, monkeypatch):

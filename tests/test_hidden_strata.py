@@ -45,6 +45,7 @@ def test_the_strata_know_nothing_of_the_framework(name):
 
 
 # --- the integration in time against what is known in closed form ---------------------------------
+@pytest.mark.soak
 def test_a_linear_solid_in_time_is_its_complex_stiffness():
     np.testing.assert_allclose(stiffness(in_time.solid_force(SOLID, MOTION)), K, rtol=1e-6)
 
@@ -88,6 +89,7 @@ def test_friction_has_its_textbook_harmonics():
     )
 
 
+@pytest.mark.soak
 def test_one_slider_is_jenkins_and_a_sharp_bouc_wen_nearly_the_same():
     rho = 0.2 / 0.5
     beta = np.arccos(1.0 - 2.0 * rho)
@@ -110,6 +112,7 @@ def test_any_material_follows_a_relaxation_and_not_a_mass():
 
 # --- what is drawn --------------------------------------------------------------------------------
 @pytest.mark.soak_cases("three", "time", "wrong-base")
+@pytest.mark.soak_cases("two", "three", "time", "wrong-base")
 @pytest.mark.parametrize("stratum", STRATA)
 def test_a_case_is_the_same_each_time_and_another_for_another_seed(stratum, tmp_path):
     one, again, other = (

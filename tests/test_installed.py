@@ -263,6 +263,7 @@ def test_the_optimiser_identifies_too(installed: Environment):
     assert answers[0]["parameters"] == answers[1]["parameters"]
 
 
+@pytest.mark.soak
 def test_every_command_of_the_page_on_plugins_works(installed: Environment):
     page = (ROOT / "docs" / "plugins.md").read_text()
     commands = [
@@ -276,12 +277,14 @@ def test_every_command_of_the_page_on_plugins_works(installed: Environment):
     assert all(installed.springpots(*(words for _, *words in called)))
 
 
+@pytest.mark.soak
 def test_the_command_stands_among_springpots_own(installed: Environment):
     listed, told = installed.springpots(["--help"], ["peak-loss", "example-data"])
     assert re.search(r"^  peak-loss +The frequency at which", listed, re.M)
     assert told == "the loss is largest at 314.2 rad/s\n"
 
 
+@pytest.mark.soak
 def test_without_the_example_nothing_of_it_is_there():
     code = "from springpot.registry import plugins; print(*plugins().names('model'))"
     told = subprocess.run(

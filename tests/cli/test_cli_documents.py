@@ -83,6 +83,7 @@ def fuzzed(document, write_as, path, answer):
     assert codes == {0, 2}
 
 
+@pytest.mark.soak_cases("fit")
 @pytest.mark.parametrize("kind", ["fit", "pad"])
 def test_a_fit_that_was_changed_is_used_or_refused(springpot, folder, kind):
     path = folder / "changed.json"
@@ -90,6 +91,7 @@ def test_a_fit_that_was_changed_is_used_or_refused(springpot, folder, kind):
     fuzzed(fit, json.dumps, path, lambda: springpot("predict", path, "--frequency", "1,2"))
 
 
+@pytest.mark.soak
 def test_a_structure_that_was_changed_is_used_or_refused(springpot, folder):
     path, record = folder / "frame.toml", folder / "record.csv"
     record.write_text(csv_text(RECORD), encoding="utf-8")

@@ -43,6 +43,7 @@ def test_text_shows_parameters_units_and_the_network(springpot, damper):
     assert "◇" in answer.out
 
 
+@pytest.mark.soak
 def test_effects_are_found_in_their_own_units(springpot, write):
     frequency = np.geomspace(0.5, 50.0, 15)
     s = 2j * np.pi * frequency
@@ -120,6 +121,7 @@ def test_no_optimiser_searches_a_spectrum(springpot, damper):
 
 
 @pytest.mark.soak_cases("least-squares", "pso-paper")
+@pytest.mark.soak_cases("native", "pso-paper", "least-squares")
 @pytest.mark.parametrize("optimiser", ["pso-paper", "least-squares", "native"])
 def test_an_optimiser_can_be_chosen_and_keeps_its_budget(springpot, damper, optimiser):
     options = ("--optimiser", optimiser, "--objective", "paper", "--budget", "300", "--seed", "4")
@@ -131,6 +133,7 @@ def test_an_optimiser_can_be_chosen_and_keeps_its_budget(springpot, damper, opti
     assert again["parameters"] == answer["parameters"]
 
 
+@pytest.mark.soak_cases("profile")
 @pytest.mark.parametrize("intervals", ["jacobian", "profile", "bootstrap"])
 def test_intervals_hold_the_value(springpot, write, intervals):
     rng = np.random.default_rng(5)

@@ -7,6 +7,7 @@ import springpot as package
 pytestmark = pytest.mark.usefixtures("asked_once")
 
 
+@pytest.mark.soak
 def test_the_text_has_factors_laws_and_a_verdict(springpot):
     answer = springpot("mastercurve", "nist-srm2491", "--reference", "20degC")
     assert answer.code == 0

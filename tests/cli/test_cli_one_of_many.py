@@ -27,6 +27,7 @@ def told_of(answer, bad):
     return True
 
 
+@pytest.mark.soak_cases("identify-model0", "diagnose-model1")
 @pytest.mark.parametrize(
     ("command", "model"),
     [("identify", MODEL), ("diagnose", (*MODEL, "--effects", "inertia")), ("inspect", ())],

@@ -12,6 +12,7 @@ def fit(springpot, damper, tmp_path):
     return path
 
 
+@pytest.mark.soak
 def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
     pytest.importorskip("matplotlib")
     table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
@@ -29,6 +30,7 @@ def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.soak_cases("--frequency-frequency [Hz]-2.0")
 @pytest.mark.parametrize(
     ("asked", "title", "at"),
     [("--omega", "omega [rad/s]", 2.0), ("--frequency", "frequency [Hz]", 2.0)],
@@ -48,6 +50,9 @@ def test_an_answer_is_told_in_the_frequencies_that_were_asked(
     assert float(first.split(",")[0]) == pytest.approx(at)
 
 
+@pytest.mark.soak_cases(
+    "options0---frequency (hz) or --omega", "options3---frequency (hz) or --omega"
+)
 @pytest.mark.parametrize(
     ("options", "says"),
     [

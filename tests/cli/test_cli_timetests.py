@@ -58,6 +58,7 @@ def test_inspect_says_what_was_understood(springpot, relaxed):
     assert "kPa" in shown
 
 
+@pytest.mark.soak
 def test_a_delay_of_the_sweep_is_fitted_beside_a_relaxation(springpot, swept, relaxed):
     expression = "fractional-maxwell + inertia + time-delay"
     answer = springpot("identify", swept, relaxed, "--model", expression, "--json").json
@@ -168,6 +169,7 @@ def test_any_optimiser_may_search(springpot, relaxed, fit):
     assert "cma-es: budget, 20 evaluations" in told.out
 
 
+@pytest.mark.soak
 def test_parameters_are_held_bounded_and_begun_at_as_in_sweeps(springpot, relaxed, crept):
     words = ["-m", "fractional-maxwell", "--fix", "alpha=0.5", "--bounds", "k=0:300"]
     told = springpot("identify", relaxed, crept, *words, "--start", "c=50", "--json").json
@@ -179,6 +181,7 @@ def test_parameters_are_held_bounded_and_begun_at_as_in_sweeps(springpot, relaxe
     springpot(*refused, "m=1").is_one_line("no free parameter 'm'")
 
 
+@pytest.mark.soak
 def test_samples_are_left_out_by_time_number_and_name(springpot, relaxed, crept):
     def points(*words):
         told = springpot("identify", relaxed, crept, "-m", "fractional-maxwell", *words, "--json")

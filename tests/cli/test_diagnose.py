@@ -81,6 +81,7 @@ def test_json_is_as_agreed(springpot, heavy):
     assert "inertia" in answer["classes"][0]
 
 
+@pytest.mark.soak
 def test_text_begins_with_the_verdict_and_ends_with_advice(springpot, heavy):
     answer = springpot("diagnose", heavy, "--model", "fractional-maxwell")
     assert answer.code == 0
@@ -107,6 +108,7 @@ def test_nothing_missing_is_said_plainly(springpot, sound):
     assert "absent, or it would have been seen" in answer.out
 
 
+@pytest.mark.soak
 def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(
     springpot, heavy, sound, tmp_path
 ):
@@ -122,6 +124,7 @@ def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(
     assert [line["verdict"] for line in lines] == ["effect-missing", "adequate"]
 
 
+@pytest.mark.soak
 def test_the_same_seed_gives_the_same_bits(springpot, heavy, monkeypatch):
     monkeypatch.undo()  # both are worked out
     first, again = (
@@ -131,6 +134,7 @@ def test_the_same_seed_gives_the_same_bits(springpot, heavy, monkeypatch):
     assert first.out == again.out
 
 
+@pytest.mark.soak_cases("way0")
 @pytest.mark.parametrize("way", [("--accept", "inertia"), ("--auto",)])
 def test_the_error_falls_to_the_floor(springpot, heavy, way):
     answer = springpot("discover", heavy, "--model", "fractional-maxwell", *way, "--json").json
@@ -376,6 +380,7 @@ def test_an_effect_of_the_users_own_takes_part(heavy):
     assert row.error_after == pytest.approx(diagnosis.candidates[0].error_after, rel=1e-3)
 
 
+@pytest.mark.soak
 def test_a_ladder_is_a_picture(heavy, tmp_path):
     pytest.importorskip("matplotlib")
     import springpot

@@ -193,7 +193,7 @@ def test_one_answer_is_spread_over_lines_and_of_several_each_is_one(capsys):
     assert capsys.readouterr().out == "words\n"
 
 
-@pytest.mark.soak_cases("3-command1")
+@pytest.mark.soak_cases("1-command1", "2-command1", "3-command1")
 @pytest.mark.parametrize("command", [("inspect",), ("identify", "-m", "kelvin")])
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_answers_of_several_files_are_lines_for_programs_and_parted_for_people(

@@ -167,9 +167,8 @@ def test_a_trial_whose_square_is_no_number_ends_nothing():
     assert (found.verdict, found.best.effect) == ("effect-missing", "inertia")
 
 
-@pytest.mark.soak_cases("material-12")
 @pytest.mark.soak_cases(
-    "fractional-kelvin-20", "fractional-kelvin-40", "material-20", "material-40"
+    "material-12", "fractional-kelvin-20", "fractional-kelvin-40", "material-20", "material-40"
 )
 @pytest.mark.parametrize("points", [12, 20, 40])
 @pytest.mark.parametrize("model", ["material", "fractional-kelvin"])

@@ -31,6 +31,7 @@ def test_a_bad_point_at_the_end_is_set_aside_and_the_effect_of_all_others_is_nam
     assert diagnosis.best.error_after < 1.1 * diagnosis.error.noise_floor
 
 
+@pytest.mark.soak
 def test_a_mass_that_begins_at_the_end_is_no_outlier():
     k = exact(KELVIN, AT)
     heavy = 0.15 * np.abs(k[-1]) / AT.omega.max() ** 2

@@ -113,8 +113,7 @@ def test_two_hidden_effects_are_both_found(pair):
     assert ladder.steps[-1].relative_rms / ladder.steps[-1].noise_floor < 1.3
 
 
-@pytest.mark.soak_cases("friction+cubic-stiffness")
-@pytest.mark.soak_cases("hysteretic-loss+inertia")
+@pytest.mark.soak_cases("friction+cubic-stiffness", "hysteretic-loss+inertia")
 @pytest.mark.parametrize(
     "pair", [("hysteretic-loss", "inertia"), ("friction", "cubic-stiffness")], ids="+".join
 )

@@ -43,7 +43,7 @@ def test_the_headline_names_the_drift_beside_the_phase(drifted):
     assert float(told.partition(" %")[0]) / 100.0 == pytest.approx(drift, rel=0.25)
 
 
-@pytest.mark.soak_cases("+5%")
+@pytest.mark.soak_cases("-3%", "+5%")
 def test_the_next_experiment_is_the_opposite_order(drifted):
     _, found = drifted
     assert OPPOSITE in found.next_experiment.says

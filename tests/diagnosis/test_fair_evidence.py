@@ -40,6 +40,7 @@ def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect
     assert min(chances["arrhenius-shift"], chances["wlf-shift"]) > 0.05
 
 
+@pytest.mark.soak
 def test_a_richer_effect_that_has_become_a_simpler_one_pays_all_the_same():
     chances = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0)).evidence.effects
     assert chances["friction"] > 0.8
@@ -148,6 +149,7 @@ def test_one_wrong_point_is_no_resonance(row):
     assert any("set aside" in note for note in diagnosis.notes)
 
 
+@pytest.mark.soak
 def test_the_likeliest_explanations_are_compared_not_those_of_best_fit():
     case = examined(hidden(KELVIN, SWEEP, "inertia", 300.0))
     for name, refit in case.evidence.likeliest_with().items():

@@ -131,15 +131,15 @@ def test_a_large_effect_is_in_the_first_class(effect):
 
 
 @pytest.mark.soak_cases(
+    "series-spring",
+    "friction",
+    "self-heating",
     "arrhenius-shift",
     "backlash",
     "cubic-stiffness",
-    "friction",
     "parallel-springpot",
     "retardation-mode",
     "rig-drag",
-    "self-heating",
-    "series-spring",
     "specimen-inertia",
     "time-delay",
 )
@@ -161,7 +161,7 @@ MISSED_SIZE = {
 }
 
 
-@pytest.mark.soak_cases("arrhenius-shift", "friction", "series-spring")
+@pytest.mark.soak_cases("time-delay", "arrhenius-shift", "friction", "series-spring")
 @pytest.mark.parametrize(
     "effect",
     [
@@ -186,7 +186,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
-@pytest.mark.soak_cases("friction", "rig-drag", "self-heating", "series-spring")
+@pytest.mark.soak_cases("inertia", "friction", "rig-drag", "series-spring", "self-heating")
 @pytest.mark.parametrize(
     "effect",
     ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],

@@ -137,6 +137,7 @@ def test_the_same_seed_gives_the_same_ladder():
     assert strict(again) == strict(discovered("inertia"))
 
 
+@pytest.mark.soak
 def test_a_ladder_begins_with_the_diagnosis_of_its_model():
     assert strict(discovered("inertia").steps[0].case.diagnosis) == strict(
         diagnosed(data("inertia"))

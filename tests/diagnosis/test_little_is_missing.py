@@ -24,8 +24,7 @@ def stepped(size, noise):
     )
 
 
-@pytest.mark.soak_cases("0.004-0.0003-True")
-@pytest.mark.soak_cases("0.1-0.005-False")
+@pytest.mark.soak_cases("0.004-0.0003-True", "0.1-0.005-False")
 @pytest.mark.parametrize(("size", "noise", "little"), [(0.004, 0.0003, True), (0.1, 0.005, False)])
 def test_the_headline_says_where_it_is_little(size, noise, little):
     found = stepped(size, noise)

@@ -224,7 +224,7 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
     assert diagnosed(shuffled(save, (1.0, 1.2, 0.9, 1.5))).error.noise_floor < 0.02
 
 
-@pytest.mark.soak_cases("0.0")
+@pytest.mark.soak_cases("0.08", "0.0")
 @pytest.mark.parametrize("gain", [0.08, 0.0])
 def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
     """Scatter to all that does not know which geometry a row was measured on."""
@@ -398,6 +398,7 @@ def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     assert not found.one_test
 
 
+@pytest.mark.soak
 def test_three_materials_that_were_numbered_as_repeats_are_not_adequate(save):
     """An error of 90 % of |K| is no noise of any of them; it is 1.8 times the so-called floor."""
     stiffness = noisy(np.concatenate([damper(SWEEP, k) for k in (400.0, 900.0, 100.0)]), SCATTER)

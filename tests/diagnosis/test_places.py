@@ -26,6 +26,7 @@ def told(*sets):
     return Evidence(SimpleNamespace(grown=[]), 0.0, 0.0, tuple(explained))
 
 
+@pytest.mark.soak
 def test_of_two_effects_each_is_named_with_its_twins():
     """However many looked better before anything was fitted."""
     held = replace(SWEEP, x=np.full(len(SWEEP.omega), 2.0))

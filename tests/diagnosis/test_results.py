@@ -50,6 +50,7 @@ def test_what_is_printed_is_the_text_of_the_command_line(ladder, compared, capsy
     assert capsys.readouterr().out.startswith(f"{ladder.steps[0].case.diagnosis}\n")
 
 
+@pytest.mark.soak
 def test_short_forms_fit_on_a_line(ladder, compared):
     step = ladder.steps[1]
     assert (

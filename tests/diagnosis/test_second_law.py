@@ -45,8 +45,7 @@ def test_a_second_law_is_one_of_the_same_condition(first, second, is_one):
     assert _second_law([own], other) is is_one
 
 
-@pytest.mark.soak_cases("1.5")
-@pytest.mark.soak_cases("0.0")
+@pytest.mark.soak_cases("1.5", "0.0")
 @pytest.mark.parametrize("misread", [0.0, 1.5])
 def test_a_misread_temperature_is_no_second_law(misread):
     found = springpot.diagnose(measured(misread), "fractional-kelvin-voigt")

@@ -29,6 +29,12 @@ def questions():
             yield pytest.param(kind, case, id=case.name.replace(" ", "-"), marks=marks)
 
 
+@pytest.mark.soak_cases(
+    "artificial-fractional-zener-noise2-by-springpot",
+    "fractional-zener-hides-time-delay",
+    "any-material-hides-time-delay",
+    "artificial-fractional-kelvin4-noise1-as-springpot",
+)
 @pytest.mark.parametrize(("kind", "case"), list(questions()))
 def test_verdict_named_class_and_errors_are_the_committed_ones(kind, case, tmp_path):
     before, after = gist(kept(kind)[case.name]), gist(asked(case, tmp_path))

@@ -75,6 +75,7 @@ def test_it_covers_the_truth_in_nineteen_of_twenty():
         assert np.mean([each[name] for each in held]) >= 0.85
 
 
+@pytest.mark.soak
 def test_tests_in_time_have_a_gain_and_no_phase():
     assert not holds(springpot.identify(relaxed(1.015), MODEL))["k"]
     fit = springpot.identify(relaxed(1.015), MODEL, accuracy="2%,3mrad")
@@ -84,6 +85,7 @@ def test_tests_in_time_have_a_gain_and_no_phase():
     assert both.budget["k"]["gain"] == pytest.approx(0.0102 * 400.0, rel=0.05)
 
 
+@pytest.mark.soak_cases("relaxation")
 @pytest.mark.parametrize("data", [swept(1), relaxed()], ids=["sweep", "relaxation"])
 def test_a_kept_fit_and_its_predictions_hold_it(data, tmp_path):
     fit = springpot.identify(data, MODEL, accuracy="2%,3mrad")

@@ -40,6 +40,7 @@ def factors(found, prefix):
     return np.array([value for name, value in values.items() if name.startswith(prefix)])
 
 
+@pytest.mark.soak_cases("material")
 @pytest.mark.parametrize("base", ["material", "fractional-zener"])
 def test_exact_data_give_their_factors_back(base):
     found = fit(parse_model(f"{base} + free-shift + free-vertical-shift"), superposable())
@@ -77,6 +78,7 @@ def test_another_column_than_temperature():
     )
 
 
+@pytest.mark.soak
 def test_two_columns_at_once():
     """Temperature and water on a grid with a corner missing; their shifts add up."""
     omega, model, theta = (
@@ -100,11 +102,13 @@ def test_two_columns_at_once():
     )
 
 
+@pytest.mark.soak
 def test_the_reference_is_told():
     notes = springpot.identify(superposable(0.01), "material + free-shift").notes
     assert any("factor is 1 at temperature 30" in note for note in notes)
 
 
+@pytest.mark.soak
 def test_an_optimiser_takes_the_levels_too():
     found = springpot.identify(
         superposable(0.01), "fractional-zener + free-shift", optimiser="least-squares", budget=50
@@ -121,6 +125,7 @@ def test_how_far_a_shift_sets_two_sweeps_apart_is_told_in_decades():
     assert "10 degC and 0 degC apart by 3 decades" in known.broken_by(decades)
 
 
+@pytest.mark.soak
 def test_an_activation_energy_near_the_glass_transition_is_within_bounds():
     draw, energy, celsius = np.random.default_rng(1), 1300.0, (88.0, 90.0, 92.0, 94.0, 96.0)
     omega, temperature = np.tile(np.geomspace(0.1, 100.0, 16), 5), np.repeat(celsius, 16)

@@ -11,7 +11,9 @@ from springpot.measurement import Measurement
 from springpot.registry import parse_model, plugins
 
 
-@pytest.mark.soak_cases("fractional-kelvin4", "fractional-kelvin", "fractional-zener")
+@pytest.mark.soak_cases(
+    "springpot", "fractional-maxwell", "fractional-kelvin4", "fractional-kelvin", "fractional-zener"
+)
 @pytest.mark.parametrize("name", TRUTHS)
 def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     model, theta, data = setup(name)
@@ -21,7 +23,7 @@ def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     assert np.max(np.abs(errors)) < 1e-6
 
 
-@pytest.mark.soak_cases("fractional-kelvin4")
+@pytest.mark.soak_cases("fractional-kelvin4", "fractional-zener")
 @pytest.mark.parametrize("name", [name for name in TRUTHS if name != "springpot"])
 def test_batch_of_random_truths(name, rng):
     model, theta, stiffness = random_truths(name, 1500, rng)

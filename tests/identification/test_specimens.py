@@ -42,6 +42,7 @@ def coverage(count, cases, rng):
     return float(np.mean(held))
 
 
+@pytest.mark.soak_cases("5", "10")
 @pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("count", [3, 5, 10])
 def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):
@@ -49,7 +50,7 @@ def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):
     assert coverage(count, 60, np.random.default_rng(count)) > 0.91
 
 
-@pytest.mark.soak_cases("profile-6", "bootstrap-6", "profile-3")
+@pytest.mark.soak_cases("profile-3", "profile-6", "bootstrap-6")
 @pytest.mark.parametrize("count", [3, 6])
 @pytest.mark.parametrize("kind", ["profile", "bootstrap"])
 def test_every_kind_of_interval_follows_the_specimens(kind, count):

@@ -17,6 +17,7 @@ LETTERS = [("A", "B", "C")[i] for i in BATCH]
 OMEGA = np.geomspace(1.0, 100.0, 8)
 
 
+@pytest.mark.soak_cases("0.0", "0.01")
 @pytest.mark.suite_cases("0.01")
 @pytest.mark.parametrize("batches", [0.0, 0.01, 0.04])
 def test_of_24_specimens_in_3_batches_the_mean_is_covered(batches: float) -> None:
@@ -39,6 +40,7 @@ def test_of_24_specimens_in_3_batches_the_mean_is_covered(batches: float) -> Non
         assert components[1] == pytest.approx(batches, rel=0.2)
 
 
+@pytest.mark.soak
 def test_a_mean_that_takes_batches_for_nothing_is_too_sure() -> None:
     """Why they are asked for: 24 specimens of 3 batches are not 24 specimens."""
     rng, held = np.random.default_rng(6), 0
@@ -79,6 +81,7 @@ def test_batches_are_compared_as_often_right_as_is_said() -> None:
     assert found.compared["A", "B"].unit == "-"
 
 
+@pytest.mark.soak
 def test_batches_that_differ_are_told_apart_by_name(data: springpot.Measurement) -> None:
     fit = springpot.identify(data, "kelvin", own={"*": "batch/number"}, share="c")
     compared = fit.to_dict()["population"]["k"]["compared"]
@@ -110,6 +113,7 @@ def data() -> springpot.Measurement:
     )
 
 
+@pytest.mark.soak
 def test_a_fit_tells_both_scatters(data: springpot.Measurement, tmp_path) -> None:
     fit = springpot.identify(data, "kelvin", own={"*": "batch/number"}, share="c")
     population = fit.populations["k"]

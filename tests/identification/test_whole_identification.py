@@ -61,6 +61,9 @@ def without_time(answer):
 
 
 @pytest.mark.soak_cases("leastsquares", "free shift")
+@pytest.mark.soak_cases(
+    "given", "held", "at a bound", "simplex", "not determined", "shifted", "leastsquares"
+)
 @pytest.mark.parametrize("case", list(FITS))
 def test_fit_of_a_sweep(case, stays):
     name, options = FITS[case]

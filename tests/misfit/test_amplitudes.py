@@ -28,6 +28,7 @@ def notes(data):
     return list(notes_on_amplitudes(search.base))
 
 
+@pytest.mark.soak
 def test_a_gel_that_softens_is_told_to_soften():
     (note,) = notes(measured(GEL / (1.0 + AMPLITUDE)))
     assert "one material for all 4 amplitudes is" in note
@@ -37,6 +38,7 @@ def test_a_gel_that_softens_is_told_to_soften():
     assert "the loss factor stays at" in note
 
 
+@pytest.mark.soak
 def test_a_gel_that_stiffens_and_loses_more_is_told_both():
     softer = GEL * (1.0 + 0.2 * AMPLITUDE) + 100.0 * (1j * OMEGA) ** 0.5 * AMPLITUDE
     (note,) = notes(measured(softer))
@@ -45,17 +47,20 @@ def test_a_gel_that_stiffens_and_loses_more_is_told_both():
     assert float(high) > 1.5 * float(low)
 
 
+@pytest.mark.soak
 def test_where_the_amplitude_does_nothing_that_is_said():
     (note,) = notes(measured(GEL - 0.02 * OMEGA**2))
     assert note.endswith("the amplitude does not matter")
 
 
+@pytest.mark.soak
 def test_a_loss_that_is_largest_between_is_told_with_its_place():
     between = 1.0 + np.exp(-(np.log(AMPLITUDE / 0.2) ** 2))
     (note,) = notes(measured(GEL.real + 1j * GEL.imag * between, level=0.001))[:1]
     assert "(most at 0.2)" in note
 
 
+@pytest.mark.soak
 def test_several_temperatures_are_no_question_of_the_amplitude():
     temperature = np.tile(np.repeat([10.0, 40.0, 70.0], 5), len(AMPLITUDES))
     assert notes(measured(GEL / (1.0 + AMPLITUDE), temperature=temperature)) == []
@@ -67,6 +72,7 @@ def test_a_diagnosis_tells_it():
     assert any("one material for all 4 amplitudes" in note for note in found.notes)
 
 
+@pytest.mark.soak
 def test_a_mass_shows_where_no_material_behaves_so():
     found = springpot.diagnose(measured(GEL - 0.02 * OMEGA**2), "kelvin", only=FEW)
     (note,) = (each for each in found.notes if each.startswith("no linear material follows"))

@@ -64,7 +64,7 @@ PATTERNS = {
 }
 
 
-@pytest.mark.soak_cases("ripple", "runs")
+@pytest.mark.soak_cases("single points", "runs", "ripple")
 @pytest.mark.parametrize("name", PATTERNS)
 def test_structure_of_each_kind_raises_the_alarm_and_is_told(name):
     found = judged(sweeps("normal", 3, PATTERNS[name]))

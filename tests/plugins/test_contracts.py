@@ -61,6 +61,25 @@ SAMPLES = samples()
     "model oldroyd-b",
     "model zener-2",
     "model zener-kelvin",
+    "model kelvin-N",
+    "model spring",
+    "model dashpot",
+    "model maxwell",
+    "model zener-kelvin",
+    "model jeffreys",
+    "model fractional-maxwell-dashpot",
+    "model fractional-maxwell-general",
+    "model fractional-solid",
+    "model fractional-jeffreys-kelvin",
+    "model fractional-poynting-thomson-general",
+    "model fractional-burgers",
+    "model huet-sayegh",
+    "model 1s2p1d",
+    "model 2s2p1d",
+    "model havriliak-negami",
+    "model power-law-plateau",
+    "model prony-N",
+    "model maxwell-N",
 )
 class TestModels(PluginContract):
     plugin = "springpot_plugins.models"
@@ -136,6 +155,23 @@ class TestEffects(PluginContract):
     "optimiser nlopt-nelder-mead",
     "optimiser pso-paper-scalar",
     "optimiser shgo",
+    "optimiser pso-paper-scalar",
+    "optimiser bipop-cma-es",
+    "optimiser ipop-cma-es",
+    "optimiser differential-evolution",
+    "optimiser de-storn-price",
+    "optimiser l-shade",
+    "optimiser nlopt-crs",
+    "optimiser nlopt-isres",
+    "optimiser nlopt-esch",
+    "optimiser nlopt-direct-l",
+    "optimiser nlopt-sbplx",
+    "optimiser nlopt-bobyqa",
+    "optimiser nlopt-nelder-mead",
+    "optimiser scipy-direct",
+    "optimiser least-squares-alternating",
+    "optimiser auto",
+    "optimiser random-search",
 )
 class TestOptimisers(PluginContract):
     plugin = "springpot_plugins.optimisers"
@@ -145,6 +181,14 @@ class TestObjectives(PluginContract):
     plugin = "springpot_plugins.objectives"
 
 
+@pytest.mark.soak_cases(
+    "data set artificial-fractional-zener",
+    "data set artificial-fractional-zener-noise1",
+    "data set artificial-fractional-zener-noise2",
+    "data set rheodata-linear-polymer-amplitude-sweep",
+    "data set 3m-468mp-acrylic-tts",
+    "data set reptate-polyisoprene-osc",
+)
 class TestDataSets(PluginContract):
     plugin = "springpot_plugins.datasets"
 

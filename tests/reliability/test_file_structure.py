@@ -11,7 +11,7 @@ CASES = 8
 LARGEST = 100_000
 
 
-@pytest.mark.soak_cases("repeat", "widen")
+@pytest.mark.soak_cases("nest", "pad", "repeat", "widen")
 @pytest.mark.parametrize("operation", structure.OPERATIONS)
 def test_files_of_much_structure_are_read_or_refused_within_their_budget(operation, tmp_path):
     rng = np.random.default_rng([7, *operation.encode()])
@@ -31,6 +31,7 @@ def test_what_is_changed_keeps_its_format():
         assert max(map(len, grown)) > 10_000
 
 
+@pytest.mark.soak
 def test_a_hang_that_the_budget_cannot_end_is_seen(tmp_path, monkeypatch):
     """A search of a pattern that never ends hears no other thread, but the alarm of this one."""
     import re

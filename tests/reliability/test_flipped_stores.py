@@ -17,6 +17,7 @@ def sound(tmp_path_factory):
     return pristine(tmp_path_factory.mktemp("sound"))
 
 
+@pytest.mark.soak_cases("0")
 @pytest.mark.parametrize("seed", range(25))
 def test_a_flipped_bit_is_never_a_fault_and_never_another_number(sound, tmp_path, seed):
     path, seen = sound
@@ -150,6 +151,7 @@ def test_a_store_in_which_nothing_is_yet_is_one_line(tmp_path):
 
 
 @pytest.mark.soak_cases("2", "3", "4", "5")
+@pytest.mark.soak_cases("0", "2", "3", "1", "4", "5")
 @pytest.mark.parametrize("seed", range(6))
 def test_a_flipped_bit_in_the_log_of_a_killed_run_costs_trials_and_never_changes_one(
     tmp_path, sound, seed

@@ -32,6 +32,7 @@ def short(monkeypatch):
 
 
 @pytest.mark.soak_cases(
+    "long_header",
     "comments",
     "compressed_zeros",
     "dense_workbook",
@@ -58,6 +59,7 @@ def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):
         assert opened.said
 
 
+@pytest.mark.soak_cases("many_columns_of_a_table")
 @pytest.mark.parametrize(
     "name", ["many_columns_of_a_table", "small_tables", "many_steps", "many_intervals"]
 )

@@ -105,7 +105,6 @@ def done(tmp_path_factory):
     }
 
 
-@pytest.mark.soak_cases("success without a result-the process ended with exit code 0")
 @pytest.mark.soak
 @pytest.mark.parametrize(("deed", "told"), DEEDS.items())
 def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
@@ -177,6 +176,7 @@ def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
     assert not (tmp_path / "called").exists()
 
 
+@pytest.mark.soak
 def test_a_restart_that_fails_is_a_note_where_another_finds_something():
     class Moody(Optimiser):
         name, card = "moody", Card("moody")

@@ -97,7 +97,9 @@ def seconds(reader, head):
 IN_TURN = [(unit, FRAMES[i % len(FRAMES)]) for i, unit in enumerate(UNITS)]
 
 
-@pytest.mark.soak_cases("signals-csv-in turn", "springpot-csv-in turn")
+@pytest.mark.soak_cases(
+    "rheocompass-in turn", "table-in turn", "signals-csv-in turn", "springpot-csv-in turn"
+)
 @pytest.mark.parametrize(
     "cases", [IN_TURN, soaked(list(product(UNITS, FRAMES)))], ids=["in turn", "all"]
 )

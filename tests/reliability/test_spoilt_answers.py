@@ -53,7 +53,13 @@ def ways(document):
             yield place, name, by
 
 
-@pytest.mark.soak_cases("discovery-211", "identification of a spectrum-211")
+@pytest.mark.soak_cases(
+    "identification-211",
+    "comparison-211",
+    "diagnosis-211",
+    "discovery-211",
+    "identification of a spectrum-211",
+)
 @pytest.mark.parametrize("one_in", [ONE_IN, pytest.param(1, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("kind", ANSWERS)
 def test_a_spoilt_answer_is_refused_in_one_line_or_can_be_used(kind, one_in, tmp_path):

@@ -109,6 +109,7 @@ KINDS: dict[str, tuple[Any, Callable[..., str], Callable[[str, Path], None]]] = 
 }
 
 
+@pytest.mark.soak_cases("code-7")
 @pytest.mark.parametrize("one_in", [ONE_IN, pytest.param(1, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_spoilt_document_is_refused_in_one_line_or_can_be_used(kind, one_in, tmp_path):

@@ -120,6 +120,7 @@ FULLEST = [("one", "twelve"), ("two", "one")]
 """A legend of each kind; all other pairs are in the soak."""
 
 
+@pytest.mark.soak_cases("one-twelve")
 @pytest.mark.parametrize(
     ("fits", "sweeps"),
     [
@@ -147,6 +148,7 @@ def test_nothing_overlaps_and_nothing_is_cut_off(monkeypatch, fits, sweeps):
             assert across <= 1 or up <= 1
 
 
+@pytest.mark.soak
 def test_dollars_in_a_name_are_no_formula(tmp_path):
     data = _sweep(name="$\\frac$ 5$ <b>")
     assert figures.figure_identification(data, [MAXWELL], tmp_path / "a.svg").exists()
@@ -189,6 +191,7 @@ def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):
     assert "rad/s" in in_words(found.spectrum, "kN/m")
 
 
+@pytest.mark.soak
 def test_residuals_stand_beside_the_material_floor(tmp_path):
     from springpot import compare
     from springpot.report import residuals
@@ -216,6 +219,7 @@ def test_residuals_stand_beside_the_material_floor(tmp_path):
     assert "material floor" in row[0].get_title(loc="left")
 
 
+@pytest.mark.soak_cases("maxwell")
 @pytest.mark.parametrize("model", ["maxwell", "material"])
 def test_the_error_of_a_fit_stands_beside_both_floors(model, monkeypatch):
     """In the picture as in the text."""

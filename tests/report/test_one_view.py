@@ -34,6 +34,7 @@ def test_a_view_is_84_mm_wide_and_its_axes_have_units(fitted, view):
     assert (told is not None) == (view == "storage-loss")
 
 
+@pytest.mark.soak
 def test_a_view_is_drawn_where_one_says(fitted, tmp_path, springpot):
     plots = pytest.importorskip("matplotlib.figure")
     axes = plots.Figure().subplots()

@@ -79,6 +79,7 @@ def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     assert np.max(np.abs(stage.left[0])) > 10.0 > np.max(np.abs(stage.left[1]))
 
 
+@pytest.mark.soak
 def test_several_tests_are_played_beside_one_another(monkeypatch):
     """Each of them, in their order; further ones below."""
     monkeypatch.setattr(replay, "DOTS", 30)

@@ -121,6 +121,7 @@ def answer(ask):
         return str(error)
 
 
+@pytest.mark.soak_cases("measured")
 @pytest.mark.parametrize("name", NAMES)
 def test_words_of(name, known, stays):
     found = {str(width): words(told(known[name], width)) for width in (60, 140)}
@@ -128,6 +129,7 @@ def test_words_of(name, known, stays):
     stays({**found, "notebook": words(shown(known[name]))})
 
 
+@pytest.mark.soak_cases("fit of both", "comparison")
 @pytest.mark.parametrize("name", NAMES)
 def test_figures_of(name, known, stays):
     whole = answer(lambda: draw(known[name]))
@@ -170,6 +172,7 @@ def test_all_views_of(name, stays):
     stays({"views": figure}, within=1e-3)
 
 
+@pytest.mark.soak
 def test_page_of_a_ladder(known, stays, unpainted):
     page = report_html(known["ladder"], known["measured"], ["springpot", "discover"])
     body = page.partition("<h2>")[2].partition("To repeat")[0]

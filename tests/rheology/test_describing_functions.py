@@ -94,6 +94,8 @@ CASES = [(name, theta, force) for name, cases in FORCES.items() for theta, force
 
 
 @pytest.mark.soak_cases(
+    "1.3-0.8-smooth-hysteresis-(2.0, 0.13, 4.0, 0.3)",
+    "0.4-5.0-smooth-hysteresis-(2.0, 0.13, 4.0, 0.3)",
     "0.4-5.0-smooth-hysteresis-(1.0, 0.5, 0.7, 1.2)",
     "0.4-5.0-smooth-hysteresis-(2.0, 0.65, 1.0, 0.5)",
     "0.4-5.0-smooth-hysteresis-(2.0, 2.6, 1.7, 0.9)",

@@ -101,6 +101,20 @@ def test_a_law_has_exact_derivatives(text):
     check_derivatives(element, 0.6 * np.array(theta), at)
 
 
+@pytest.mark.soak_cases(
+    "my-mass = parallel: -m*omega^2",
+    "series: 1/(k*(1 + (X/Xc)^n))",
+    "chain: exp(-i*omega*tau)",
+    "chain: 1/(1 + (i*omega*tau)^alpha)",
+    "parallel: c*(i*omega)^alpha * exp(E/R*(1/T - 1/T0))",
+    "parallel: k*(1 - tanh(X/Xc))*s*tau/(1 + s*tau)",
+    "parallel: k*max(0, 1 - Xc/X)",
+    "shift: exp(E/R*(1/T - 1/T0))",
+    "shift: 1 + d*X",
+    "shift: 10^(-C1*(T - T0)/(C2 + T - T0))",
+    "series: Y/(i*c*(omega*Y)^a)",
+    "parallel: k*slider(Xc/X)",
+)
 @pytest.mark.parametrize("text", LAWS)
 def test_a_law_keeps_the_contract_of_effects(text):
     # Who typed it is its source.
@@ -324,6 +338,7 @@ def test_a_hidden_effect_is_found_by_its_typed_law(tmp_path):
     assert again.best.physics.expression == f"({HIDDEN})"
 
 
+@pytest.mark.soak
 def test_a_column_of_the_data_is_a_variable_and_a_fit_is_loaded_again(tmp_path):
     law = "grip = parallel: k*current/(current + Ic)"
     data = swept(law, [400.0, 60.0, 0.5, 80.0, 0.7], current=[0.1, 0.5, 1.0, 2.0])
@@ -382,11 +397,13 @@ def test_a_law_of_the_clock_is_bounded_where_a_search_strays():
     assert response.by_theta.ravel().tolist() == [0.0]
 
 
+@pytest.mark.soak
 def test_units_with_a_power_that_a_parameter_decides_keep_the_contract():
     effect = Effect.from_formula("grip", "parallel: k*X^(-n)", "a grip that fades")
     assert [each for each in check_effect(effect) if each.startswith("units")] == []
 
 
+@pytest.mark.soak
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6), st.floats(-1.0, 1.0))
 def test_a_part_in_series_takes_the_amplitude_that_is_left_to_it(logs, body):

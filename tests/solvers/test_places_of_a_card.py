@@ -34,6 +34,7 @@ def at(model, values, omega, amplitude):
 EXPRESSION, VALUES = "fractional-maxwell + elasto-sliding", MATERIAL | SLIDER
 
 
+@pytest.mark.soak
 def test_at_an_amplitude_a_card_holds_the_first_harmonic_there():
     """The series within the error that it states, the table of K itself."""
     # A loss that is the same at all frequencies, without storage that grows, no series follows.
@@ -57,6 +58,7 @@ def test_at_an_amplitude_a_card_holds_the_first_harmonic_there():
         assert f"amplitude of {amplitude:g} mm" in told.text
 
 
+@pytest.mark.soak
 def test_several_amplitudes_are_several_materials_of_one_file():
     model = parse_model(EXPRESSION)
     whole = {"band": BAND, "values": given(VALUES), "unit": "kN/mm", "terms": 3}

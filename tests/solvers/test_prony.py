@@ -22,7 +22,13 @@ def spectrum_of(name: str, theta: list[float], decades: float = 2.0):
     return parse_model(name).spectrum(theta, (1.0, 10.0**decades))
 
 
-@pytest.mark.soak_cases("fractional-zener-theta1-0.0005", "springpot-theta0-0.0005")
+@pytest.mark.soak_cases(
+    "springpot-theta0-0.005",
+    "huet-sayegh-theta2-0.005",
+    "huet-sayegh-theta2-0.0005",
+    "fractional-zener-theta1-0.0005",
+    "springpot-theta0-0.0005",
+)
 @pytest.mark.parametrize("tolerance", [0.05, 0.005, 0.0005])
 @pytest.mark.parametrize(
     ("name", "theta"),
@@ -62,6 +68,7 @@ def test_a_dashpot_beside_never_harms(alpha: float):
     assert with_one < 1.1 * prony_of(spectrum, terms=3).error
 
 
+@pytest.mark.soak
 def test_more_terms_are_better():
     spectrum = spectrum_of("fractional-maxwell", [400.0, 60.0, 0.55])
     errors = [prony_of(spectrum, terms=n).error for n in (1, 2, 3, 4, 5, 6)]
@@ -103,6 +110,7 @@ def test_a_solver_carries_no_term_without_weight():
     assert found.weights > 0.0
 
 
+@pytest.mark.soak
 def test_a_dashpot_that_may_not_stand_is_refused_with_what_helps():
     with pytest.raises(
         ModelError, match=r"follow its dashpot no nearer than 0\.\d+ %: .*\(--dashpot\)"

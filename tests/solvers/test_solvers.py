@@ -63,7 +63,7 @@ print(k.real, k.imag)
 """
 
 
-@pytest.mark.soak_cases("8.0")
+@pytest.mark.soak_cases("1.0", "8.0")
 @pytest.mark.parametrize("frequency", [1.0, 8.0, 48.0])
 def test_opensees_gives_k_over_the_band(frequency):
     """A node on the exported material alone, pushed by a sinusoid until it repeats itself."""
@@ -169,6 +169,7 @@ def test_in_cosimulation_it_is_exact_with_the_derivative_and_one_step_late_witho
     assert np.abs(late[1:] - exact[:-1]).max() < 0.35 * np.abs(late[1:] - exact[1:]).max()
 
 
+@pytest.mark.soak
 def test_the_unit_describes_itself_by_the_standard(tmp_path):
     pytest.importorskip("fmpy", reason="fmpy is not installed (extra solvers)")
     from fmpy.validation import validate_fmu
@@ -183,6 +184,7 @@ def test_the_same_model_gives_the_same_unit():
     assert handed("fmu").data == handed("fmu").data
 
 
+@pytest.mark.soak
 def test_nastran_cards_are_read_and_joined(tmp_path):
     pytest.importorskip("pyNastran", reason="pyNastran is not installed (extra solvers)")
     from pyNastran.bdf.bdf import BDF

@@ -54,6 +54,7 @@ def answer(ask):
 
 
 @pytest.mark.soak_cases("mass")
+@pytest.mark.soak_cases("zener", "maxwell", "mass")
 @pytest.mark.parametrize("name", list(SPECTRA))
 def test_series_of(name, stays):
     asked = {key: each for key, each in ASKED.items() if name == "burgers" or key != "too fine"}
@@ -126,6 +127,7 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.soak_cases("rubber that relaxes")
+@pytest.mark.soak_cases("damper", "rubber that relaxes", "rubber too hot")
 @pytest.mark.parametrize("card", list(CARDS))
 def test_files_of(card, folder, stays, monkeypatch):
     monkeypatch.chdir(folder)

@@ -377,7 +377,9 @@ def test_a_model_with_its_parameters():
 
 
 @pytest.mark.soak_cases(
-    "fractional-kelvin-values1-FORMULA-1e-07", "springpot-values2-FORMULA-2e-05"
+    "fractional-zener-values0-TABULAR-0.002",
+    "fractional-kelvin-values1-FORMULA-1e-07",
+    "springpot-values2-FORMULA-2e-05",
 )
 @pytest.mark.parametrize(
     ("expression", "values", "law", "within"),

@@ -94,6 +94,7 @@ def test_friction_in_a_damper_is_followed(springpot, write):
     springpot("simulate", path, "--frequency", "1").is_one_line("'friction' has no steady state")
 
 
+@pytest.mark.soak
 def test_a_stated_force_is_in_the_unit_of_the_stiffness(springpot, write):
     """Friction was in N whatever the unit: a thousandth of what was meant."""
     told, record = [], write("".join(RECORD.splitlines(True)[:100]), "record.csv")
@@ -180,6 +181,7 @@ def test_a_bad_description_is_one_line(springpot, frame, change, says):
     springpot("simulate", frame, "--record", "artificial").is_one_line(says)
 
 
+@pytest.mark.soak_cases("time [s],acceleration [g]\\n0,1\\n1,nan\\n-sample 2 is no number")
 @pytest.mark.parametrize(
     ("text", "says"),
     [

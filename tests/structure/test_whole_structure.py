@@ -56,6 +56,7 @@ STRUCTURES = {
 }
 
 
+@pytest.mark.soak_cases("power-law-damper")
 @pytest.mark.parametrize("case", list(STRUCTURES))
 def test_motion_of_a_structure(case, stays):
     found = motion_of(STRUCTURES[case], shaken(0.02))

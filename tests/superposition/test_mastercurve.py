@@ -112,6 +112,7 @@ def test_sweeps_that_do_not_overlap_are_named():
     assert note.startswith("0 degC, 15 degC: ")
 
 
+@pytest.mark.soak
 def test_without_vertical_factors_these_are_one():
     curve = springpot.mastercurve(measured(simple), vertical=False)
     np.testing.assert_array_equal(curve.factors.log_b, 0.0)
@@ -197,6 +198,7 @@ def test_a_picture_is_drawn(found, tmp_path):
     assert "made at 30 degC" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.soak
 def test_the_same_data_give_the_same_bits(found, monkeypatch):
     monkeypatch.undo()  # both are worked out
     again = springpot.mastercurve(measured(simple))

@@ -40,7 +40,7 @@ def off_the_law(i, omega):
     return material(omega * np.exp(LOG_A[i] + 0.3 * np.sin(2.0 * i)))
 
 
-@pytest.mark.soak_cases("off_the_law", "simple")
+@pytest.mark.soak_cases("without_lift", "off_the_law", "simple")
 @pytest.mark.parametrize("sweep", [without_lift, off_the_law, simple])
 def test_a_shift_alone_has_one_answer_in_all_commands(sweep):
     """With `simple` the missing vertical factors bend the shift; then too it is one answer."""
@@ -82,6 +82,7 @@ def test_it_is_said_where_a_model_without_vertical_factors_has_another_law():
     assert not [note for note in plain.notes if "no vertical factors" in note]
 
 
+@pytest.mark.soak
 def test_a_law_that_its_levels_depart_from_is_known_as_nearly_as_they_scatter():
     """Ten times the points a level would else shrink an interval that never held the truth."""
     few, many = (
@@ -247,6 +248,7 @@ def test_measured_files_have_one_answer_in_all_commands(name, shared):
     np.testing.assert_allclose(rows_of(found, "wlf-shift."), ours, rtol=1e-9)
 
 
+@pytest.mark.soak
 def test_diagnose_tells_the_constants_of_the_curve():
     """Of the model that is judged, and of a law that is proposed."""
     names = ("Arrhenius", "WLF")
@@ -260,6 +262,9 @@ def test_diagnose_tells_the_constants_of_the_curve():
         np.testing.assert_allclose(theirs, ours, rtol=1e-3)
 
 
+@pytest.mark.soak_cases(
+    "wlf-shift- + free-vertical-shift", "arrhenius-shift-", "arrhenius-shift- + free-vertical-shift"
+)
 @pytest.mark.suite_cases("wlf-shift-")
 @pytest.mark.parametrize("lift", ["", " + free-vertical-shift"])
 @pytest.mark.parametrize("law", ["wlf-shift", "arrhenius-shift"])

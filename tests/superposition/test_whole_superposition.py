@@ -64,6 +64,9 @@ CASES = {
 }
 
 
+@pytest.mark.soak_cases(
+    "simple", "twice", "few", "flat", "shared", "branches", "mass", "narrow", "glassy"
+)
 @pytest.mark.parametrize("case", list(CASES))
 def test_master_curve(case, stays):
     data, options = CASES[case]

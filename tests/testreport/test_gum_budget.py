@@ -89,6 +89,7 @@ def test_what_all_tests_share_cancels_in_a_ratio_and_not_in_a_mean():
     assert own.standard / own.value == pytest.approx(0.005 / np.sqrt(TESTS))
 
 
+@pytest.mark.soak_cases("force", "phase")
 @pytest.mark.parametrize("acts", ["force", "displacement", "phase"])
 def test_sensitivities_are_what_such_an_error_does_to_a_record(acts):
     t, x, force, _ = loop("linear")

@@ -212,6 +212,7 @@ def answered(tmp_path):
     return answer
 
 
+@pytest.mark.soak_cases("expanded")
 @pytest.mark.parametrize("guard", list(LIMITS))
 def test_a_code_is_answered(guard, answered, stays):
     answer = answered(guard).to_dict()
@@ -219,6 +220,7 @@ def test_a_code_is_answered(guard, answered, stays):
     stays(answer)
 
 
+@pytest.mark.soak
 def test_a_certificate_as_a_page(answered, stays, unpainted):
     page = certificate_page(answered("none")).partition("Made by")[0]
     rows = re.sub(r"<style.*?</style>", "", page, flags=re.DOTALL).split("</tr>")

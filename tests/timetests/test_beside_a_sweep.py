@@ -119,6 +119,7 @@ def test_the_kept_fit_of_a_sweep_and_a_relaxation_predicts_a_relaxation(tmp_path
     assert np.allclose(again.of_specimen.model.relaxation(again.of_specimen.theta, at), expected)
 
 
+@pytest.mark.soak
 def test_a_fault_in_an_effect_is_no_answer():
     def faulty(at: Points, tau):
         raise IndexError("a programming error")
@@ -130,6 +131,7 @@ def test_a_fault_in_an_effect_is_no_answer():
         diagnose(house(1), parse_model("fractional-maxwell + inertia"), [effect])
 
 
+@pytest.mark.soak
 def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeypatch):
     module = importlib.import_module("springpot.timetests.discovery")
     whole = module.examine

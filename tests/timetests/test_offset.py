@@ -31,7 +31,7 @@ def tried(*names):
     return [plugins().effect(name) for name in names]
 
 
-@pytest.mark.soak_cases("-4.0")
+@pytest.mark.soak_cases("30.0", "-4.0")
 @pytest.mark.parametrize("constant", [30.0, -4.0])
 def test_a_constant_force_is_named_with_its_size(constant):
     found = diagnose(dampers(constant), "kelvin", tried("force-offset", *OTHERS))
@@ -39,12 +39,14 @@ def test_a_constant_force_is_named_with_its_size(constant):
     assert found.best.parameters["size"].value == pytest.approx(constant, abs=0.2)
 
 
+@pytest.mark.soak
 def test_a_stroke_counted_from_its_end_is_one_too():
     found = diagnose(dampers(0.0, middle=20.0), "kelvin", tried("force-offset", *OTHERS))
     assert found.leading[0] == "force-offset"
     assert found.best.parameters["size"].value == pytest.approx(-0.3 * 20.0, abs=0.2)
 
 
+@pytest.mark.soak
 def test_a_loop_about_zero_has_none():
     found = diagnose(dampers(0.0), "kelvin", tried("force-offset", *OTHERS))
     assert found.leading == ()
@@ -67,7 +69,7 @@ def test_of_a_force_that_was_imposed_the_displacement_has_it():
     assert found.leading[0] == "displacement-offset"
 
 
-@pytest.mark.soak_cases("2", "3")
+@pytest.mark.soak_cases("1", "2", "3")
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_fixture_warms_within_some_samples(seed):
     """A preload that a filter lets through within three samples is no quick warming."""

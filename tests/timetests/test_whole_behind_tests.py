@@ -130,6 +130,7 @@ SCANNED = ("inertia", "friction", "series-spring", "force-drift", "force-offset"
            "parallel-springpot", "time-delay", "stop")  # fmt: skip
 
 
+@pytest.mark.soak_cases("relaxed", "crept", "swept too", "both")
 @pytest.mark.parametrize("case", ["relaxed", "crept", "shaken", "both", "swept too"])
 def test_promises_and_what_is_left(case, stays):
     data, _ = FITS[case]
@@ -156,6 +157,7 @@ def test_promises_and_what_is_left(case, stays):
     )
 
 
+@pytest.mark.soak_cases("drift", "with a sweep")
 @pytest.mark.parametrize("case", list(DIAGNOSES))
 def test_what_was_tried(case, stays):
     found = examined(case)

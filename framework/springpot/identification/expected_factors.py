@@ -42,7 +42,8 @@ class Expected:
     unit : float
         Variance of a weighted residual of the data, by which departures are weighed against these.
     moved : ndarray, shape (q,), optional
-        By how much the logarithms would be others with what the evidence did not ask for.
+        By how much the search coordinates, of factors the logarithms, would be others with what
+        the evidence did not ask for.
     """
 
     rows: Real

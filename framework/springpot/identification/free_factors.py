@@ -534,11 +534,10 @@ def superposed_fit(
     flat = replace(flat, expected=expected)
     if not _needless(FactorRows.of(flat), FactorRows.of(best)):
         return best
-    # None the less they may be there: no factor is known better than they would move it.
-    there, here = (each.theta[-expected.rows.shape[1] :] for each in (best, flat))
-    # Constants of a law are no factors, and may be zero or below.
-    moved, factors = np.zeros_like(here), (there > 0.0) & (here > 0.0)
-    moved[factors] = np.log(there[factors] / here[factors])
+    # None the less they may be there: nothing is known better than they would move it.
+    count = expected.rows.shape[1]
+    there = (best.theta[-count:] != 0.0) & (flat.theta[-count:] != 0.0)
+    moved = np.where(there, best.u[-count:] - flat.u[-count:], 0.0)
     return replace(flat, expected=replace(expected, moved=moved))
 
 

@@ -147,9 +147,21 @@ class Uncertainty:
         Infinite variance where the data say nothing, 0 at a bound.
         """
         covariance = self._covariance(self.specimens)
-        if self.shared is not None:
-            covariance = matrix_of(covariance) + self.shared
+        for beside in (self._moved, self.shared):
+            if beside is not None:
+                covariance = matrix_of(covariance) + beside
         return covariance
+
+    @property
+    def _moved(self) -> Real | None:
+        """Covariance (p, p) of what the evidence did not ask for, and may be there."""
+        expected = self.fit.expected
+        if expected is None or expected.moved is None:
+            return None
+        moved = np.zeros(len(self.fit.u))
+        moved[-len(expected.moved) :] = expected.moved
+        moved[self.at_bound != 0] = 0.0
+        return np.outer(moved, moved)
 
     def widening(self, i: int) -> float:
         """Variance of parameter i by the scatter of specimens, over that by the points."""

@@ -316,9 +316,9 @@ def column_behind(frame: NoiseFrame) -> Column | None:
     for name, number in settings.items():
         values = int(number.max()) + 1
         at_each = (number == np.arange(values)[:, None]).astype(np.float64)
-        # Sloping along the frequency: what shifts the times of a material changes its size too, by
-        # its slope.
-        shapes = np.concatenate([at_each, at_each * slopes])
+        # Sloping and bent along the frequency: what shifts the times of a material changes its size
+        # too, by its slope, and by decades its slope as well.
+        shapes = np.concatenate([at_each, at_each * slopes, at_each * slopes**2])
         basis = frame.beyond(frame.relative(shapes), LEAST_SEEN)
         pattern = basis @ (basis.T @ frame.rest)
         taken, spent = float(pattern @ pattern), int(basis.shape[1])

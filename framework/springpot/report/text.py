@@ -18,7 +18,7 @@ from springpot.markup import Html, joined, tag, wide_table
 from springpot.plain_data import jsonable
 from springpot.terminal_safe import below, plain, plain_json
 
-from ..numerics import SMALLEST
+from ..numerics import NEGLIGIBLE
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -249,8 +249,8 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
         return number(value), f"[{number(low)}, {number(high)}]"
     # A value of nothing has no size to count digits from: its interval has.
     sized = value
-    if abs(value) < SMALLEST:
-        sized = width
+    if abs(value) < NEGLIGIBLE * width:
+        value, sized = 0.0, width
     size = exponent_of(sized)
     place = max(_place(width), size - MOST_DIGITS + 1)
     wide = low > 0.0 and high > APART * low

@@ -116,6 +116,20 @@ def test_there_is_a_seed_for_every_reader():
     assert set(SEEDS) == {reader.name for reader in READERS}
 
 
+@pytest.mark.soak_cases(
+    "springpot-csv",
+    "rheocompass",
+    "trios-lims",
+    "trios-json",
+    "ta-thermal",
+    "malvern",
+    "reptate",
+    "reptate-laos",
+    "excel",
+    "signals-mat",
+    "signals-tdms",
+    "table",
+)
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_edited_files_never_crash(reader, tmp_path):
@@ -132,6 +146,7 @@ def test_edited_files_never_crash(reader, tmp_path):
     check()
 
 
+@pytest.mark.soak_cases("rheocompass", "malvern", "table")
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 def test_foreign_files_never_crash(reader, tmp_path):
     path = tmp_path / "data"

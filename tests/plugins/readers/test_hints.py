@@ -37,6 +37,12 @@ def forces(path, hint):
     "Force (V),Force (N),Displacement (mm)-force",
     "Load (V),Force (N),Displacement (mm)-Force",
     "Force/V,F [N],x [mm]-F",
+@pytest.mark.soak_cases(
+    "Force/V,F [N],x [mm]-Force",
+    "Force/V,F [N],x [mm]-load",
+    "Force/V,F [N],x [mm]-F",
+    "Load (V),Force (N),Displacement (mm)-F",
+    "Force/V,F [N],x [mm]-force",
 )
 @pytest.mark.parametrize("key", ["force", "Force", "load", "F"])
 @pytest.mark.parametrize(
@@ -58,6 +64,7 @@ def test_a_hint_of_a_force_means_the_column_that_is_taken_without_it(tmp_path, t
     assert turned == pytest.approx(-stiffness)
 
 
+@pytest.mark.soak
 def test_a_hint_of_a_displacement_means_the_column_that_is_taken_without_it(tmp_path):
     titles = "time [s],Displacement (V),Displacement (mm),Force (N)"
     path = rig(tmp_path, titles, CLOCK, 0.1 * MOVED, MOVED, PULLED)

@@ -157,6 +157,7 @@ def machine(titles, units, columns, separator="\t", decimal=","):
     return f"{head}{separator.join(units)}\n{body}\n\n{below}".encode("latin-1")
 
 
+@pytest.mark.soak
 def test_prefixes_of_channels_sensor_numbers_and_a_second_table(folder):
     titles = (
         "Datum",
@@ -193,6 +194,7 @@ def test_volts_beside_calibrated_channels(folder):
         signals_to_measurement([folder.write(csv("Time [s],Displacement [V],Force [kN]"))])
 
 
+@pytest.mark.soak_cases("%m/%d/%Y %I:%M:%S.%f %p")
 @pytest.mark.parametrize(
     "style",
     ["%d.%m.%Y %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%fZ", "%H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p"],
