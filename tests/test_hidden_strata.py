@@ -111,8 +111,7 @@ def test_any_material_follows_a_relaxation_and_not_a_mass():
 
 
 # --- what is drawn --------------------------------------------------------------------------------
-@pytest.mark.soak_cases("three", "time", "wrong-base")
-@pytest.mark.soak_cases("two", "three", "time", "wrong-base")
+@pytest.mark.soak_cases("three", "time", "wrong-base", "two")
 @pytest.mark.parametrize("stratum", STRATA)
 def test_a_case_is_the_same_each_time_and_another_for_another_seed(stratum, tmp_path):
     one, again, other = (

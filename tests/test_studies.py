@@ -81,21 +81,7 @@ def test_a_study_is_named_like_its_script_and_says_what_it_shows(path):
     assert f"[{path.stem}" in (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.soak_cases(
-    "model_error",
-    "nist_fluid",
-    "swarm_claim",
-    "table1",
-    "optimiser_comparison",
-    "model_error",
-    "nist_fluid",
-    "swarm_claim",
-    "table2",
-    "table3",
-    "table4",
-    "table5",
-    "table6",
-)
+@pytest.mark.suite_cases("table1")
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_study_runs_with_a_tiny_budget(path, tmp_path):
     outcome = run_study(

@@ -120,8 +120,7 @@ def test_no_optimiser_searches_a_spectrum(springpot, damper):
     )
 
 
-@pytest.mark.soak_cases("least-squares", "pso-paper")
-@pytest.mark.soak_cases("native", "pso-paper", "least-squares")
+@pytest.mark.suite_cases("native")
 @pytest.mark.parametrize("optimiser", ["pso-paper", "least-squares", "native"])
 def test_an_optimiser_can_be_chosen_and_keeps_its_budget(springpot, damper, optimiser):
     options = ("--optimiser", optimiser, "--objective", "paper", "--budget", "300", "--seed", "4")

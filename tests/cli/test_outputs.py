@@ -84,8 +84,7 @@ def test_what_a_data_set_was_read_from_is_an_input_too(damper):
             require_writable(damper)
 
 
-@pytest.mark.soak_cases("list models --json")
-@pytest.mark.soak_cases("list models")
+@pytest.mark.soak_cases("list models --json", "list models")
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
 @pytest.mark.parametrize("arguments", ["list models", "list models --json", "list --help"])
 def test_a_full_disk_behind_standard_output_is_no_fault(arguments):

@@ -147,7 +147,7 @@ def test_a_solvent_beside_and_a_dashpot_in_series_are_one_fluid():
     )
 
 
-@pytest.mark.soak
+@pytest.mark.suite_cases("maxwell")
 @pytest.mark.parametrize("name", [soaked("fractional-maxwell"), "maxwell"])
 def test_mounting_compliance_is_absorbed_by_a_model_with_a_spring_in_series(name):
     law = {"fractional-maxwell": MAXWELL, "maxwell": CLASSICAL_MAXWELL}[name]
@@ -229,7 +229,7 @@ def test_friction_at_two_amplitudes_stays_apart_from_a_hysteretic_loss():
     assert "hysteretic-loss" not in diagnosis.best.alike
 
 
-@pytest.mark.soak
+@pytest.mark.suite_cases("entropic-spring-parallel-spring-base1")
 @pytest.mark.parametrize(
     ("effect", "partner", "base"),
     [("rig-drag", "parallel-dashpot", KELVIN), ("entropic-spring", "parallel-spring", MAXWELL)],

@@ -268,7 +268,7 @@ def test_a_gain_is_a_scale_of_all_moduli(base, gain, seed):
     np.testing.assert_allclose(after, before * scale, rtol=1e-4)
 
 
-@pytest.mark.soak
+@pytest.mark.suite_cases("1")
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.soak)])
 def test_a_gain_at_one_of_two_temperatures_is_a_vertical_shift(seed):
     """And no gain error, which is the same at both."""
@@ -313,7 +313,7 @@ def test_a_wrong_thermometer_hides_in_a_model_with_a_shift(offset, seed):
     )
 
 
-@pytest.mark.soak
+@pytest.mark.suite_cases("0.01-2")
 @pytest.mark.parametrize(("level", "seed"), [soaked(0.003, 1), (0.01, 2)])
 def test_a_clock_wrong_at_one_of_two_temperatures_is_a_shift(level, seed):
     """The cold sweep at a frequency too high by half: Arrhenius, WLF and a free factor are one."""
@@ -327,7 +327,7 @@ def test_a_clock_wrong_at_one_of_two_temperatures_is_a_shift(level, seed):
 # E8: a constant loss at one amplitude
 
 
-@pytest.mark.soak
+@pytest.mark.suite_cases("spring-0.002")
 @crossed("base", [KELVIN, SOFT_KELVIN, SPRING], rare=[KELVIN, SOFT_KELVIN])
 def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):
     """Friction, a hysteretic loss, and crosstalk whose part in phase the spring takes."""
@@ -445,7 +445,7 @@ def test_at_one_frequency_a_phase_error_is_an_order(phi, level, seed):
     )
 
 
-@pytest.mark.soak
+@pytest.mark.suite_cases("-0.03-1")
 @pytest.mark.parametrize(("phi", "seed"), [(-0.03, 1), soaked(0.03, 2)])
 def test_over_an_octave_a_phase_error_hides_in_the_order_and_over_decades_it_shows(phi, seed):
     octave = design(24, 1.0, 2.0)

@@ -186,7 +186,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
-@pytest.mark.soak_cases("inertia", "friction", "rig-drag", "series-spring", "self-heating")
+@pytest.mark.suite_cases("self-heating")
 @pytest.mark.parametrize(
     "effect",
     ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],

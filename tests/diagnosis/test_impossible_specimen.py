@@ -31,7 +31,9 @@ def diagnosed(effect, mass, hertz=HERTZ, unit="Pa"):
     "specimen-inertia-Pa",
     "specimen-inertia-fixed-MPa",
     "specimen-inertia-fixed-Pa",
-    "specimen-inertia-fixed-MPa", "specimen-inertia-MPa", "specimen-inertia-fixed-Pa"
+    "specimen-inertia-fixed-MPa",
+    "specimen-inertia-MPa",
+    "specimen-inertia-fixed-Pa",
 )
 @pytest.mark.parametrize("unit", ["Pa", "MPa"])
 @pytest.mark.parametrize("effect", ["specimen-inertia", "specimen-inertia-fixed"])

@@ -29,7 +29,7 @@ def test_of_many_points_it_is_no_quotient_of_infinities():
     assert 0.0 < _chance_of_pairs(5000, 2500, 1350) < 1e-3
 
 
-@pytest.mark.soak_cases("1.0", "0.0")
+@pytest.mark.suite_cases("1.0")
 @pytest.mark.parametrize("width", [0.0, 1.0])
 def test_beside_the_furthest_point_of_a_notch_its_neighbours_stand_out(width):
     """Of a single bad point none does."""

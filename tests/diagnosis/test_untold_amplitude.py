@@ -49,7 +49,7 @@ def test_one_amplitude_that_is_told_makes_them_rivals():
     assert "no column" not in found.says
 
 
-@pytest.mark.soak_cases("a user who knows that there is no friction", "another curve")
+@pytest.mark.suite_cases("a user who knows that there is no friction")
 @pytest.mark.parametrize(
     ("hidden", "only"),
     [

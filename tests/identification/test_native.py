@@ -11,9 +11,7 @@ from springpot.measurement import Measurement
 from springpot.registry import parse_model, plugins
 
 
-@pytest.mark.soak_cases(
-    "springpot", "fractional-maxwell", "fractional-kelvin4", "fractional-kelvin", "fractional-zener"
-)
+@pytest.mark.suite_cases("springpot")
 @pytest.mark.parametrize("name", TRUTHS)
 def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     model, theta, data = setup(name)

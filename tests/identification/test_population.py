@@ -20,7 +20,6 @@ def drawn(between: float, own: float, rng: np.random.Generator, count: int = 24)
     return 1.0 + between * rng.standard_normal(count) + own * rng.standard_normal(count)
 
 
-@pytest.mark.soak_cases("3", "8", "24")
 @pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("count", [3, 8, 24])
 def test_intervals_hold_mean_and_scatter(count: int, rng: np.random.Generator) -> None:
@@ -104,7 +103,6 @@ def test_what_few_specimens_cannot_tell_is_told(count: int, told: str) -> None:
     assert not any("specimens" in note for note in warm)
 
 
-@pytest.mark.soak_cases("3-0.0", "8-0.02", "24-0.05")
 @pytest.mark.suite_cases("8-0.02")
 @pytest.mark.parametrize(("count", "own"), [(3, 0.0), (8, 0.02), (24, 0.05)])
 def test_limits_hold_a_share_of_specimens_at_their_confidence(

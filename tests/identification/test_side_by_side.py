@@ -19,7 +19,6 @@ def damper(rng) -> springpot.Measurement:
     return springpot.Measurement(omega, stiffness * noise, conditions=warm)
 
 
-@pytest.mark.soak_cases("inertia + time-delay", "series-spring + inertia")
 @pytest.mark.suite_cases("arrhenius-shift + inertia")
 @pytest.mark.parametrize(
     "effects",

@@ -18,7 +18,6 @@ def data():
     return spectrum(np.random.default_rng(1))
 
 
-@pytest.mark.soak
 def test_the_true_shift_held_leaves_the_noise(data):
     held = springpot.identify(data, MODEL, fix=SHIFT)
     assert 0.7 * NOISE < held.relative_rms < 1.1 * NOISE

@@ -8,7 +8,6 @@ from springpot.misfit.floor import fitted_to_floor
 from springpot.registry import parse_model
 
 
-@pytest.mark.soak
 def test_a_floor_holds_noise_that_the_quiet_points_do_not_tell():
     rng = np.random.default_rng(9)
     omega = np.tile(np.geomspace(0.3, 300.0, 12), 6)

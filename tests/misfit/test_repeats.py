@@ -104,7 +104,7 @@ def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
     assert not jumping.one_curve
 
 
-@pytest.mark.soak_cases("gains0-True", "gains1-False")
+@pytest.mark.suite_cases("gains1-False")
 @pytest.mark.parametrize(
     ("gains", "told"), [((0.03, 0.0, -0.01), True), ((0.0, 0.03, -0.01), False)]
 )

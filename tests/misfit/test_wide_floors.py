@@ -20,7 +20,7 @@ def data(request):
     return spectrum(np.random.default_rng(1), force_held=request.param)
 
 
-@pytest.mark.soak_cases("strain held", "force held")
+@pytest.mark.suite_cases("strain held")
 def test_without_a_model_the_floor_is_the_scatter_within_each_sweep(data):
     """The temperature is not even in this model: neighbours in a sweep tell the noise."""
     assert NOISE / 1.5 < fitted_to_floor(any_material(), data).floor < 1.7 * NOISE

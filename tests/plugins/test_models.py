@@ -69,7 +69,6 @@ def test_derivatives_are_exact(name: str, rng: np.random.Generator):
 
 
 @pytest.mark.soak_cases("hardening-mount", "power-law-slip", "smooth-hysteresis", "yielding")
-@pytest.mark.soak_cases("power-law-slip", "hardening-mount", "yielding", "smooth-hysteresis")
 @pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_derivatives_are_exact_with_every_effect(effect: str, rng: np.random.Generator):
     model = MODELS["fractional-zener"] + effect

@@ -64,7 +64,9 @@ def test_stops_exactly_at_its_budget(name, budget):
     "least-squares-alternating-fractional-zener",
     "nlopt-lbfgs-fractional-zener",
     "shgo-fractional-zener",
-    "least-squares-alternating-fractional-zener", "cobyqa-fractional-zener", "cobyqa-springpot"
+    "least-squares-alternating-fractional-zener",
+    "cobyqa-fractional-zener",
+    "cobyqa-springpot",
 )
 @pytest.mark.parametrize("model", ["springpot", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
@@ -126,8 +128,11 @@ def test_results_keep_limits_and_thermodynamic_order(name, model):
 
 
 @pytest.mark.soak_cases(
-    "cobyqa-fractional-kelvin4", "cobyqa-fractional-zener", "nlopt-bobyqa-fractional-kelvin4"
-    "cobyqa-fractional-zener", "nlopt-bobyqa-fractional-kelvin4", "cobyqa-fractional-kelvin4"
+    "cobyqa-fractional-kelvin4",
+    "cobyqa-fractional-zener",
+    "nlopt-bobyqa-fractional-kelvin4cobyqa-fractional-zener",
+    "nlopt-bobyqa-fractional-kelvin4",
+    "cobyqa-fractional-kelvin4",
 )
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", sorted(GOOD))

@@ -11,7 +11,7 @@ CASES = 8
 LARGEST = 100_000
 
 
-@pytest.mark.soak_cases("nest", "pad", "repeat", "widen")
+@pytest.mark.suite_cases("nest")
 @pytest.mark.parametrize("operation", structure.OPERATIONS)
 def test_files_of_much_structure_are_read_or_refused_within_their_budget(operation, tmp_path):
     rng = np.random.default_rng([7, *operation.encode()])

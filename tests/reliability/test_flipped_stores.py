@@ -150,8 +150,7 @@ def test_a_store_in_which_nothing_is_yet_is_one_line(tmp_path):
         look(path)
 
 
-@pytest.mark.soak_cases("2", "3", "4", "5")
-@pytest.mark.soak_cases("0", "2", "3", "1", "4", "5")
+@pytest.mark.suite_cases("2")
 @pytest.mark.parametrize("seed", range(6))
 def test_a_flipped_bit_in_the_log_of_a_killed_run_costs_trials_and_never_changes_one(
     tmp_path, sound, seed

@@ -41,7 +41,6 @@ def cards(width):
     )
 
 
-@pytest.mark.soak
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
 def test_a_long_name_stays_in_its_card(tmp_path):
     page = tmp_path / "cards.html"

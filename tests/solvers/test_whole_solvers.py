@@ -53,8 +53,7 @@ def answer(ask):
         return str(error)
 
 
-@pytest.mark.soak_cases("mass")
-@pytest.mark.soak_cases("zener", "maxwell", "mass")
+@pytest.mark.soak_cases("mass", "zener", "maxwell")
 @pytest.mark.parametrize("name", list(SPECTRA))
 def test_series_of(name, stays):
     asked = {key: each for key, each in ASKED.items() if name == "burgers" or key != "too fine"}
@@ -126,8 +125,7 @@ def folder(tmp_path_factory):
     return folder
 
 
-@pytest.mark.soak_cases("rubber that relaxes")
-@pytest.mark.soak_cases("damper", "rubber that relaxes", "rubber too hot")
+@pytest.mark.soak_cases("rubber that relaxes", "damper", "rubber too hot")
 @pytest.mark.parametrize("card", list(CARDS))
 def test_files_of(card, folder, stays, monkeypatch):
     monkeypatch.chdir(folder)

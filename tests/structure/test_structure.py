@@ -213,8 +213,7 @@ def test_what_the_dampers_take_is_axial_force_times_stroke_of_each(friction: boo
     assert gone == pytest.approx(motion.energy["input"], abs=5e-3 * motion.energy["input"].max())
 
 
-@pytest.mark.soak_cases("True")
-@pytest.mark.soak_cases("False", "True")
+@pytest.mark.suite_cases("False")
 @pytest.mark.parametrize("friction", [False, True])
 def test_peaks_between_samples_are_found(friction: bool):
     """A record at a quarter of the first period.

@@ -130,7 +130,7 @@ def test_a_line_that_misses_the_loss_is_not_called_noise():
     assert all("misses the loss" in failure.says for failure in missed)
 
 
-@pytest.mark.soak_cases("0", "1")
+@pytest.mark.suite_cases("0")
 @pytest.mark.parametrize("seed", range(2))
 def test_a_part_that_scatters_as_much_as_it_is_is_not_missed(seed):
     """Noise in proportion to |K| drowns the loss of a glass.

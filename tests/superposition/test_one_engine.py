@@ -40,7 +40,7 @@ def off_the_law(i, omega):
     return material(omega * np.exp(LOG_A[i] + 0.3 * np.sin(2.0 * i)))
 
 
-@pytest.mark.soak_cases("without_lift", "off_the_law", "simple")
+@pytest.mark.suite_cases("simple")
 @pytest.mark.parametrize("sweep", [without_lift, off_the_law, simple])
 def test_a_shift_alone_has_one_answer_in_all_commands(sweep):
     """With `simple` the missing vertical factors bend the shift; then too it is one answer."""
@@ -262,9 +262,6 @@ def test_diagnose_tells_the_constants_of_the_curve():
         np.testing.assert_allclose(theirs, ours, rtol=1e-3)
 
 
-@pytest.mark.soak_cases(
-    "wlf-shift- + free-vertical-shift", "arrhenius-shift-", "arrhenius-shift- + free-vertical-shift"
-)
 @pytest.mark.suite_cases("wlf-shift-")
 @pytest.mark.parametrize("lift", ["", " + free-vertical-shift"])
 @pytest.mark.parametrize("law", ["wlf-shift", "arrhenius-shift"])

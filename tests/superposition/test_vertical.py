@@ -192,7 +192,6 @@ def few(points):
     )
 
 
-@pytest.mark.soak_cases("0", "3", "5", "6", "1", "2")
 @pytest.mark.suite_cases("5")
 @pytest.mark.parametrize(
     "data",

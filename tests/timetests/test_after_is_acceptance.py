@@ -54,7 +54,7 @@ def sweep(rng: np.random.Generator) -> springpot.Measurement:
 FEW = ["inertia", "parallel-springpot", "parallel-dashpot", "series-spring", "force-drift"]
 
 
-@pytest.mark.soak_cases("relaxation", "creep", "record", "joint")
+@pytest.mark.suite_cases("record")
 @pytest.mark.parametrize("kind", ["relaxation", "creep", "record", "joint"])
 def test_what_is_printed_as_after_is_what_acceptance_gives(
     kind: str, rng: np.random.Generator
@@ -109,7 +109,6 @@ def test_numbers_of_one_line_are_of_the_test_that_is_missed_most(
     assert str(springpot.Diagnosis.from_dict(found.to_dict())) == str(found)
 
 
-@pytest.mark.soak
 def test_places_of_the_test_that_is_missed_most_come_first(rng: np.random.Generator) -> None:
     found = springpot.diagnose([relaxation(rng), late(rng)], "zener", only=["time-delay"])
     ratios = {test.name: test.over_floor for test in found.tests}

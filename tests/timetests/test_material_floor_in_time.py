@@ -75,7 +75,7 @@ def squares(tests, model, theta):
     return sum(float(np.sum(part.residual(model, theta, 293.15).value ** 2)) for part in parts)
 
 
-@pytest.mark.soak_cases("relaxation", "creep")
+@pytest.mark.suite_cases("relaxation")
 @pytest.mark.parametrize("kind", ["relaxation", "creep"])
 @settings(max_examples=8, deadline=None, derandomize=True)
 @given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([1e-3, 1e-2, 0.1]))

@@ -31,7 +31,7 @@ def tried(*names):
     return [plugins().effect(name) for name in names]
 
 
-@pytest.mark.soak_cases("30.0", "-4.0")
+@pytest.mark.suite_cases("30.0")
 @pytest.mark.parametrize("constant", [30.0, -4.0])
 def test_a_constant_force_is_named_with_its_size(constant):
     found = diagnose(dampers(constant), "kelvin", tried("force-offset", *OTHERS))
@@ -69,7 +69,7 @@ def test_of_a_force_that_was_imposed_the_displacement_has_it():
     assert found.leading[0] == "displacement-offset"
 
 
-@pytest.mark.soak_cases("1", "2", "3")
+@pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_fixture_warms_within_some_samples(seed):
     """A preload that a filter lets through within three samples is no quick warming."""

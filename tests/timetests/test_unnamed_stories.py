@@ -30,7 +30,7 @@ def relaxation(model, theta, jump=0.0, seed=1):
 JUMP = f"a jump in relax at {TIME[45]:.3g} s"
 
 
-@pytest.mark.soak_cases("-40.0", "-100.0")
+@pytest.mark.suite_cases("-40.0")
 @pytest.mark.parametrize("height", [-40.0, -100.0])
 def test_a_slip_is_no_effect_of_the_library(height):
     found = diagnose(relaxation(ZENER, THETA, height), ZENER, library(*LIKE_A_SLIP))

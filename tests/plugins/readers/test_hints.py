@@ -37,12 +37,6 @@ def forces(path, hint):
     "Force (V),Force (N),Displacement (mm)-force",
     "Load (V),Force (N),Displacement (mm)-Force",
     "Force/V,F [N],x [mm]-F",
-@pytest.mark.soak_cases(
-    "Force/V,F [N],x [mm]-Force",
-    "Force/V,F [N],x [mm]-load",
-    "Force/V,F [N],x [mm]-F",
-    "Load (V),Force (N),Displacement (mm)-F",
-    "Force/V,F [N],x [mm]-force",
 )
 @pytest.mark.parametrize("key", ["force", "Force", "load", "F"])
 @pytest.mark.parametrize(

@@ -44,7 +44,6 @@ FILES = {
 
 
 @pytest.mark.soak_cases("chinese", "japanese", "russian", "symbols")
-@pytest.mark.soak_cases("symbols", "chinese", "japanese", "russian")
 @pytest.mark.parametrize("name", FILES)
 def test_signals_of_loggers_open_without_a_word(folder, name):
     path = folder.write(FILES[name])
