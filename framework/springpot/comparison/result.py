@@ -439,13 +439,14 @@ class Ranking(Comparison):
     --------
     >>> import numpy as np, springpot
     >>> from springpot.comparison import rank
-    >>> names = ("kelvin-voigt", "fractional-zener", "fractional-maxwell")
-    >>> models = [springpot.parse_model(name) for name in names]
-    >>> effects = [springpot.plugins().effect(name) for name in ("inertia", "time-delay")]
-    >>> data = springpot.read("artificial-hidden")
-    >>> ranking = rank(data, models, effects, np.random.default_rng(0))
+    >>> rng, omega = np.random.default_rng(1), np.geomspace(1.0, 100.0, 20)
+    >>> exact = 100.0 + 5j * omega - 0.02 * omega**2
+    >>> noise = 0.01 * rng.normal(size=(2, 20))
+    >>> data = springpot.Measurement(omega, exact * (1 + noise[0] + 1j * noise[1]))
+    >>> models = [springpot.parse_model(name) for name in ("kelvin", "zener", "maxwell")]
+    >>> ranking = rank(data, models, [springpot.plugins().effect("inertia")], rng)
     >>> [judged.model.name for judged in ranking.adequate]
-    ['fractional-maxwell + inertia + time-delay', 'fractional-zener + inertia + time-delay']
+    ['kelvin + inertia', 'zener + inertia']
     """
 
     ladder: Ladder

@@ -258,15 +258,13 @@ class Invention:
     Examples
     --------
     >>> import numpy as np, springpot
-    >>> omega, X = np.tile(np.geomspace(3, 300, 12), 4), np.repeat([0.2, 0.5, 1.0, 3.0], 12)
-    >>> model = springpot.parse_model("fractional-maxwell + (series: X^n/k)")
-    >>> at = springpot.Measurement(omega, omega + 0j, conditions={"amplitude": X}).points
-    >>> exact = model.stiffness(np.array([400.0, 60.0, 0.5, 900.0, 0.7]), at)
-    >>> noise = 0.01 * np.random.default_rng(1).normal(size=(2, 48))
-    >>> noisy = exact * (1 + noise[0] + 1j * noise[1])
-    >>> found = springpot.invent(springpot.Measurement(omega, noisy, conditions={"amplitude": X}))
+    >>> omega, X = np.tile(np.geomspace(1, 100, 8), 3), np.repeat([0.2, 1.0, 3.0], 8)
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=(2, 24))
+    >>> softening = (10 + 1j * omega + 5 * X**-0.5) * (1 + noise[0] + 1j * noise[1])
+    >>> data = springpot.Measurement(omega, softening, conditions={"amplitude": X})
+    >>> found = springpot.invent(data, "kelvin")
     >>> found.verdict, found.laws[0].text
-    ('class', 'series: X^n/k')
+    ('class', 'parallel: k*X^(-n)')
     """
 
     data: str
