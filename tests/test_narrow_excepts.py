@@ -203,7 +203,9 @@ def test_nothing_but_listed_boundaries_takes_a_programming_error_for_an_answer()
     found: set[str] = set()
     for root in ("framework/springpot", "plugins/springpot_plugins"):
         for path in sorted((ROOT / root).rglob("*.py")):
-            found |= set(unlisted(path.read_text(encoding="utf-8"), str(path.relative_to(ROOT))))
+            text = path.read_text(encoding="utf-8")
+            if "except" in text or "suppress" in text:
+                found |= set(unlisted(text, str(path.relative_to(ROOT))))
     assert found - set(BOUNDARIES) == set(), (
         "narrow it to springpot's own errors, or to the call that parses"
     )

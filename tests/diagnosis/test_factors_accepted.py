@@ -12,6 +12,9 @@ OMEGA = np.tile(np.geomspace(0.1, 10.0, 16), 6)
 SLOWER = np.repeat([1.0, 0.3, 0.2, 0.01, 0.008, 0.001], 16)
 
 
+SHIFTS = ["free-shift", "arrhenius-shift", "wlf-shift", "vertical-shift", "inertia"]
+
+
 @pytest.fixture(scope="module")
 def gelling():
     """A gel that hardens as it is heated: all its times grow, as by no law of temperature."""
@@ -45,4 +48,4 @@ def test_they_are_named_before_a_law_that_leaves_most(gelling):
 
 
 def test_nothing_is_accepted_unasked_in_their_place(gelling):
-    assert [step.accepted for step in springpot.discover(gelling).steps] == [None]
+    assert [step.accepted for step in springpot.discover(gelling, only=SHIFTS).steps] == [None]

@@ -48,7 +48,6 @@ FEW = (
     "fractional-kelvin hides inertia",
     "artificial-springpot-noise2 by springpot",
     "sweep hides time-delay beside a relaxation",
-    "discover: zener hides inertia",
 )
 
 

@@ -136,7 +136,7 @@ def test_edited_files_never_crash(reader, tmp_path):
     path = tmp_path / "data"
 
     @given(EDITS, SAID)
-    @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
     def check(edits, choice):
         content = edited(SEEDS[reader.name], edits)
         assert 0.0 <= reader.recognises(content[: 1 << 16]) <= 1.0
@@ -157,7 +157,7 @@ def test_foreign_files_never_crash(reader, tmp_path):
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=60).map(b"".join), SAID)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_any_mixture_of_words(tmp_path_factory, content, choice):
     path = tmp_path_factory.getbasetemp() / "mixture"
     path.write_bytes(content)

@@ -51,7 +51,7 @@ def measurements(draw):
 
 
 @given(measurements())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_reading_writing_and_reading_gives_the_same_bits(tmp_path_factory, measured):
     folder = tmp_path_factory.getbasetemp()
     once, twice = folder / "once.csv", folder / "twice.csv"
