@@ -45,7 +45,6 @@ def test_the_strata_know_nothing_of_the_framework(name):
 
 
 # --- the integration in time against what is known in closed form ---------------------------------
-@pytest.mark.soak
 def test_a_linear_solid_in_time_is_its_complex_stiffness():
     np.testing.assert_allclose(stiffness(in_time.solid_force(SOLID, MOTION)), K, rtol=1e-6)
 

@@ -263,7 +263,6 @@ def test_the_optimiser_identifies_too(installed: Environment):
     assert answers[0]["parameters"] == answers[1]["parameters"]
 
 
-@pytest.mark.soak
 def test_every_command_of_the_page_on_plugins_works(installed: Environment):
     page = (ROOT / "docs" / "plugins.md").read_text()
     commands = [
@@ -277,7 +276,6 @@ def test_every_command_of_the_page_on_plugins_works(installed: Environment):
     assert all(installed.springpots(*(words for _, *words in called)))
 
 
-@pytest.mark.soak
 def test_the_command_stands_among_springpots_own(installed: Environment):
     listed, told = installed.springpots(["--help"], ["peak-loss", "example-data"])
     assert re.search(r"^  peak-loss +The frequency at which", listed, re.M)

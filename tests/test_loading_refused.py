@@ -29,7 +29,6 @@ def test_no_answer_tells_a_number_that_is_refused_where_it_is_read():
     assert Value.from_dict(again) == Value(1.0, -inf, inf, "s")
 
 
-@pytest.mark.soak
 def test_a_word_is_no_parameter_of_a_kept_fit(tmp_path):
     """Python takes "1e400" for a number, which is infinite."""
     fit = springpot.identify("artificial-springpot", "springpot").to_dict()

@@ -271,7 +271,6 @@ def test_springpot_s_own_plugins_come_first_and_have_no_faults():
     assert next(iter(plugins().shelves["reader"].owners.values())).startswith("builtin")
 
 
-@pytest.mark.soak
 def test_heavy_libraries_are_not_imported_by_loading_the_plugins():
     code = (
         "import sys; from springpot.registry import plugins; found = plugins()\n"

@@ -49,7 +49,6 @@ def test_one_point_whatever_the_model(springpot, write, model):
     )
 
 
-@pytest.mark.soak
 def test_the_good_file_is_good(springpot, write):
     assert springpot("identify", write(GOOD), "--model", "fractional-kelvin").code == 0
 

@@ -91,7 +91,6 @@ def test_a_fit_that_was_changed_is_used_or_refused(springpot, folder, kind):
     fuzzed(fit, json.dumps, path, lambda: springpot("predict", path, "--frequency", "1,2"))
 
 
-@pytest.mark.soak
 def test_a_structure_that_was_changed_is_used_or_refused(springpot, folder):
     path, record = folder / "frame.toml", folder / "record.csv"
     record.write_text(csv_text(RECORD), encoding="utf-8")

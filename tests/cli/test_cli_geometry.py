@@ -5,7 +5,6 @@ import pytest
 PADS = "shear-pads area=200cm^2 gap=10mm"
 
 
-@pytest.mark.soak
 def test_a_damper_as_its_material(springpot, damper):
     device = springpot("identify", damper, "--model", "fractional-maxwell", "--json").json
     material = springpot(

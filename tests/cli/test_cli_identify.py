@@ -43,7 +43,6 @@ def test_text_shows_parameters_units_and_the_network(springpot, damper):
     assert "◇" in answer.out
 
 
-@pytest.mark.soak
 def test_effects_are_found_in_their_own_units(springpot, write):
     frequency = np.geomspace(0.5, 50.0, 15)
     s = 2j * np.pi * frequency

@@ -40,7 +40,6 @@ def dampers(write, rng):
     return paths
 
 
-@pytest.mark.soak
 def test_each_file_has_its_row_and_a_bad_one_stops_nobody(springpot, dampers, tmp_path):
     answer = springpot("identify", dampers[0], tmp_path / "no.csv", dampers[2], *MODEL)
     assert answer.code == 2
@@ -151,7 +150,6 @@ def test_what_cannot_be_is_one_line(springpot, dampers, options, says):
     assert springpot("identify", dampers[0], *MODEL, *options).is_one_line(says)
 
 
-@pytest.mark.soak
 def test_options_of_an_optimiser_count(springpot, dampers):
     options = ("--budget", "60", "--seed", "1", "--json")
     few, many = (

@@ -12,7 +12,6 @@ def fit(springpot, damper, tmp_path):
     return path
 
 
-@pytest.mark.soak
 def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
     pytest.importorskip("matplotlib")
     table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"

@@ -26,7 +26,6 @@ def _stiffness(frequency):
     return (100.0 + 20.0j) * frequency**0.3
 
 
-@pytest.mark.soak
 def test_the_stiffness_lies_within_its_uncertainty(springpot, records):
     answer = springpot("signals", *records, "--json").json
     assert set(answer) == {"schema", "files", "output", "units", "rows", "provenance"}
@@ -40,7 +39,6 @@ def test_the_stiffness_lies_within_its_uncertainty(springpot, records):
         assert row["storage_sd"] < 0.1
 
 
-@pytest.mark.soak
 def test_what_is_written_is_what_was_shown(springpot, records, tmp_path):
     output = tmp_path / "damper.csv"
     answer = springpot("signals", *records, "-o", output)

@@ -81,7 +81,6 @@ def test_json_is_as_agreed(springpot, heavy):
     assert "inertia" in answer["classes"][0]
 
 
-@pytest.mark.soak
 def test_text_begins_with_the_verdict_and_ends_with_advice(springpot, heavy):
     answer = springpot("diagnose", heavy, "--model", "fractional-maxwell")
     assert answer.code == 0
@@ -108,7 +107,6 @@ def test_nothing_missing_is_said_plainly(springpot, sound):
     assert "absent, or it would have been seen" in answer.out
 
 
-@pytest.mark.soak
 def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(
     springpot, heavy, sound, tmp_path
 ):
@@ -124,7 +122,6 @@ def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(
     assert [line["verdict"] for line in lines] == ["effect-missing", "adequate"]
 
 
-@pytest.mark.soak
 def test_the_same_seed_gives_the_same_bits(springpot, heavy, monkeypatch):
     monkeypatch.undo()  # both are worked out
     first, again = (
@@ -380,7 +377,6 @@ def test_an_effect_of_the_users_own_takes_part(heavy):
     assert row.error_after == pytest.approx(diagnosis.candidates[0].error_after, rel=1e-3)
 
 
-@pytest.mark.soak
 def test_a_ladder_is_a_picture(heavy, tmp_path):
     pytest.importorskip("matplotlib")
     import springpot

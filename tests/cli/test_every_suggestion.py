@@ -261,12 +261,10 @@ def shown(monkeypatch):
     return made
 
 
-@pytest.mark.soak
 def test_every_place_that_suggests_has_a_scenario():
     assert set(places()) == set(SCENARIOS)
 
 
-@pytest.mark.soak
 def test_no_command_is_written_out_anywhere_else():
     """But in help, whose examples are run by its own tests, and in prose of docstrings."""
     commands = "|".join(sorted(commands_of_springpot(), key=len, reverse=True))

@@ -52,7 +52,6 @@ def test_a_rheologist_reads_omega_and_the_letters_of_the_file(springpot, rheomet
     assert "% of |G*| too " in where
 
 
-@pytest.mark.soak
 def test_a_damper_engineer_reads_hertz_and_stiffness(springpot, write):
     damper = write(table(OMEGA, "frequency [Hz],storage [kN/m],loss [kN/m]"), "rig.csv")
     said = springpot("compare", damper, *MODEL).out
@@ -63,7 +62,6 @@ def test_a_damper_engineer_reads_hertz_and_stiffness(springpot, write):
     assert "rad/s" not in said
 
 
-@pytest.mark.soak
 def test_json_stays_in_hertz(springpot, rheometer, write):
     """Words change with the file, numbers for programs never."""
     same = write(table(OMEGA, "frequency [Hz],storage [Pa],loss [Pa]"), "hertz.csv")
@@ -145,7 +143,6 @@ def test_no_reason_is_given_where_nothing_moved():
     assert floor_moved(steps(0.010, 0.005)).startswith("the noise floor moved from 1.0 % to 0.50 %")
 
 
-@pytest.mark.soak
 def test_comparisons_fit_the_window_and_name_the_next_command(springpot, rheometer, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     models = ("-m", "fractional-maxwell", "-m", "fractional-maxwell + inertia")

@@ -155,7 +155,6 @@ def test_what_is_suggested_of_an_answer_is_taken(springpot, understood, damper, 
     assert [complaint for command in found if (complaint := understood(command))] == []
 
 
-@pytest.mark.soak
 def test_what_is_suggested_of_registered_data_is_taken(springpot, understood):
     names = [
         data.name

@@ -18,7 +18,6 @@ def sweep(write):
     return write("\n".join(["omega [rad/s],storage [N/mm],loss [N/mm]", *lines]), "zener.csv")
 
 
-@pytest.mark.soak
 def test_a_tie_is_told_and_goes_along(springpot, sweep):
     out = springpot("identify", sweep, "-m", "zener", "--tie", "k2 = 2*k1").out
     assert "tied        k2 = 2*k1" in out

@@ -45,7 +45,6 @@ def test_large_numbers_are_written_out():
     ]
 
 
-@pytest.mark.soak
 def test_tables_of_a_run_are_named_once(springpot, tmp_path):
     script = tmp_path / "tiny.py"
     script.write_text(

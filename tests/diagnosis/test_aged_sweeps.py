@@ -36,7 +36,6 @@ def found():
     return springpot.diagnose(table(setting_gel(OMEGA, MINUTES)), only=some)
 
 
-@pytest.mark.soak
 def test_the_age_is_named_as_what_the_misfit_goes_with(found):
     assert found.verdict == "unexplained"
     assert "it goes with time, the specimen is another in each sweep" in found.says
@@ -50,7 +49,6 @@ def test_one_age_can_be_chosen_by_the_next_step(found):
     assert springpot.diagnose(chosen).verdict == "adequate"
 
 
-@pytest.mark.soak
 def test_ages_of_a_specimen_that_stays_are_told_of_nothing():
     told = springpot.diagnose(table(setting_gel(OMEGA, np.full(len(OMEGA), 30.0))))
     assert told.verdict == "adequate"

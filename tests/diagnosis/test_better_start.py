@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hidden_data import KELVIN, SWEEP, exact, hidden, measured
 
 import springpot
@@ -37,7 +36,6 @@ def test_a_local_minimum_is_left_with_the_help_of_the_grown_models():
     np.testing.assert_allclose(start, found.base.theta, rtol=1e-3)
 
 
-@pytest.mark.soak
 def test_a_missing_effect_is_no_local_minimum():
     found = searched(hidden(KELVIN, SWEEP, "inertia", 300.0))
     assert found.scan.p_value < 0.01

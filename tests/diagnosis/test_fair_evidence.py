@@ -149,7 +149,6 @@ def test_one_wrong_point_is_no_resonance(row):
     assert any("set aside" in note for note in diagnosis.notes)
 
 
-@pytest.mark.soak
 def test_the_likeliest_explanations_are_compared_not_those_of_best_fit():
     case = examined(hidden(KELVIN, SWEEP, "inertia", 300.0))
     for name, refit in case.evidence.likeliest_with().items():

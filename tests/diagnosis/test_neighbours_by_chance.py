@@ -24,7 +24,6 @@ def test_the_chance_is_the_share_of_all_ways_to_deal_them_out(m):
         assert _chance_of_pairs(n, m, pairs) == wanted
 
 
-@pytest.mark.soak
 def test_of_many_points_it_is_no_quotient_of_infinities():
     assert 0.0 < _chance_of_pairs(5000, 2500, 1350) < 1e-3
 

@@ -79,7 +79,6 @@ def test_a_model_that_holds_another_follows_it_everywhere():
         assert Clash(friction, power, action).fitted() < 1.5
 
 
-@pytest.mark.soak
 def test_where_no_measurement_tells_more_none_is_asked_for():
     """A measurement that leaves the odds as they are is no advice, and no number of it either."""
     _, best = explained("friction", AMPLITUDES, 3000.0)
@@ -140,7 +139,6 @@ def test_what_is_said_is_the_number_that_is_given():
     assert told == plain(max(advice.expected_separation_sigma, 0.1), 2)
 
 
-@pytest.mark.soak
 def test_a_known_mass_tells_the_chain_of_measurement_from_the_specimen():
     """In place of the specimen it shows what the rig adds: a delay, but no relaxation."""
     case, best = explained("time-delay")

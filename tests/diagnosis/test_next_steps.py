@@ -398,7 +398,6 @@ def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     assert not found.one_test
 
 
-@pytest.mark.soak
 def test_three_materials_that_were_numbered_as_repeats_are_not_adequate(save):
     """An error of 90 % of |K| is no noise of any of them; it is 1.8 times the so-called floor."""
     stiffness = noisy(np.concatenate([damper(SWEEP, k) for k in (400.0, 900.0, 100.0)]), SCATTER)

@@ -79,7 +79,6 @@ def test_a_fit_is_that_of_generalised_least_squares():
     assert free.rss <= found.rss * (1.0 + 1e-9)
 
 
-@pytest.mark.soak
 def test_what_follows_the_quiet_part_is_seen_beside_a_loud_one():
     """A delay turns K by a tenth of what its gain scatters."""
     late = scattered(0.03, 0.001)

@@ -25,7 +25,6 @@ def diagnosed(stiffness, only=LIBRARY, conditions=None):
 LOSS = exact(KELVIN, AT) + 1j * 0.2 * np.median(np.abs(exact(KELVIN, AT)))
 
 
-@pytest.mark.soak
 def test_a_constant_loss_may_be_dry_friction_at_one_amplitude():
     found = diagnosed(LOSS)
     assert found.verdict == "effect-missing"
@@ -35,14 +34,12 @@ def test_a_constant_loss_may_be_dry_friction_at_one_amplitude():
     assert "in a column amplitude" in found.next_experiment.says
 
 
-@pytest.mark.soak
 def test_a_rung_says_what_it_may_be_as_well():
     data = measured(AT, LOSS, 1, 0.01)
     ladder = springpot.discover(data, "fractional-kelvin", only=LIBRARY, accept="hysteretic-loss")
     assert ladder.steps[-1].alike == ("hysteretic-loss", "friction")
 
 
-@pytest.mark.soak
 def test_one_amplitude_that_is_told_makes_them_rivals():
     found = diagnosed(LOSS, conditions={"amplitude": np.full(len(AT.omega), 0.5e-3)})
     assert set(found.classes[0]) == {"friction", "hysteretic-loss"}

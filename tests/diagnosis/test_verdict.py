@@ -75,7 +75,6 @@ def many():
         yield Facts(**dict(zip(names, values, strict=True)), gain=gain)
 
 
-@pytest.mark.soak
 def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
     used = set()
     for facts in many():

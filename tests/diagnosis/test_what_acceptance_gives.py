@@ -37,7 +37,6 @@ def test_the_error_after_an_effect_is_that_of_accepting_it(data, model):
         assert identified.relative_rms == pytest.approx(row.error_after, rel=0.01), row.effect
 
 
-@pytest.mark.soak
 def test_what_weighs_the_points_changes_no_answer(rng):
     """Noise of another shape than |K| moves a fit.
 

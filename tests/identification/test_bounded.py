@@ -26,7 +26,6 @@ def test_descents_end_at_the_truth_of_exact_data_and_agree(model):
     assert minima[4] < 1e-15 * scale
 
 
-@pytest.mark.soak
 def test_every_scanned_shape_is_counted_and_none_before_its_turn(rng):
     """After few evaluations a run must not know the best of the shapes that it has not counted."""
     problem = artificial("fractional-zener")

@@ -38,7 +38,6 @@ def problems(draw):
     return Layout(order[places][:, columns], rng.permutation(number)), rng
 
 
-@pytest.mark.soak
 @settings(max_examples=30, deadline=None)
 @given(problems())
 def test_a_step_is_that_of_all_parameters_at_once(problem) -> None:
@@ -138,7 +137,6 @@ def test_specimens_beside_levels_scatter_as_all_columns_say() -> None:
     assert known.covariance.dense() == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
-@pytest.mark.soak
 def test_memory_grows_with_the_specimens_and_no_faster() -> None:
     peaks = []
     springpot.identify(batch(20), "kelvin", own={"k": "specimen"})

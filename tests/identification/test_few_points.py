@@ -45,7 +45,6 @@ def test_few_points_and_exact_ones_can_be_judged_without_a_model():
     assert springpot.diagnose("artificial-springpot").verdict != "effect-missing"
 
 
-@pytest.mark.soak
 def test_a_search_that_stopped_short_is_not_called_good_enough():
     data = zener(14, 1e-4)
     short = springpot.identify(data, "fractional-zener", optimiser="pso-paper", budget=300, seed=1)

@@ -78,7 +78,6 @@ def test_another_column_than_temperature():
     )
 
 
-@pytest.mark.soak
 def test_two_columns_at_once():
     """Temperature and water on a grid with a corner missing; their shifts add up."""
     omega, model, theta = (
@@ -102,13 +101,11 @@ def test_two_columns_at_once():
     )
 
 
-@pytest.mark.soak
 def test_the_reference_is_told():
     notes = springpot.identify(superposable(0.01), "material + free-shift").notes
     assert any("factor is 1 at temperature 30" in note for note in notes)
 
 
-@pytest.mark.soak
 def test_an_optimiser_takes_the_levels_too():
     found = springpot.identify(
         superposable(0.01), "fractional-zener + free-shift", optimiser="least-squares", budget=50
@@ -125,7 +122,6 @@ def test_how_far_a_shift_sets_two_sweeps_apart_is_told_in_decades():
     assert "10 degC and 0 degC apart by 3 decades" in known.broken_by(decades)
 
 
-@pytest.mark.soak
 def test_an_activation_energy_near_the_glass_transition_is_within_bounds():
     draw, energy, celsius = np.random.default_rng(1), 1300.0, (88.0, 90.0, 92.0, 94.0, 96.0)
     omega, temperature = np.tile(np.geomspace(0.1, 100.0, 16), 5), np.repeat(celsius, 16)

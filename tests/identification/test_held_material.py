@@ -43,7 +43,6 @@ def test_more_noise_makes_the_interval_wider():
     assert noisy > 3 * quiet
 
 
-@pytest.mark.soak
 def test_two_effects_each_have_their_own_interval():
     both = springpot.parse_model("material + inertia + time-delay")
     known = Uncertainty.of(fit(both, heavy(2)))

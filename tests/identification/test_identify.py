@@ -73,7 +73,6 @@ def test_search_intervals_cover_the_truth(rng):
     assert all(0.89 <= count / 150 <= 1.0 for count in inside.values())
 
 
-@pytest.mark.soak
 def test_values_come_in_the_units_of_the_data():
     model = parse_model("fractional-maxwell + inertia")
     theta = model.theta(k=400.0, c=150.0, alpha=0.6, inertia__m=0.02)
@@ -139,7 +138,6 @@ def test_a_superfluous_parameter_is_named():
     assert said(springpot.identify(data, "fractional-zener"), "k1", "zero", "without it")
 
 
-@pytest.mark.soak
 def test_a_parameter_at_zero_widens_the_search_form_too():
     found = springpot.identify(
         noisy_data("fractional-maxwell", 0.01, 2), "fractional-zener"

@@ -19,7 +19,6 @@ def fitted(omega, noise):
     return found.fit, np.concatenate([values.real, values.imag])
 
 
-@pytest.mark.soak
 def test_a_spectrum_leaves_as_much_of_known_noise_as_its_degrees_of_freedom_say():
     omega, left, free = np.geomspace(0.03, 30.0, 20), [], []
     for seed in range(24):
@@ -31,7 +30,6 @@ def test_a_spectrum_leaves_as_much_of_known_noise_as_its_degrees_of_freedom_say(
     assert np.mean(left) == pytest.approx(np.mean(free), abs=0.6)
 
 
-@pytest.mark.soak
 def test_degrees_of_freedom_are_those_of_how_the_curve_follows_the_data():
     """Numbers measured less tr(2 S - S S'), S the map from noise to curve, here by differences."""
     omega = np.geomspace(10.0**-0.75, 10.0**0.75, 8)

@@ -37,7 +37,6 @@ def test_intervals_hold_mean_and_scatter(count: int, rng: np.random.Generator) -
     assert share[1] >= 0.92
 
 
-@pytest.mark.soak
 def test_errors_alone_are_no_scatter(rng: np.random.Generator) -> None:
     flagged = 0
     for _ in range(200):
@@ -77,7 +76,6 @@ def test_a_fit_tells_its_population(rng: np.random.Generator) -> None:
     assert "k_1" not in str(fit)
 
 
-@pytest.mark.soak
 def test_two_specimens_are_no_population() -> None:
     omega, batch = np.tile(np.geomspace(1.0, 100.0, 10), 2), np.repeat([1.0, 2.0], 10)
     data = springpot.Measurement(omega, batch + 0.1j * omega, conditions={"batch": batch})
@@ -118,7 +116,6 @@ def test_limits_hold_a_share_of_specimens_at_their_confidence(
     assert 0.92 <= held / 400 <= 0.985
 
 
-@pytest.mark.soak
 def test_specimens_that_are_files_have_the_names_of_these(
     tmp_path, rng: np.random.Generator
 ) -> None:
@@ -156,7 +153,6 @@ def test_parameters_named_one_after_the_other_are_all_each_level_s_own() -> None
     assert model.own == {"k": "pad", "c": "pad", "inertia.m": "pad"}
 
 
-@pytest.mark.soak
 def test_a_figure_has_a_row_for_each_specimen(tmp_path, rng: np.random.Generator) -> None:
     omega, pad = np.tile(np.geomspace(1.0, 100.0, 6), 4), np.repeat(list("abcd"), 6)
     k = np.repeat([100.0, 104.0, 98.0, 101.0], 6)

@@ -57,7 +57,6 @@ class Fixed:
         return np.array(taken).reshape(x.shape[:-1])
 
 
-@pytest.mark.soak
 @settings(deadline=None)
 @given(
     st.lists(st.floats(min_value=0.0) | st.just(nan), min_size=1, max_size=40),

@@ -79,7 +79,6 @@ def test_more_noise_is_smoother_and_less_certain():
     assert np.mean((loud.high - loud.low)[here]) > 3.0 * np.mean((quiet.high - quiet.low)[here])
 
 
-@pytest.mark.soak
 def test_another_unit_of_stiffness_changes_the_numbers_alone():
     one, ten = (
         identified("springpot", [50.0, 0.4], factor=factor).spectrum for factor in (1.0, 1e6)
@@ -89,7 +88,6 @@ def test_another_unit_of_stiffness_changes_the_numbers_alone():
     )
 
 
-@pytest.mark.soak
 def test_effects_around_the_material_stay_as_they_were_found():
     found = identified(
         "fractional-maxwell + inertia", [400.0, 60.0, 0.5, 1e-4], fitted="material + inertia"
@@ -100,7 +98,6 @@ def test_effects_around_the_material_stay_as_they_were_found():
     np.testing.assert_allclose(spectrum.density[here], plain.density[here], rtol=0.3)
 
 
-@pytest.mark.soak
 def test_the_same_generator_gives_the_same_band():
     found = identified("springpot", [50.0, 0.4])
     first, again, other = (
@@ -111,7 +108,6 @@ def test_the_same_generator_gives_the_same_band():
     assert np.array_equal(first.density, other.density)
 
 
-@pytest.mark.soak
 def test_a_network_of_elements_has_no_spectrum_to_choose():
     found = identified("springpot", [50.0, 0.4], fitted="springpot")
     assert found.spectrum is None
@@ -120,7 +116,6 @@ def test_a_network_of_elements_has_no_spectrum_to_choose():
         regularised(found.fit, np.random.default_rng(0))
 
 
-@pytest.mark.soak
 def test_plain_data_give_the_stiffness_back():
     found = identified("fractional-zener", [300.0, 200.0, 30.0, 0.4])
     row, s = found.to_dict()["spectrum"], 1j * OMEGA

@@ -39,7 +39,6 @@ def test_of_24_specimens_in_3_batches_the_mean_is_covered(batches: float) -> Non
         assert components[1] == pytest.approx(batches, rel=0.2)
 
 
-@pytest.mark.soak
 def test_a_mean_that_takes_batches_for_nothing_is_too_sure() -> None:
     """Why they are asked for: 24 specimens of 3 batches are not 24 specimens."""
     rng, held = np.random.default_rng(6), 0
@@ -80,7 +79,6 @@ def test_batches_are_compared_as_often_right_as_is_said() -> None:
     assert found.compared["A", "B"].unit == "-"
 
 
-@pytest.mark.soak
 def test_batches_that_differ_are_told_apart_by_name(data: springpot.Measurement) -> None:
     fit = springpot.identify(data, "kelvin", own={"*": "batch/number"}, share="c")
     compared = fit.to_dict()["population"]["k"]["compared"]
@@ -112,7 +110,6 @@ def data() -> springpot.Measurement:
     )
 
 
-@pytest.mark.soak
 def test_a_fit_tells_both_scatters(data: springpot.Measurement, tmp_path) -> None:
     fit = springpot.identify(data, "kelvin", own={"*": "batch/number"}, share="c")
     population = fit.populations["k"]

@@ -66,7 +66,6 @@ def test_modes_keep_their_order(sweep):
         assert fit.relative_rms < 0.0121
 
 
-@pytest.mark.soak
 def test_five_modes_are_sorted_by_one_tie():
     model, rng = springpot.parse_model("prony-5"), np.random.default_rng(2)
     times = [0.01, 0.1, 1.0, 10.0, 50.0]
@@ -177,7 +176,6 @@ def test_tests_in_time_know_ties_too():
     assert fit["tau2"].value == pytest.approx(3.0, rel=0.05)
 
 
-@pytest.mark.soak
 def test_a_kept_fit_is_tied_as_before(sweep, tmp_path):
     fit = springpot.identify(sweep, "maxwell-2", tie=["k2 = 2*k1", "tau2 < tau1"])
     path = tmp_path / "fit.json"

@@ -133,7 +133,6 @@ def test_a_parameter_that_is_zero_has_a_one_sided_interval(seed):
     assert profile(found, "k1")[1] == pytest.approx(high[0], rel=0.4)
 
 
-@pytest.mark.soak
 def test_intervals_of_positive_parameters_stay_positive_and_orders_in_bounds(rng):
     model, theta, _ = setup("fractional-zener")
     omega = OMEGA[::4]

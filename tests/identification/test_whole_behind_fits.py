@@ -167,7 +167,6 @@ def test_uncertainty_of_a_fit(name, stays):
     stays(found, within=1e-3)
 
 
-@pytest.mark.soak
 def test_factors_of_each_level(stays):
     fitted = fit(parse_model("material + free-shift"), HEATED)
     rows = free_factors.FactorRows.of(fitted)

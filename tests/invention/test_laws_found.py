@@ -116,7 +116,6 @@ def grammar_notes(data: Measurement) -> list[str]:
     return list(springpot.invent(data).notes)
 
 
-@pytest.mark.soak
 def test_parameters_are_not_called_as_columns_are():
     column = {"k": AMPLITUDE, "too-long a name": AMPLITUDE}
     data = swept(lambda k, x: k, conditions=column)

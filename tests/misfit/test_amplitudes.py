@@ -28,7 +28,6 @@ def notes(data):
     return list(notes_on_amplitudes(search.base))
 
 
-@pytest.mark.soak
 def test_a_gel_that_softens_is_told_to_soften():
     (note,) = notes(measured(GEL / (1.0 + AMPLITUDE)))
     assert "one material for all 4 amplitudes is" in note
@@ -46,20 +45,17 @@ def test_a_gel_that_stiffens_and_loses_more_is_told_both():
     assert float(high) > 1.5 * float(low)
 
 
-@pytest.mark.soak
 def test_where_the_amplitude_does_nothing_that_is_said():
     (note,) = notes(measured(GEL - 0.02 * OMEGA**2))
     assert note.endswith("the amplitude does not matter")
 
 
-@pytest.mark.soak
 def test_a_loss_that_is_largest_between_is_told_with_its_place():
     between = 1.0 + np.exp(-(np.log(AMPLITUDE / 0.2) ** 2))
     (note,) = notes(measured(GEL.real + 1j * GEL.imag * between, level=0.001))[:1]
     assert "(most at 0.2)" in note
 
 
-@pytest.mark.soak
 def test_several_temperatures_are_no_question_of_the_amplitude():
     temperature = np.tile(np.repeat([10.0, 40.0, 70.0], 5), len(AMPLITUDES))
     assert notes(measured(GEL / (1.0 + AMPLITUDE), temperature=temperature)) == []

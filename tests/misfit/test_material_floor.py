@@ -54,7 +54,6 @@ def error_of(stiffness, data):
     return float(np.sqrt(np.mean(np.abs(stiffness / data.stiffness - 1.0) ** 2)))
 
 
-@pytest.mark.soak
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([0.0, 1e-4, 1e-2, 0.1]))
 def test_no_network_is_nearer_to_its_own_data_than_any_material(name, seed, noise):

@@ -118,7 +118,6 @@ def test_a_set_is_downloaded_once(server, tmp_path):
     assert [path.name for path in left(tmp_path)] == ["raw.csv"]
 
 
-@pytest.mark.soak
 def test_a_file_of_other_content_is_never_replaced(server, tmp_path):
     dataset = manifest(server).dataset()
     dataset.open()
@@ -131,7 +130,6 @@ def test_a_file_of_other_content_is_never_replaced(server, tmp_path):
     assert len(dataset.open()) == 2
 
 
-@pytest.mark.soak
 def test_a_file_that_appears_during_the_download_is_not_replaced_either(
     server, tmp_path, monkeypatch
 ):
@@ -146,7 +144,6 @@ def test_a_file_that_appears_during_the_download_is_not_replaced_either(
     assert [path.read_bytes() for path in left(tmp_path)] == [b"another's"]
 
 
-@pytest.mark.soak
 def test_of_two_processes_that_fetch_a_file_at_once_both_have_it(server, tmp_path, monkeypatch):
     put = download._put
 
@@ -159,7 +156,6 @@ def test_of_two_processes_that_fetch_a_file_at_once_both_have_it(server, tmp_pat
     assert [path.read_bytes() for path in left(tmp_path)] == [CONTENT]
 
 
-@pytest.mark.soak
 def test_a_file_that_another_process_puts_there_before_the_download_is_used(
     server, tmp_path, monkeypatch
 ):
@@ -179,14 +175,12 @@ def test_a_file_that_another_process_puts_there_before_the_download_is_used(
     assert (len(asked), server.requests) == (1, 0)
 
 
-@pytest.mark.soak
 def test_a_file_where_the_folder_should_be_is_one_line(server, tmp_path):
     (tmp_path / "cache").mkdir()
     (tmp_path / "cache" / hashlib.sha256(CONTENT).hexdigest()[:16]).write_text("mine")
     assert "is no folder; remove it" in complaint(manifest(server).dataset())
 
 
-@pytest.mark.soak
 def test_a_server_that_sends_without_end_is_left(server, tmp_path, monkeypatch):
     monkeypatch.setattr(download, "LARGEST", 2 << 20)
     server.content = b"x" * (8 << 20)
@@ -194,7 +188,6 @@ def test_a_server_that_sends_without_end_is_left(server, tmp_path, monkeypatch):
     assert left(tmp_path) == []
 
 
-@pytest.mark.soak
 def test_a_copy_that_is_interrupted_leaves_no_half_of_a_file(server, tmp_path, monkeypatch):
     def refuse(*_):
         raise OSError(95, "Operation not supported")
@@ -211,7 +204,6 @@ def test_a_copy_that_is_interrupted_leaves_no_half_of_a_file(server, tmp_path, m
     assert len(manifest(server).dataset().open()) == 2
 
 
-@pytest.mark.soak
 def test_without_hard_links_it_is_copied_and_replaces_nothing(server, tmp_path, monkeypatch):
     def refuse(*_):
         raise OSError(95, "Operation not supported")
@@ -224,7 +216,6 @@ def test_without_hard_links_it_is_copied_and_replaces_nothing(server, tmp_path, 
         download._put(copy, copy)
 
 
-@pytest.mark.soak
 def test_a_link_in_the_cache_leads_nowhere_else(server, tmp_path):
     elsewhere, sha256 = tmp_path / "elsewhere", hashlib.sha256(CONTENT).hexdigest()
     elsewhere.mkdir()
@@ -235,7 +226,6 @@ def test_a_link_in_the_cache_leads_nowhere_else(server, tmp_path):
     assert list(elsewhere.iterdir()) == []
 
 
-@pytest.mark.soak
 def test_a_redirection_to_another_scheme_is_not_followed(server, tmp_path):
     server.moved = f"http://127.0.0.1:{server.server_port}/other.csv"
     assert "without https" in complaint(manifest(server).dataset())
@@ -243,13 +233,11 @@ def test_a_redirection_to_another_scheme_is_not_followed(server, tmp_path):
     assert left(tmp_path) == []
 
 
-@pytest.mark.soak
 def test_a_stranger_with_a_certificate_of_his_own_is_not_trusted(server, monkeypatch):
     monkeypatch.delenv("REQUESTS_CA_BUNDLE")
     assert "certificate is not trusted" in complaint(manifest(server).dataset())
 
 
-@pytest.mark.soak
 def test_a_file_that_is_here_is_not_fetched(server, tmp_path, monkeypatch):
     place = tmp_path / "data" / "my-damper"
     place.mkdir(parents=True)
@@ -263,7 +251,6 @@ def test_a_file_that_is_here_is_not_fetched(server, tmp_path, monkeypatch):
     assert server.requests == 0
 
 
-@pytest.mark.soak
 def test_another_format_than_that_of_the_columns_is_read_by_its_reader(server):
     server.content = b"omega [rad/s],storage [Pa],loss [Pa]\n1,2,3\n4,5,6\n7,8,9\n"
     found = manifest(server, "export.csv", server.content).dataset().open()
@@ -277,7 +264,6 @@ def complaint(dataset):
     return str(caught.value)
 
 
-@pytest.mark.soak
 def test_another_content_is_refused_and_not_kept(server, tmp_path):
     dataset = manifest(server).dataset()
     server.content = CONTENT.replace(b"4", b"5")
@@ -285,7 +271,6 @@ def test_another_content_is_refused_and_not_kept(server, tmp_path):
     assert left(tmp_path) == []
 
 
-@pytest.mark.soak
 def test_an_interrupted_download_leaves_nothing(server, tmp_path):
     dataset = manifest(server).dataset()
     server.sent = 5
@@ -295,7 +280,6 @@ def test_an_interrupted_download_leaves_nothing(server, tmp_path):
     assert len(dataset.open()) == 2, "and the next attempt succeeds"
 
 
-@pytest.mark.soak
 def test_a_file_that_is_gone_and_a_server_that_is_not_there(server, tmp_path):
     assert "the server answers 404" in complaint(manifest(server, "gone.csv").dataset())
     server.shutdown()

@@ -40,7 +40,6 @@ def test_a_suite_of_that_name_never_changes():
     assert sha256(text).hexdigest() == DESCRIPTION, "give a changed suite another name"
 
 
-@pytest.mark.soak
 def test_sixty_problems_from_two_to_fourteen_parameters(suite, plan):
     sizes = [problem(case).dimension for case in plan.cases]
     assert len(suite.problems) == len({p.name for p in suite.problems}) == 60
@@ -105,7 +104,6 @@ def test_the_page_is_what_the_suite_says(monkeypatch):
     assert study.page() == study.PAGE.read_text(encoding="utf-8"), "python studies/suite.py --page"
 
 
-@pytest.mark.soak
 def test_tests_in_time_are_raced_and_judged_as_sweeps_are(tmp_path):
     names = ["springpot-60/relaxation-zener", "springpot-60/wlf"]
     study = Study(

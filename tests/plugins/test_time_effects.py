@@ -37,12 +37,10 @@ BROKEN = Effect(
 )
 
 
-@pytest.mark.soak
 def test_a_wrong_derivative_is_found():
     assert any("derivative by offset.size is wrong" in says for says in check_effect(BROKEN))
 
 
-@pytest.mark.soak
 def test_an_effect_that_does_not_vanish_is_found():
     def never(record, response, size):
         return Answered(response + size + 1.0, (np.ones_like(response),), np.ones_like(response))
@@ -224,7 +222,6 @@ def test_an_expression_may_name_effects_of_either_kind():
         parse_model("fractional-zener + force-drift + force-drift")
 
 
-@pytest.mark.soak
 def test_a_named_effect_is_identified_with_the_model():
     t = np.geomspace(0.01, 100.0, 120)
     model = parse_model("fractional-zener + thermal-force")

@@ -96,7 +96,6 @@ def test_a_reader_that_never_ends_is_ended(path, action):
     assert str(path) in str(caught.value)
 
 
-@pytest.mark.soak
 @pytest.mark.usefixtures("short")
 def test_of_what_a_finaliser_loses_only_other_faults_are_told(path, monkeypatch):
     told = []
@@ -119,7 +118,6 @@ def test_another_thread_hears_no_signals_and_simply_reads(path):
     assert read == ["anything"]
 
 
-@pytest.mark.soak
 def test_a_plugin_that_never_ends_is_ended_too(path, short):
     reader = Reader("slow", "never ends", lambda head: 1.0, lambda path, choice: for_ever())
     with pytest.raises(DataError, match="processor time"):
@@ -151,7 +149,6 @@ def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypa
     assert signal.getsignal(signal.SIGPROF) is handler
 
 
-@pytest.mark.soak
 @LINUX
 def test_a_reader_that_takes_all_memory_is_ended_and_gives_it_back(path):
     import resource

@@ -31,7 +31,6 @@ def test_what_is_changed_keeps_its_format():
         assert max(map(len, grown)) > 10_000
 
 
-@pytest.mark.soak
 def test_a_hang_that_the_budget_cannot_end_is_seen(tmp_path, monkeypatch):
     """A search of a pattern that never ends hears no other thread, but the alarm of this one."""
     import re

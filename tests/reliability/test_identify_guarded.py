@@ -176,7 +176,6 @@ def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
     assert not (tmp_path / "called").exists()
 
 
-@pytest.mark.soak
 def test_a_restart_that_fails_is_a_note_where_another_finds_something():
     class Moody(Optimiser):
         name, card = "moody", Card("moody")

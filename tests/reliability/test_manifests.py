@@ -190,7 +190,6 @@ def test_names_that_are(name, tmp_path):
     assert inside(tmp_path, f"sub/{name}") == tmp_path / "sub" / name
 
 
-@pytest.mark.soak
 def test_the_costliest_pattern_that_is_taken_ends_soon():
     """Four repetitions in a row, which find nothing.
 

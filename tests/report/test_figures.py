@@ -191,7 +191,6 @@ def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):
     assert "rad/s" in in_words(found.spectrum, "kN/m")
 
 
-@pytest.mark.soak
 def test_residuals_stand_beside_the_material_floor(tmp_path):
     from springpot import compare
     from springpot.report import residuals

@@ -13,7 +13,6 @@ from springpot.registry import parse_model
 from springpot.timetests import identify
 
 
-@pytest.mark.soak
 def test_every_axis_names_what_it_shows():
     pytest.importorskip("matplotlib")
     from springpot.report.timetests import figure_tests

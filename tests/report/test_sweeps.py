@@ -70,7 +70,6 @@ def test_a_good_fit_of_many_sweeps_looks_good():
         np.testing.assert_allclose(here, np.log(scene.measurement.magnitude[sweep.rows]), atol=1e-3)
 
 
-@pytest.mark.soak
 def test_the_headline_says_how_many_are_shown(monkeypatch):
     kept = []
     monkeypatch.setattr(

@@ -75,7 +75,6 @@ def test_several_fits_stand_below_one_another(tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.soak
 def test_the_command_writes_by_the_ending(springpot, damper, tmp_path) -> None:
     path = tmp_path / "table.tex"
     springpot("identify", damper, "-m", "fractional-maxwell", "--table", path)

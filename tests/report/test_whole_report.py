@@ -172,7 +172,6 @@ def test_all_views_of(name, stays):
     stays({"views": figure}, within=1e-3)
 
 
-@pytest.mark.soak
 def test_page_of_a_ladder(known, stays, unpainted):
     page = report_html(known["ladder"], known["measured"], ["springpot", "discover"])
     body = page.partition("<h2>")[2].partition("To repeat")[0]

@@ -30,7 +30,6 @@ def test_each_level_has_the_stiffness_of_its_own_model() -> None:
     np.testing.assert_allclose(model.stiffness(theta, AT), np.concatenate(alone), rtol=1e-14)
 
 
-@pytest.mark.soak
 @given(st.lists(st.sampled_from(["k", "c", "alpha"]), min_size=1, unique=True), st.integers(0, 99))
 def test_the_derivatives_are_those_of_differences(names: list[str], seed: int) -> None:
     if "alpha" in names:

@@ -99,7 +99,6 @@ def test_every_model_is_tested_one_way_or_the_other():
     assert set(CLASSICAL) < set(MODELS)
 
 
-@pytest.mark.soak
 @given(positive, positive, positive, positive)
 @settings(max_examples=50)
 def test_a_burgers_fluid_has_the_two_rates_of_its_quadratic(
@@ -145,14 +144,12 @@ def test_the_tolerance_is_kept_and_its_price_is_logarithmic(tolerance: float):
     assert len(found.rates) < 15 + 1.5 * np.log10(1 / tolerance) ** 2
 
 
-@pytest.mark.soak
 @given(positive, positive, st.floats(0.9, 1.0 - 1e-6))
 @settings(max_examples=30)
 def test_a_peak_that_is_nearly_a_line_is_resolved(k: float, c: float, alpha: float):
     assert of(series(spring(), springpot()), k, c, alpha).error < 1e-6
 
 
-@pytest.mark.soak
 @given(positive, orders, positive, orders)
 @settings(max_examples=30)
 def test_spectra_side_by_side_add(c1: float, a1: float, c2: float, a2: float):

@@ -64,7 +64,6 @@ def test_a_delay_may_be_that_of_one_rig_of_three():
     assert places == [0, 1, 2]
 
 
-@pytest.mark.soak
 def test_the_scan_looks_at_each_test_with_its_own_effects():
     model = springpot.parse_model("fractional-maxwell + series-spring:a")
     tests = [sweep("a"), sweep("b"), relaxation()]

@@ -338,7 +338,6 @@ def test_a_hidden_effect_is_found_by_its_typed_law(tmp_path):
     assert again.best.physics.expression == f"({HIDDEN})"
 
 
-@pytest.mark.soak
 def test_a_column_of_the_data_is_a_variable_and_a_fit_is_loaded_again(tmp_path):
     law = "grip = parallel: k*current/(current + Ic)"
     data = swept(law, [400.0, 60.0, 0.5, 80.0, 0.7], current=[0.1, 0.5, 1.0, 2.0])
@@ -397,13 +396,11 @@ def test_a_law_of_the_clock_is_bounded_where_a_search_strays():
     assert response.by_theta.ravel().tolist() == [0.0]
 
 
-@pytest.mark.soak
 def test_units_with_a_power_that_a_parameter_decides_keep_the_contract():
     effect = Effect.from_formula("grip", "parallel: k*X^(-n)", "a grip that fades")
     assert [each for each in check_effect(effect) if each.startswith("units")] == []
 
 
-@pytest.mark.soak
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6), st.floats(-1.0, 1.0))
 def test_a_part_in_series_takes_the_amplitude_that_is_left_to_it(logs, body):

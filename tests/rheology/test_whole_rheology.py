@@ -86,7 +86,6 @@ def test_models_in_time(stays):
     stays({name: in_time(named[name]) for name in sorted(named)}, within=1e-3)
 
 
-@pytest.mark.soak
 def test_effects_in_time(stays):
     effects = sorted(plugins().items("effect"), key=lambda each: each.name)
     zener = parse_model("zener")

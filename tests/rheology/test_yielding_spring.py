@@ -49,7 +49,6 @@ def test_the_force_lies_flat_over_the_speed():
     assert forces[1] / forces[0] == pytest.approx(100.0**0.1, rel=1e-3)
 
 
-@pytest.mark.soak
 def test_its_first_harmonic_is_nearly_that_of_its_course():
     """By the balance of the first harmonics, which is a tenth off where it yields most."""
     model = parse_model("springpot + yielding")

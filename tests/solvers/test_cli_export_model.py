@@ -15,7 +15,6 @@ from springpot.registry import parse_model
 BAND = "1Hz:48Hz"
 
 
-@pytest.mark.soak
 def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
     data = "nist-srm2491@temperature=20"
     fit = springpot("identify", data, "--model", "maxwell + parallel-dashpot", "--json").json
@@ -181,7 +180,6 @@ def test_what_a_user_says_of_the_modulus_must_agree_with_the_data(springpot, fit
     assert springpot(*asked, "--modulus", "young").is_one_line("is a shear modulus")
 
 
-@pytest.mark.soak
 def test_a_card_states_what_was_measured_and_marks_what_lies_outside(springpot, fitted, tmp_path):
     """Twelve unmeasured decades were "largest error 0.474 %" without a word."""
     path = fitted("G' [MPa],G'' [MPa]", extra="temperature [degC]=25")
@@ -241,7 +239,6 @@ def test_a_fit_has_parameters_and_units_of_its_own(springpot, fitted, given):
     refused.is_one_line(f"leave out {given[0]}")
 
 
-@pytest.mark.soak
 def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_path):
     """Where shifts are one is where the data were, not 20 degC.
 
@@ -268,7 +265,6 @@ def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_pa
     assert "the temperature of 120 degC" in handed("--temperature", "120")
 
 
-@pytest.mark.soak
 def test_a_card_is_of_one_material(springpot, tmp_path):
     omega, lot = np.tile([1.0, 3.0, 10.0], 2), np.repeat([1.0, 2.0], 3)
     data = Measurement(omega, lot * (5.0 + 1j * omega), conditions={"lot": lot})

@@ -34,7 +34,6 @@ def at(model, values, omega, amplitude):
 EXPRESSION, VALUES = "fractional-maxwell + elasto-sliding", MATERIAL | SLIDER
 
 
-@pytest.mark.soak
 def test_at_an_amplitude_a_card_holds_the_first_harmonic_there():
     """The series within the error that it states, the table of K itself."""
     # A loss that is the same at all frequencies, without storage that grows, no series follows.

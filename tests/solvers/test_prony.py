@@ -68,7 +68,6 @@ def test_a_dashpot_beside_never_harms(alpha: float):
     assert with_one < 1.1 * prony_of(spectrum, terms=3).error
 
 
-@pytest.mark.soak
 def test_more_terms_are_better():
     spectrum = spectrum_of("fractional-maxwell", [400.0, 60.0, 0.55])
     errors = [prony_of(spectrum, terms=n).error for n in (1, 2, 3, 4, 5, 6)]
@@ -110,7 +109,6 @@ def test_a_solver_carries_no_term_without_weight():
     assert found.weights > 0.0
 
 
-@pytest.mark.soak
 def test_a_dashpot_that_may_not_stand_is_refused_with_what_helps():
     with pytest.raises(
         ModelError, match=r"follow its dashpot no nearer than 0\.\d+ %: .*\(--dashpot\)"

@@ -169,7 +169,6 @@ def test_in_cosimulation_it_is_exact_with_the_derivative_and_one_step_late_witho
     assert np.abs(late[1:] - exact[:-1]).max() < 0.35 * np.abs(late[1:] - exact[1:]).max()
 
 
-@pytest.mark.soak
 def test_the_unit_describes_itself_by_the_standard(tmp_path):
     pytest.importorskip("fmpy", reason="fmpy is not installed (extra solvers)")
     from fmpy.validation import validate_fmu
@@ -184,7 +183,6 @@ def test_the_same_model_gives_the_same_unit():
     assert handed("fmu").data == handed("fmu").data
 
 
-@pytest.mark.soak
 def test_nastran_cards_are_read_and_joined(tmp_path):
     pytest.importorskip("pyNastran", reason="pyNastran is not installed (extra solvers)")
     from pyNastran.bdf.bdf import BDF

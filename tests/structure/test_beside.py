@@ -193,7 +193,6 @@ def test_units_and_a_slope_change_nothing_but_the_numbers():
     assert turned.displacement == pytest.approx(one.displacement, rel=1e-6, abs=1e-9)
 
 
-@pytest.mark.soak
 def test_what_is_not_known_of_friction_is_a_band():
     frame = oscillator("kelvin + friction", friction__F=FRICTION)
     [damper] = frame.dampers

@@ -92,7 +92,6 @@ def test_a_folder_is_its_records_and_a_pattern_what_it_fits(write, tmp_path):
         records_meant([str(folder / "*.none")])
 
 
-@pytest.mark.soak
 def test_mean_and_envelope_are_those_of_the_records_each_alone(springpot, write):
     """The structure is linear: twice the record is twice the drift."""
     frame = write(FRAME, "frame.toml")

@@ -97,7 +97,6 @@ def test_what_does_not_fit_is_one_line_that_names_the_damper(write, text, says):
     assert "\n" not in str(told.value)
 
 
-@pytest.mark.soak
 def test_bounds_are_the_structure_with_its_dampers_softer_and_stiffer(springpot, write):
     record = write(
         "time [s],acceleration [m/s^2]\n"

@@ -97,7 +97,6 @@ def test_flat_sweeps_that_do_not_overlap_are_told_not_to(seed):
     assert note.startswith("45 degC, 60 degC")
 
 
-@pytest.mark.soak
 def test_sweeps_of_few_points_are_told_as_such():
     kept = measured(simple, noise=0.05, points=3, decades=0.3)
     curve = springpot.mastercurve(kept)

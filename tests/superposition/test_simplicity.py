@@ -89,7 +89,6 @@ def test_repeats_that_differ_are_no_strange_material():
     assert any("repeated sweeps differ" in note for note in curve.notes)
 
 
-@pytest.mark.soak
 def test_too_few_points_are_not_judged():
     rest = springpot.mastercurve(measured(simple, points=3)).simplicity
     assert rest.verdict == "not-judged"

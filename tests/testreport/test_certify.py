@@ -60,7 +60,6 @@ def tests(tmp_path):
     return folder
 
 
-@pytest.mark.soak
 def test_tests_that_are_as_asked_conform(springpot, tests, tmp_path):
     page = tmp_path / "certificate.html"
     told = springpot("certify", tests, "--code", CODES / "viscous-damper.toml", "-o", page)
@@ -165,7 +164,6 @@ def test_a_result_nearer_to_a_limit_than_its_uncertainty_is_undecided(tests, tmp
     assert all(0.01 < row.risk < 0.99 for row in certificate.rows)
 
 
-@pytest.mark.soak
 def test_files_run_nothing_and_pages_are_escaped(springpot, tests, tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     code, book, page = (tmp_path / name for name in ("code.toml", "c.xlsx", "c.html"))

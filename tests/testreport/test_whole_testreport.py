@@ -220,7 +220,6 @@ def test_a_code_is_answered(guard, answered, stays):
     stays(answer)
 
 
-@pytest.mark.soak
 def test_a_certificate_as_a_page(answered, stays, unpainted):
     page = certificate_page(answered("none")).partition("Made by")[0]
     rows = re.sub(r"<style.*?</style>", "", page, flags=re.DOTALL).split("</tr>")

@@ -22,7 +22,6 @@ def test_what_specimens_do_weighs_what_it_is(name):
     assert weight_of(effect) == effect.prior
 
 
-@pytest.mark.soak
 def test_flow_is_not_drift():
     """A straight line in creep may be either; nobody services an instrument before he has asked."""
     t = np.geomspace(0.1, 100.0, 60)

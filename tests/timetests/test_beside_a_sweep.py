@@ -119,7 +119,6 @@ def test_the_kept_fit_of_a_sweep_and_a_relaxation_predicts_a_relaxation(tmp_path
     assert np.allclose(again.of_specimen.model.relaxation(again.of_specimen.theta, at), expected)
 
 
-@pytest.mark.soak
 def test_a_fault_in_an_effect_is_no_answer():
     def faulty(at: Points, tau):
         raise IndexError("a programming error")

@@ -30,7 +30,6 @@ def one_over_f(seed):
     return noise - slow @ (slow.T @ noise)
 
 
-@pytest.mark.soak
 def test_noise_that_is_one_over_f_is_seldom_a_misfit():
     # By a memory of one sample alone three of four are.
     assert np.mean([scatter_of(one_over_f(seed)).misfit for seed in SEEDS]) <= 0.35

@@ -42,7 +42,6 @@ def tried(missed, share: float) -> list[Tried]:
     return [Tried(EFFECTS[0], base.model + EFFECTS[0], base.theta, left, 0.0)]
 
 
-@pytest.mark.soak
 def test_what_misses_by_far_has_the_others_fitted(missed) -> None:
     _, before, promises = missed
     others = passed_over(promises, tried(missed, 0.9), before)

@@ -36,7 +36,6 @@ def open_question() -> springpot.Diagnosis:
     return springpot.diagnose(relaxed(1.0, 1), MODEL, effects=RIVALS)
 
 
-@pytest.mark.soak
 def test_a_larger_step_tells_what_grows_with_the_load(open_question) -> None:
     asked = open_question.next_experiment
     assert set(asked.separates) == {"thermal-transient", "thermal-force"}
@@ -99,7 +98,6 @@ def test_a_clock_without_a_time_to_begin_from_is_no_promise(fits) -> None:
     assert contest.linear == contest.fitted() == 0.0
 
 
-@pytest.mark.soak
 def test_slopes_are_those_of_the_differences(fits) -> None:
     test, heated, clock = fits
     parts = parts_of_specimen([test])

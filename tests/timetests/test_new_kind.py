@@ -120,7 +120,6 @@ def test_it_is_identified_diagnosed_and_accepted(file):
         assert fit.parameters[name].low < value < fit.parameters[name].high
 
 
-@pytest.mark.soak
 def test_it_stands_beside_a_test_in_time(file):
     t = np.geomspace(0.01, 10.0, 60)
     exact = MODEL.relaxation(MODEL.theta(**TRUTH), t)

@@ -25,7 +25,6 @@ def error(tests: list[TimeTest], noises: list[float]) -> np.ndarray:
     return np.array(told) / size
 
 
-@pytest.mark.soak
 def test_ten_of_them_know_it_better_than_each():
     alone, together = [], []
     for seed in range(12):
@@ -37,7 +36,6 @@ def test_ten_of_them_know_it_better_than_each():
     assert np.median(together) == pytest.approx(1.0, abs=0.1)
 
 
-@pytest.mark.soak
 def test_one_that_is_far_noisier_stands_by_itself():
     noises = [0.01] * 8 + [0.2]
     ratios = np.array([error(relaxations(noises, seed), noises) for seed in range(20)])

@@ -58,7 +58,6 @@ def diagnosis(relaxed):
     return springpot.diagnose(relaxed, "maxwell", only=["parallel-spring", "force-drift"])
 
 
-@pytest.mark.soak
 def test_in_one_answer_a_test_has_one_noise_floor(fit, diagnosis):
     told = diagnosis.error
     assert diagnosis.tests[0].noise_floor == told.noise_floor

@@ -47,7 +47,6 @@ def fit():
     return identify(relaxed(), MODEL)
 
 
-@pytest.mark.soak
 def test_another_test_of_the_specimen_holds(fit):
     for test in (crept(), swept(), swept("Pa", 1e3)):
         found = predict_test(fit, test)
@@ -83,7 +82,6 @@ def test_the_band_holds_the_truth(fit):
     assert outside <= 2
 
 
-@pytest.mark.soak
 def test_a_fit_that_does_not_determine_the_test_says_so():
     early = T < 0.02
     few = TimeTest.of_relaxation(T[early][:8], relaxed().response[early][:8], "kPa")
@@ -167,7 +165,6 @@ def warm(test, celsius: float):
     return replace(test, conditions={"temperature": np.full(len(test), celsius)})
 
 
-@pytest.mark.soak
 def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
     """Times count as one over them; temperatures of all tests together."""
     early = T < 3.0

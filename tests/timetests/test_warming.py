@@ -69,7 +69,6 @@ def test_derivatives_while_it_warms(control):
         assert np.abs(found.by_theta[:, i] - slope).max() * size < 1e-6 * np.abs(found.value).max()
 
 
-@pytest.mark.soak
 def test_an_activation_energy_is_found_from_one_record(tmp_path):
     """A file with a column of temperatures; one at a steady temperature would not tell it."""
     strain = 0.01 * np.sin(0.5 * T)
@@ -126,7 +125,6 @@ def test_what_the_test_did_is_followed_while_it_warms():
         ), i
 
 
-@pytest.mark.soak
 def test_a_drift_is_told_from_a_record_that_warms():
     x = 0.01 * np.sin(0.5 * T)
     blank = TimeTest.of_history(T, x, 0 * T, "-", "kPa", control="displacement", temperature=WARMER)

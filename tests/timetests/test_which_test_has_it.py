@@ -89,14 +89,12 @@ def test_what_yields_in_the_rig_of_the_sweep_alone_is_found():
     assert best.parameters["series-spring.k"].value == pytest.approx(900.0, rel=0.05)
 
 
-@pytest.mark.soak
 def test_the_error_of_a_sweep_is_a_share_of_its_stiffness():
     diagnosis = diagnose(three_tests(1, "sweep")[:2], parse_model("zener"), some_effects()[-1:])
     assert diagnosis.error.noise_floor < 0.05
     assert diagnosis.error.relative_rms < 0.3
 
 
-@pytest.mark.soak
 def test_an_effect_of_one_test_is_typed_with_its_name():
     model = parse_model("zener + test-gain:creep")
     assert model.name == "zener + test-gain:creep"
@@ -160,7 +158,6 @@ def test_a_sweep_whose_noise_was_taken_too_large_is_judged_by_its_own():
     assert scatter_of_sweep(missed, known=True).size == 1.0
 
 
-@pytest.mark.soak
 def test_a_material_with_an_effect_of_one_test_is_fitted_to_the_others_alone_too():
     # Weights come from fits of each test alone, of which most do not have the effect.
     model = parse_model("material") + plugins().effect("test-gain").of_one("creep")

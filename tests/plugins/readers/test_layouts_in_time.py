@@ -252,7 +252,6 @@ def test_names_in_row_two_and_units_in_row_three_of_a_sheet(tmp_path):
     assert (test.kind, test.units.stiffness) == ("history", "N/mm")
 
 
-@pytest.mark.soak
 def test_a_workbook_whose_names_nobody_knows_asks_for_its_columns_as_text_does(tmp_path):
     numbers = [*map(list, zip(TIME.tolist(), COLD.tolist(), WARM.tolist(), strict=True))]
     for names in ([], [["aa", "bb", "cc"]]):

@@ -159,7 +159,6 @@ def test_a_unit_that_is_missing_at_the_end_is_missing_there(export):
     np.testing.assert_allclose(found.frequency, FREQUENCIES)
 
 
-@pytest.mark.soak
 def test_zwick_roell_in_german(export):
     """Time, travel and force of a test machine: a test in time, and a point of a sweep."""
     rows = [

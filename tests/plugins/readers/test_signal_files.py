@@ -157,7 +157,6 @@ def machine(titles, units, columns, separator="\t", decimal=","):
     return f"{head}{separator.join(units)}\n{body}\n\n{below}".encode("latin-1")
 
 
-@pytest.mark.soak
 def test_prefixes_of_channels_sensor_numbers_and_a_second_table(folder):
     titles = (
         "Datum",

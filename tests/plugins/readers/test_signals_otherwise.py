@@ -55,7 +55,6 @@ class TestWorkbooks:
         with pytest.raises(DataError, match="no sheet 'data 3'"):
             check(path, "kN/mm", "#data 3")
 
-    @pytest.mark.soak
     def test_opened_as_data_they_are_one_point(self, folder):
         found = folder.open(workbook({"Data": CHANNELS}), name="test.xlsx")
         np.testing.assert_allclose(found.stiffness, [EXPECTED], rtol=1e-4)
