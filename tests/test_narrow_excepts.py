@@ -137,7 +137,7 @@ BOUNDARIES = {
     ),
     "framework/springpot/registry.py:_guarded": PLUGIN,
     "framework/springpot/processes.py:adopt_orphans": "a system without this call",
-    "framework/springpot/surroundings.py:kept_surroundings": (
+    "framework/springpot/processes.py:kept_surroundings": (
         "what a plugin changed and cannot be put back is told as changed"
     ),
     "plugins/springpot_plugins/optimisers/nloptlib.py:search": FOREIGN,
@@ -190,8 +190,8 @@ BOUNDARIES = {
     "framework/springpot/files.py:_is_stdout": "a stream that has no number, as a test's has none",
     "framework/springpot/identification/fitting.py:_elsewhere": OPTIMISER,
     "framework/springpot/identification/fitting.py:action": OPTIMISER,
-    "framework/springpot/inputs.py:bytes_of": STRANGER,
-    "framework/springpot/inputs.py:toml_in": STRANGER,
+    "framework/springpot/files.py:bytes_of": STRANGER,
+    "framework/springpot/files.py:toml_in": STRANGER,
     "framework/springpot/limits.py:address_space": "a system without these counters",
     "framework/springpot/measurement/opening.py:tests": PLUGIN,
     "plugins/springpot_plugins/datasets/manifest.py:read_manifest": STRANGER,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot import identified, judgement
+from springpot import judgement, loading
 from springpot.comparison.result import ONLY_NOISE
 from springpot.errors import DataError
 from springpot.identification.problem import relative_objective
@@ -107,11 +107,11 @@ def test_tests_in_time_stand_by_their_own_judgement(monkeypatch, fails):
 
 def test_what_a_user_states_is_in_the_units_of_the_stiffness():
     """A mass in kg and a time in s, a stiffness and a force as they are given."""
-    known = identified.stated("coulomb-friction", {"friction.F": 3.0}, "kN/m", "--unit")
+    known = loading.stated("coulomb-friction", {"friction.F": 3.0}, "kN/m", "--unit")
     assert known.theta == pytest.approx([3.0])
-    known = identified.stated("kelvin", {"k": 3.0, "c": 0.5}, "kN/m", "--unit")
+    known = loading.stated("kelvin", {"k": 3.0, "c": 0.5}, "kN/m", "--unit")
     assert known.theta == pytest.approx([3.0, 0.5])
     assert (known.units.stiffness, known.units.amplitude) == ("kN/m", "m")
-    assert identified._factor(known.units, Dimension(1, 0, 1)) == 1.0
-    assert identified._factor(known.units, Dimension(1, 2)) == 1000.0
-    assert identified.stated("kelvin", {"k": 3.0, "c": 0.5}, None, "--unit").units == Units()
+    assert loading._factor(known.units, Dimension(1, 0, 1)) == 1.0
+    assert loading._factor(known.units, Dimension(1, 2)) == 1000.0
+    assert loading.stated("kelvin", {"k": 3.0, "c": 0.5}, None, "--unit").units == Units()

@@ -17,10 +17,9 @@ import pytest
 from springpot.cli import waiting
 from springpot.cli.faults import exit_code
 from springpot.cli.group import run
-from springpot.errors import DataError
+from springpot.errors import DataError, PlainStream, below, plain, plain_json, plain_streams
 from springpot.measurement import Measurement
 from springpot.report.text import to_json
-from springpot.terminal_safe import PlainStream, below, plain, plain_json, plain_streams
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202eevil\x7f"
 IN_TEXT = "\x9d0;owned\x9c\x9b31m\u202eevil"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import with_model
+from springpot.writing import with_model
 
 from . import timetests
 from .common import (

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
 from . import completion, timetests
 from .common import (

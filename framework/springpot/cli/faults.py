@@ -9,9 +9,7 @@ from collections.abc import Callable
 
 import click
 
-from springpot.errors import SpringpotError
-from springpot.owners import blamed, described
-from springpot.terminal_safe import LostStream, plain_streams
+from springpot.errors import LostStream, SpringpotError, blamed, described, plain_streams
 
 # The last two as shells have them: 128 and the number of the signal.
 BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import with_model
 from springpot.thresholds import INTERVALS
+from springpot.writing import with_model
 
 from . import completion, timetests
 from .common import (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
 from .common import (
     FILE,

@@ -7,7 +7,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from springpot import suggestions
+from springpot import writing
 
 MEANING = (
     "geometry",
@@ -36,11 +36,11 @@ def suggested(verb: str, *words: object) -> str:
     Parameters
     ----------
     verb : str
-        See `springpot.suggestions.suggested`.
+        See `springpot.writing.suggested`.
     *words : object
         Data and options that follow from the answer.
     """
-    return suggestions.suggested(verb, *words, *kept_by(verb))
+    return writing.suggested(verb, *words, *kept_by(verb))
 
 
 def kept_by(verb: str) -> list[str]:

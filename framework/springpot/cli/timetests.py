@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
 from .common import emit, note_to_stderr, opened, quoted, seen_through, window
 from .onward import suggested

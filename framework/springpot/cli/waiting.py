@@ -7,7 +7,7 @@ from threading import Event, Lock, Thread
 from time import monotonic
 from types import TracebackType
 
-from springpot.terminal_safe import below, plain
+from springpot.errors import below, plain
 
 PATIENCE = 1.0
 """Seconds that nobody asks about."""

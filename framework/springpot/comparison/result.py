@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
-from springpot.drawing import draw, html_of, text_of
-from springpot.format_numbers import NAMED
 from springpot.identification.material import is_material
 from springpot.identification.problem import weighted
 from springpot.identification.value import PartResult, Value, parts_of, values_of
+from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import Error
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known
@@ -28,6 +27,7 @@ from springpot.plain_data import alive, jsonable, number, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import COMPARISON, SUPERPOSITION
+from springpot.writing import NAMED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -338,7 +338,7 @@ class Comparison:
     ) -> Figure | Axes | Path:
         """Data and models in the views that rheologists use, and what is left.
 
-        See `springpot.drawing.draw`.
+        See `springpot.lazy.draw`.
 
         Of a ranking those models are drawn that `shown` names.
         """

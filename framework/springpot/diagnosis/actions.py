@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from springpot.plain_data import jsonable, number
-from springpot.suggestions import in_shell, suggested
+from springpot.writing import in_shell, suggested
 
 DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.format_numbers import counted
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.measurement.independence import steadied
@@ -39,6 +38,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
+from springpot.writing import counted
 
 from .answer import answer, course_instead
 from .case import Case

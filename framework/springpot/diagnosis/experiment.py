@@ -26,8 +26,8 @@ from springpot.misfit.words import plain
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.writing import NAMED
 
-from ..format_numbers import NAMED
 from ..numerics import ALIKE, SMALLEST
 from .contest import TYPED_IN, WAITED_FOR, WORKED_FOR, Contest, Pair, most_telling
 from .result import NextExperiment

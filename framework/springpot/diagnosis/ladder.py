@@ -9,9 +9,9 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from springpot.drawing import draw, html_of, text_of
 from springpot.errors import SpringpotError
 from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
+from springpot.lazy import draw, html_of, text_of
 from springpot.misfit.words import over_floor
 from springpot.plain_data import alive, jsonable, number, some
 from springpot.registry import parse_model
@@ -231,7 +231,7 @@ class Ladder:
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
     ) -> Figure | Axes | Path:
-        """The error falling to the noise floor; see `springpot.drawing.draw`."""
+        """The error falling to the noise floor; see `springpot.lazy.draw`."""
         return draw(self, path, ax)
 
     def _repr_html_(self) -> str:

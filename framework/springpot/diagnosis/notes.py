@@ -34,10 +34,9 @@ from springpot.misfit.words import percent, plain, times
 from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import Complex, Real
-from springpot.suggestions import suggested
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
+from springpot.writing import NAMED, suggested
 
-from ..format_numbers import NAMED
 from .evidence import Evidence
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence

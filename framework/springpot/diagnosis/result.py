@@ -8,9 +8,9 @@ from math import inf, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from springpot.drawing import draw, html_of, text_of
 from springpot.identification.derived.quantity import Quantities
 from springpot.identification.value import PartResult, Value, parts_of, values_of
+from springpot.lazy import draw, html_of, text_of
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.plain_data import jsonable, number
@@ -342,7 +342,7 @@ class Diagnosis:
     ) -> Figure | Axes | Path:
         """The error as it is and with each leading effect, beside the floors.
 
-        See `springpot.drawing.draw`.
+        See `springpot.lazy.draw`.
         """
         return draw(self, path, ax)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from springpot.distributions import f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model

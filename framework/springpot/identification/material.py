@@ -18,7 +18,7 @@ from itertools import chain
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response

@@ -13,13 +13,13 @@ from time import perf_counter
 import numpy as np
 
 from springpot.errors import DataError, OptionError
-from springpot.format_numbers import counted
 from springpot.measurement.measurement import Measurement
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
+from springpot.writing import counted
 
 from ..numerics import ALIKE, NEGLIGIBLE
 from .bordered import LevelSlopes

@@ -12,8 +12,8 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
+from springpot.writing import NAMED
 
-from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
 from .bordered import Bordered, variance_of

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real

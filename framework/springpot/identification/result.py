@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from springpot.distributions import student
-from springpot.drawing import draw, draw_view, html_of, text_of
 from springpot.errors import ModelError
+from springpot.lazy import draw, draw_view, html_of, text_of
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, together

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.points import Complex, Real
 
 from .measurement import Measurement

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.points import Real
 
 from ..numerics import (

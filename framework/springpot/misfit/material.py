@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.format_numbers import number
 from springpot.identification.material import is_material
 from springpot.identification.material_fit import least_error
 from springpot.measurement.measurement import Measurement
@@ -30,8 +29,8 @@ from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
+from springpot.writing import NAMED, number
 
-from ..format_numbers import NAMED
 from ..numerics import SMALLEST
 from .error import Error
 from .refit import Refit, refit

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.format_numbers import number
 from springpot.measurement.measurement import Measurement
+from springpot.writing import number
 
 
 def times(ratio: float) -> str:

@@ -14,7 +14,6 @@ import numpy as np
 from springpot.comparison.result import Comparison, Judgement
 from springpot.diagnosis.result import Candidate, Diagnosis, Shelf
 from springpot.errors import ModelError
-from springpot.format_numbers import counted, number
 from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
@@ -24,8 +23,8 @@ from springpot.misfit.words import over_floor, plain
 from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
+from springpot.writing import LISTED, NAMED, counted, listed, number
 
-from ..format_numbers import LISTED, NAMED, listed
 from .quantities import quantities_passages
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 

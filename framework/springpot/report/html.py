@@ -14,12 +14,11 @@ from springpot.diagnosis.ladder import Ladder, Step
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
-from springpot.markup import Html, joined, tag, wide, wide_table
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
-from springpot.versions import versions
+from springpot.registry import versions
+from springpot.writing import LISTED, Html, joined, tag, wide, wide_table
 
-from ..format_numbers import LISTED
 from .answers import (
     absent_text,
     effects_note,

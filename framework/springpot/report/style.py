@@ -7,7 +7,7 @@ No network, its style sheet inside, no script but one known by its digest.
 
 from __future__ import annotations
 
-from springpot.markup import Html, tag
+from springpot.writing import Html, tag
 
 STYLE = """
 :root { color-scheme: light; --ink: #222; --quiet: #666; --line: #ddd;

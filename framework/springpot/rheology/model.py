@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.markup import tag
+from springpot.writing import tag
 
 from ..numerics import ALIKE
 from .drawing import drawing_of

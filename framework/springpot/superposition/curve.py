@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError
-from springpot.format_numbers import number
 from springpot.identification.allowed_shifts import Allowed, allowed_shifts
 from springpot.identification.free_factors import (
     FactorRows,
@@ -26,6 +24,7 @@ from springpot.identification.known_factors import KnownFactors, interval_of, kn
 from springpot.identification.levels_alone import Alone, weighing_of
 from springpot.identification.native import Fit
 from springpot.identification.problem import Objective, default_objective
+from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -35,6 +34,7 @@ from springpot.rheology.levels import HELD, Levels, level_text
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift
 from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.writing import number
 
 from .laws import Direct, LawFit, after_steps, by_one_number, judged_laws, slower_when_hot, unit_of
 from .simplicity import Simplicity, simplicity
@@ -215,7 +215,7 @@ class MasterCurve:
         return html_of(self)
 
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
-        """The curve, the factors and what is left; see `springpot.drawing.draw`."""
+        """The curve, the factors and what is left; see `springpot.lazy.draw`."""
         return draw(self, path)
 
     def to_dict(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from springpot.errors import DataError, OptionError
-from springpot.inputs import toml_in
+from springpot.files import toml_in
 
 from .amounts import amount, between
 from .quantities import BY_NAME

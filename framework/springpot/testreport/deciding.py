@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.format_numbers import counted
+from springpot.writing import counted
 
 from .amounts import amount, between
 from .budget import BudgetLine, ErrorBudget, combined

@@ -12,7 +12,7 @@ from typing import IO
 
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text, write_with
-from springpot.measurement.csv_safe import csv_text
+from springpot.writing import csv_text
 
 SUFFIXES = (".xlsx", ".csv")
 _FORBIDDEN = re.compile(r"[\[\]:*?/\\\x00-\x1f]")

@@ -17,7 +17,7 @@ from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE, is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real

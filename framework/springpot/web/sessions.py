@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from springpot.constraints import parameters_of
 from springpot.errors import DataError
-from springpot.inputs import bytes_of, json_of
+from springpot.files import bytes_of, json_of
 from springpot.measurement.joining import FILE
 from springpot.measurement.joining import joined as together
 from springpot.measurement.measurement import Measurement

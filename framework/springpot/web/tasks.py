@@ -23,11 +23,10 @@ from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.meanwhile import Fitted, unseen
 from springpot.diagnosis.result import silent
-from springpot.errors import DataError, SpringpotError
-from springpot.inputs import bytes_of
+from springpot.errors import DataError, SpringpotError, blamed, described
+from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import OpenQuestion, Part
-from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
@@ -38,8 +37,8 @@ from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
-from springpot.suggestions import suggested
 from springpot.timetests.residuals_of_tests import units_of
+from springpot.writing import suggested
 
 from . import leaving
 from .sessions import (

@@ -11,12 +11,12 @@ import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
-from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.other_test import OtherTest
 from springpot.report.interactive.in_time import TimeScene, case_of
 from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.writing import csv_text
 
 from . import leaving
 from .sessions import State

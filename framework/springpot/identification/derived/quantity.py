@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from springpot.drawing import html_of, text_of
-from springpot.measurement.csv_safe import csv_text
+from springpot.lazy import html_of, text_of
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
     LENGTH_UNITS,
@@ -18,6 +17,7 @@ from springpot.measurement.units import (
     Units,
 )
 from springpot.plain_data import as_declared, jsonable
+from springpot.writing import csv_text
 
 from ..value import Value, values_of
 

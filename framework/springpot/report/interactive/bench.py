@@ -15,7 +15,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from springpot.markup import Html, tag
+from springpot.writing import Html, tag
 
 from ..text import to_json
 

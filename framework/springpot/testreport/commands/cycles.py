@@ -98,9 +98,9 @@ def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None
 
 def table_of(test: EvaluatedTest) -> TextTable:
     """Quantities down, the mean and the cycles across: as many numbers as can be read."""
-    from springpot.format_numbers import counted
     from springpot.report.text import TextTable, with_interval
     from springpot.testreport.quantities import BY_NAME
+    from springpot.writing import counted
 
     numbers = [cycle.number for cycle in test.cycles]
     headers = [
