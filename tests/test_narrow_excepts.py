@@ -153,7 +153,7 @@ BOUNDARIES = {
     "framework/springpot/benchmark/fork_server.py:of": (
         "what pickle says of a study that cannot be sent"
     ),
-    "framework/springpot/cli/faults.py:_exit_code": TOP,
+    "framework/springpot/cli/group.py:_exit_code": TOP,
     "framework/springpot/identification/runs.py:_supervised": OPTIMISER,
     "framework/springpot/loading.py:_read": STRANGER,
     "framework/springpot/loading.py:load": STRANGER,

@@ -14,8 +14,7 @@ from pathlib import Path
 import pytest
 
 from springpot import errors
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot.cli.group import exit_code, run
 from springpot.errors import ModelError, PluginError
 from springpot.processes import surroundings
 from springpot.registry import Registry, plugins

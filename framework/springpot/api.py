@@ -37,7 +37,7 @@ from springpot.identification.runs import Optimiser
 from springpot.identification.space import require_conditions
 from springpot.invention.inventing import invent as invent_objects
 from springpot.invention.result import Invention
-from springpot.measurement.joining import joined
+from springpot.measurement.conversion import joined
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import PROMISED, Test, sweep_of
 from springpot.measurement.other_test import OtherTest

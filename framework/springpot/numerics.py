@@ -7,10 +7,11 @@ added, compared or measured.
 from __future__ import annotations
 
 from math import log
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 ROUNDING = 1e-12
 """Share that sums and products of doubles leave: some thousand times their last digit, 2e-16."""
@@ -49,7 +50,7 @@ deviations: a chance of 5 %.
 """
 
 
-Real: TypeAlias = NDArray[np.float64]
+Real: TypeAlias = "NDArray[np.float64]"
 ROUNDS = 20
 """Changes of the active set for each column, before another algorithm takes over.
 
@@ -70,7 +71,9 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     >>> weights, left
     (array([3., 0.]), 16.0)
     """
-    from scipy.optimize import lsq_linear, nnls  # loading the plugins must not take its time
+    # Loading a command, or the plugins, must not take their time.
+    import numpy as np
+    from scipy.optimize import lsq_linear, nnls
 
     # Columns of one size: the active set is chosen by slopes, which depend on the units otherwise.
     size = np.linalg.norm(columns, axis=0)

@@ -283,7 +283,7 @@ def unguarded(cell: str) -> str:
 
     Examples
     --------
-    >>> from .csv_safe import guarded, unguarded
+    >>> from springpot.writing import guarded, unguarded
     >>> unguarded(guarded("=1+1"))
     '=1+1'
     """

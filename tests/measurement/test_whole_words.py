@@ -5,7 +5,7 @@ import pytest
 
 from springpot.errors import SpringpotError
 from springpot.measurement import Measurement, Units
-from springpot.measurement.joining import joined
+from springpot.measurement.conversion import joined
 from springpot.measurement.opening import _below_remarks, _files_like
 from springpot.measurement.reader import columns_of, temperature_offer, with_part
 from springpot.measurement.timenoise import relative_scatter

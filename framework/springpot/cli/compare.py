@@ -22,8 +22,7 @@ from .common import (
     window,
     with_rows,
 )
-from .onward import suggested
-from .waiting import Waiting
+from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.comparison.result import Comparison

@@ -23,8 +23,7 @@ from .common import (
     seed_option,
     window,
 )
-from .onward import kept_by
-from .waiting import Waiting
+from .hints import Waiting, kept_by
 
 if TYPE_CHECKING:
     from springpot.invention.result import Invention

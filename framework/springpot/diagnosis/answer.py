@@ -14,7 +14,7 @@ import numpy as np
 from springpot.identification.derived.quantity import Quantities
 from springpot.identification.value import PartResult, Value, in_floors
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.sign import turned
+from springpot.measurement.mixed_up import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
 from springpot.misfit.error import Error
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.continuum import Relaxation
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Relaxation
 from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import LARGEST_SHIFT, Real

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import (
     Chain,

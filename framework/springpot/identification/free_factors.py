@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift

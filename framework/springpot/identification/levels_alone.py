@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from springpot.distributions import LIKENESS, f_sf
 from springpot.measurement.independence import frequency_numbers
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Layer
+from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real

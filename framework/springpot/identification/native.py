@@ -15,7 +15,7 @@ import numpy as np
 from springpot.errors import DataError, OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.numerics import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.rheology.points import Real
 
 from ..numerics import ROUNDING, SMALLEST

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 from springpot.numerics import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL

@@ -21,7 +21,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
 from springpot.plain_data import as_declared, jsonable, number
-from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
+from springpot.rheology.elements import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL

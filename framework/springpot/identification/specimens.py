@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.measurement.joining import FILE
+from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE

@@ -48,6 +48,16 @@ if TYPE_CHECKING:
     )
 
     from . import geometry as geometry
+    from .conversion import (
+        as_modulus as as_modulus,
+    )
+    from .conversion import (
+        as_stiffness as as_stiffness,
+    )
+    from .conversion import joined as joined
+    from .conversion import (
+        through as through,
+    )
     from .followed import Record as Record
     from .from_signals import measurement_from_signals as measurement_from_signals
     from .geometry import parse_geometry as parse_geometry
@@ -61,16 +71,6 @@ if TYPE_CHECKING:
     from .independence import (
         steadied as steadied,
     )
-    from .interface import (
-        as_modulus as as_modulus,
-    )
-    from .interface import (
-        as_stiffness as as_stiffness,
-    )
-    from .interface import (
-        through as through,
-    )
-    from .joining import joined as joined
     from .measurement import Measurement as Measurement
     from .measurement import misspelt as misspelt
     from .mixed_tests import (
@@ -194,8 +194,7 @@ __getattr__, __dir__ = offered(
         "geometry": "geometry parse_geometry",
         "imposed": "Loading",
         "independence": "independent spread_of steadied",
-        "interface": "as_modulus as_stiffness through",
-        "joining": "joined",
+        "conversion": "as_modulus as_stiffness joined through",
         "measurement": "Measurement misspelt",
         "mixed_tests": "settings_of sweeps_of tests_together",
         "opening": (

@@ -23,8 +23,8 @@ from springpot.identification.material import is_material
 from springpot.identification.material_fit import least_error
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
+from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real

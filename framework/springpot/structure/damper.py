@@ -14,8 +14,7 @@ from springpot.identification.prediction import Known
 from springpot.measurement.covered import Covered
 from springpot.measurement.units import AMPLITUDE_UNITS, STIFFNESS_UNITS, Units
 from springpot.rheology.effect import Effect, Layer
-from springpot.rheology.history import sorted_out
-from springpot.rheology.model import Model
+from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import FULL
 from springpot.rheology.points import HALF_PI, KELVIN, ROOM, Complex, Points, Real

@@ -28,8 +28,8 @@ from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.continuum import Compliance, Continuum
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Compliance, Continuum
 from springpot.rheology.levels import HELD, Levels, level_text
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift

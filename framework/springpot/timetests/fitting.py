@@ -23,9 +23,8 @@ from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.space import box_of
-from springpot.rheology.continuum import Continuum
-from springpot.rheology.history import sorted_out
-from springpot.rheology.model import Model
+from springpot.rheology.elements import Continuum
+from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST

@@ -18,7 +18,7 @@ from springpot.identification.material import PER_DECADE, is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
 from springpot.numerics import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 

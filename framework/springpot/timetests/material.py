@@ -20,7 +20,7 @@ from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE
 from springpot.numerics import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 

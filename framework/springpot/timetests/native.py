@@ -20,7 +20,7 @@ from springpot.identification.result import Identification
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
-from springpot.measurement.strays import said_of_strays
+from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real

@@ -22,8 +22,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.strays import strays
-from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter
+from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,

@@ -20,8 +20,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect, acting, on_loading, on_response
-from springpot.rheology.history import network_of, sorted_out
-from springpot.rheology.model import Model
+from springpot.rheology.model import Model, network_of, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology.continuum import Continuum, Relaxation
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Continuum, Relaxation
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, GRADIENT, VALUE, Chain, Node, Response, Shift
 from springpot.rheology.points import ROOM, Points, Real

@@ -18,8 +18,8 @@ from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verd
 from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.result import Identification
 from springpot.identification.value import AGREE, PartResult, Value
-from springpot.measurement.sign import said_of_sign, turned
-from springpot.measurement.strays import said_of_strays
+from springpot.measurement.mixed_up import said_of_sign, turned
+from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
 from springpot.misfit.told_apart import told_apart
