@@ -7,9 +7,9 @@ import numpy as np
 from springpot.comparison.comparing import compare
 from springpot.comparison.result import ONLY_NOISE
 from springpot.errors import DataError
+from springpot.identification.population import Specimens
 from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
-from springpot.identification.specimens import Specimens
 from springpot.misfit.floor import FEWEST_ABOUT_MODEL
 from springpot.misfit.material import lowest_error
 from springpot.timetests.comparing import judgement_of

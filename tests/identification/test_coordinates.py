@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.identification.coordinates import WIDEST, Coordinates
+from springpot.identification.space import WIDEST, Coordinates
 from springpot.identification.value import LOST, Value
 from springpot.rheology import PURE, STIFFNESS, VISCOSITY, Parameter, springpot
 

@@ -37,12 +37,12 @@ HARMLESS = {
         "1.0",
     ): "evidence that nobody asks of any material",
     (
-        "identification/derived/from_data.py",
+        "identification/measured_quantities.py",
         "while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):",
         "2e-06",
     ): "a tolerance",
     (
-        "identification/derived/from_model.py",
+        "identification/fitted_quantities.py",
         "x = self.band[1] - 0.1 * DECADE * np.arange(10.0 * FARTHEST)",
         "0.2",
     ): "how finely a place is looked for",
@@ -52,7 +52,7 @@ HARMLESS = {
         "search.alarm >= VERDICT.accepted",
     ): "a chance that is a level to the last bit",
     (
-        "identification/simulated.py",
+        "identification/intervals.py",
         "first, width, iterations = first + width, width + (first > 0), 2 * iterations",
         "1",
     ): "how many starts are tried at once",

@@ -11,8 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.derived.quantity import Quantities
-from springpot.identification.value import PartResult, Value, in_floors
+from springpot.identification.value import PartResult, Quantities, Value, in_floors
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind

@@ -19,7 +19,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.allowed_shifts import refused_laws
+from springpot.identification.known_factors import refused_laws
 from springpot.identification.material import is_material
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.frame import NoiseFrame

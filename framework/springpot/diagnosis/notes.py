@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.identification.allowed_shifts import refused_in_words
+from springpot.identification.known_factors import refused_in_words
 from springpot.identification.value import Value
 from springpot.measurement.independence import at_one_frequency, moved_along
 from springpot.measurement.measurement import Measurement

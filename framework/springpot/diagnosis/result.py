@@ -8,8 +8,7 @@ from math import inf, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from springpot.identification.derived.quantity import Quantities
-from springpot.identification.value import PartResult, Value, parts_of, values_of
+from springpot.identification.value import PartResult, Quantities, Value, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where

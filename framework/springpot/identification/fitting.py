@@ -24,16 +24,15 @@ from springpot.rheology.points import Real
 from ..numerics import NEGLIGIBLE
 from .free_factors import superposed_fit
 from .held_material import intervals_beside_material
+from .intervals import bootstrap, over_specimens, profiled
 from .levels_alone import shifted_by, usual_objective
 from .material import is_material
 from .native import Fit, fit, require_enough
 from .notes import notes_on
 from .problem import Objective, Problem, Searched
-from .profiles import profiled
 from .result import Identification
 from .robust import TUNED, robust_fit
 from .runs import Optimiser, Run, contradiction, run
-from .simulated import bootstrap, over_specimens
 from .space import require_conditions, require_size
 from .uncertainty import Uncertainty
 

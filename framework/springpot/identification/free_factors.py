@@ -20,11 +20,11 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, INTERVAL
 
 from ..numerics import ALIKE, ROUNDING
-from .expected_factors import Expected, expectation
 from .levels_alone import alike, meeting, ranges, reached_from, shifted_by
 from .material import is_material
 from .native import Fit, fit
 from .problem import Objective, weighted
+from .space import Expected, expectation
 
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""

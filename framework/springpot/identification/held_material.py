@@ -24,14 +24,13 @@ from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import PRINTED, ROUNDING, SMALLEST
-from .allowed_shifts import laws_of_shift, refused_laws
 from .bordered import RANK
-from .known_factors import ends_of_factors
+from .intervals import allowed_cost
+from .known_factors import ends_of_factors, laws_of_shift, refused_laws
 from .levels_alone import alike
 from .material import SpectrumSearch, is_material, own_parameters
 from .native import Fit
 from .problem import weighted
-from .profiles import allowed_cost
 from .uncertainty import Uncertainty
 
 

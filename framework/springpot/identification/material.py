@@ -19,16 +19,21 @@ import numpy as np
 
 from springpot.measurement.measurement import Measurement
 from springpot.numerics import non_negative
-from springpot.rheology.elements import Continuum
+from springpot.rheology.elements import (
+    Continuum,
+    Probe,
+    Tabulated,
+    asked_as_measured,
+    linear_in_material,
+)
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
-from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
-from .coordinates import Coordinates
+from .leastsquares import Solving, Trial, Way
 from .problem import BLOCK, Objective, numbers_of, weighted
-from .trials import Solving, Trial, Way
+from .space import Coordinates
 
 PER_DECADE = 3
 """Lines a decade of the first lattice.

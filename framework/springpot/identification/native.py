@@ -23,15 +23,13 @@ from springpot.writing import counted
 
 from ..numerics import ALIKE, NEGLIGIBLE
 from .bordered import LevelSlopes
-from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
 from .material import STILL, SpectrumSearch, is_material, own_parameters
-from .material_fit import fit_spectrum, superposed
+from .material_fit import fit_spectrum, followed_by_places, superposed
 from .normal import Layout
-from .places import followed_by_places
 from .problem import Objective, Problem, default_objective, numbers_of, weighted
 from .recorder import Recorder
-from .space import require_conditions, require_size
+from .space import Expected, require_conditions, require_size
 from .starts import shape_count
 from .task import FLAT_SHAPES, Task
 

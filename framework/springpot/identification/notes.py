@@ -15,11 +15,11 @@ from springpot.thresholds import INTERVAL
 from springpot.writing import NAMED
 
 from ..numerics import NEGLIGIBLE, ROUNDING
-from .allowed_shifts import refused_in_words
 from .bordered import Bordered, variance_of
 from .kept import note_on_levels, words_in
+from .known_factors import refused_in_words
 from .native import Fit
-from .specimens import FEWEST, told
+from .population import FEWEST, told
 from .uncertainty import Uncertainty, printed_covariance
 from .value import LOST
 

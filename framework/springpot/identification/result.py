@@ -28,8 +28,7 @@ from springpot.thresholds import INTERVAL
 
 from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
-from .derived.of_fit import in_short
-from .derived.quantity import Quantities
+from .fitted_quantities import in_short
 from .kept import (
     bounds_of,
     coordinates_of,
@@ -45,11 +44,10 @@ from .native import Fit
 from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
-from .published import search_parameters
 from .regularisation import SmoothSpectrum, regularised
 from .robust import kept_of, objective_again
-from .uncertainty import Uncertainty, slopes_of, tied_values
-from .value import PartResult, Value, all_parameters, parts_of, spare
+from .uncertainty import Uncertainty, search_parameters, slopes_of, tied_values
+from .value import PartResult, Quantities, Value, all_parameters, parts_of, spare
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -289,7 +287,7 @@ class Identification(Known):
     def identifiable(self) -> dict[str, str]:
         """By parameter ``identifiable``, ``practically not`` or ``not at all``, by its profile.
 
-        Of other intervals nothing is told; see `springpot.identification.profiles.Path.profile`.
+        Of other intervals nothing is told; see `springpot.identification.intervals.Path.profile`.
         """
         return dict(zip(self.model.names, self.verdicts, strict=False))
 

@@ -27,7 +27,7 @@ from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import SMALLEST
-from .coordinates import Coordinates
+from .space import Coordinates
 
 LEAST_GAIN = 1e-7
 """Smallest share of the data that a branch is given; a logarithm cannot start at zero."""

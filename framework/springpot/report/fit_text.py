@@ -8,9 +8,9 @@ from dataclasses import replace
 from io import StringIO
 from math import hypot, isfinite, log, nan
 
+from springpot.identification.intervals import IDENTIFIABLE
 from springpot.identification.kept import note_on_levels
 from springpot.identification.population import specimens_of
-from springpot.identification.profiles import IDENTIFIABLE
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of

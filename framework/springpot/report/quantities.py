@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from springpot.identification.derived.quantity import Quantities, Quantity
+from springpot.identification.value import Quantities, Quantity
 
 from .text import Listing, Passage, Prose, TextTable, shown
 

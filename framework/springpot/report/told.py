@@ -8,8 +8,8 @@ from typing import Any
 from springpot.comparison.result import Comparison, Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
-from springpot.identification.derived.quantity import Quantities
 from springpot.identification.result import Identification
+from springpot.identification.value import Quantities
 from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
 

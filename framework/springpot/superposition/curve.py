@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.identification.allowed_shifts import Allowed, allowed_shifts
 from springpot.identification.free_factors import (
     FactorRows,
     Factors,
@@ -20,7 +19,13 @@ from springpot.identification.free_factors import (
     superposed_fit,
     told_by_data,
 )
-from springpot.identification.known_factors import KnownFactors, interval_of, known_factors
+from springpot.identification.known_factors import (
+    Allowed,
+    KnownFactors,
+    allowed_shifts,
+    interval_of,
+    known_factors,
+)
 from springpot.identification.levels_alone import Alone, weighing_of
 from springpot.identification.native import Fit
 from springpot.identification.problem import Objective, default_objective

@@ -14,9 +14,9 @@ from scipy.optimize import least_squares
 
 from springpot.distributions import chi2_sf, normal_sf, student
 from springpot.errors import DataError, OptionError
-from springpot.identification.allowed_shifts import Allowed
 from springpot.identification.free_factors import Factors, superposed_fit
 from springpot.identification.held_material import intervals_beside_material
+from springpot.identification.known_factors import Allowed
 from springpot.identification.problem import Objective
 from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.measurement import Measurement

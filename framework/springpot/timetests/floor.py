@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE, is_material
 from springpot.identification.result import Identification
+from springpot.identification.space import Coordinates
 from springpot.misfit.material import any_material, is_of_material
 from springpot.numerics import non_negative
 from springpot.rheology.elements import Continuum

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE
+from springpot.identification.space import Coordinates
 from springpot.numerics import non_negative
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model

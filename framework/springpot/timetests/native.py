@@ -12,11 +12,11 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
+from springpot.identification.space import Coordinates
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered

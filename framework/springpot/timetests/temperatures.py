@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification.around_material import Probe
 from springpot.identification.material import WIDEST
 from springpot.identification.material_fit import fit_spectrum
 from springpot.identification.problem import relative_objective
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import Effect
+from springpot.rheology.elements import Probe
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
 from springpot.superposition.laws import SHOWN, after_steps, by_one_number
