@@ -47,7 +47,6 @@ FLOORS = {
     "comparison": 9,
     "invention": 9,
     "testing": 11,
-    "judgement": 11,
     "api": 12,
     "loading": 10,
     "report": 13,

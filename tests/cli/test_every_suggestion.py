@@ -206,15 +206,13 @@ SCENARIOS = {
     "cli/timetests.py:_show_diagnosis": printing(
         "cli/timetests.py:_show_diagnosis", IN_TIME, [], ["step.csv"], "maxwell", False
     ),
-    "diagnosis/actions.py:accepting": of_call(
-        "diagnosis/actions.py:accepting", "inertia", True, 0.1
+    "diagnosis/result.py:accepting": of_call("diagnosis/result.py:accepting", "inertia", True, 0.1),
+    "diagnosis/result.py:leaving_out": of_call("diagnosis/result.py:leaving_out", 3, 0.1),
+    "diagnosis/result.py:leaving_out_the_beginning": of_call(
+        "diagnosis/result.py:leaving_out_the_beginning", 0.3
     ),
-    "diagnosis/actions.py:leaving_out": of_call("diagnosis/actions.py:leaving_out", 3, 0.1),
-    "diagnosis/actions.py:leaving_out_the_beginning": of_call(
-        "diagnosis/actions.py:leaving_out_the_beginning", 0.3
-    ),
-    "diagnosis/actions.py:splitting": of_call("diagnosis/actions.py:splitting", "temperature", 0.1),
-    "diagnosis/actions.py:turning": of_call("diagnosis/actions.py:turning", "sweep.csv"),
+    "diagnosis/result.py:splitting": of_call("diagnosis/result.py:splitting", "temperature", 0.1),
+    "diagnosis/result.py:turning": of_call("diagnosis/result.py:turning", "sweep.csv"),
     "diagnosis/notes.py:_by_column": by_column,
     "identification/prediction.py:require_known": unknown_condition,
     "loading.py:no_fit": of_call("loading.py:no_fit", "sweep.csv"),

@@ -47,7 +47,7 @@ HARMLESS = {
         "0.2",
     ): "how finely a place is looked for",
     (
-        "diagnosis/sets.py",
+        "diagnosis/discovery.py",
         "if not search.grown or search.alarm > VERDICT.accepted:",
         "search.alarm >= VERDICT.accepted",
     ): "a chance that is a level to the last bit",

@@ -134,7 +134,7 @@ def _text(
     model: str | None,
 ) -> None:
     """The answer, and the command that goes on from it."""
-    from springpot.diagnosis.actions import of_data
+    from springpot.diagnosis.result import of_data
     from springpot.measurement.mixed_up import turned
     from springpot.report.told import told
 

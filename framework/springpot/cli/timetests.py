@@ -162,7 +162,7 @@ def _show_diagnosis(
     model: str | None,
     verbose: bool,
 ) -> None:
-    from springpot.diagnosis.actions import of_data
+    from springpot.diagnosis.result import of_data
     from springpot.report.told import told
 
     judged = with_model(model)

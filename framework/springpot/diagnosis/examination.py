@@ -41,12 +41,11 @@ from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from springpot.writing import counted
 
 from .answer import answer, course_instead
-from .case import Case
 from .evidence import Evidence
 from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
-from .meanwhile import Fitted, unseen
-from .result import Diagnosis, Progress, silent
+from .ladder import Case
+from .result import Diagnosis, Fitted, Progress, silent, unseen
 from .search import search_from
 from .verdict import facts_of, rule_for
 

@@ -18,6 +18,7 @@ from springpot.measurement.mixed_up import said_of_sign
 from springpot.measurement.replicates import Averaged
 from springpot.measurement.units import PRESSURE_UNITS
 from springpot.misfit.drift_search import Course, moves_with_frequency
+from springpot.misfit.error import percent, plain, times
 from springpot.misfit.floor import is_arithmetic, scatter_about
 from springpot.misfit.material import (
     NAME,
@@ -28,9 +29,8 @@ from springpot.misfit.material import (
 )
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import validation
-from springpot.misfit.residual_battery import Finding
 from springpot.misfit.residual_causes import Column, EqualRows, discrepancy, log_shift_of
-from springpot.misfit.words import percent, plain, times
+from springpot.misfit.residual_tests import Finding
 from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import Complex, Real

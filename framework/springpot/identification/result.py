@@ -20,7 +20,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
-from springpot.plain_data import as_declared, jsonable, number
+from springpot.plain_data import as_declared, json_number, jsonable
 from springpot.rheology.elements import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -88,7 +88,7 @@ class Standing:
         row = answer.get("error")
         standing = None
         if row is not None:
-            floors = [number(row[name]) for name in ("noise_floor", "material_floor")]
+            floors = [json_number(row[name]) for name in ("noise_floor", "material_floor")]
             source, says = row["noise_source"], row["says"]
             standing = as_declared(cls(floors[0], source, floors[1], row["good_enough"], says))
         return lambda fit: standing
@@ -550,7 +550,7 @@ class Identification(Known):
             spread=covariance,
             units=units,
             reference=float(kept["reference"]),
-            misfit=number(answer["relative_rms"]),
+            misfit=json_number(answer["relative_rms"]),
             dof=spare(tests, theta),
             covered=Covered.read(answer["measured"]),
             words=kept.get("words", {}),

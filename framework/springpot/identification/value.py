@@ -17,7 +17,7 @@ from springpot.measurement.units import (
     STRAIN_UNITS,
     Units,
 )
-from springpot.plain_data import as_declared, jsonable, number, some
+from springpot.plain_data import as_declared, json_number, jsonable, some
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
@@ -92,7 +92,7 @@ class Value:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Value:
         """What `to_dict` gave."""
-        low, high = number(row["low"], -inf), number(row["high"], inf)
+        low, high = json_number(row["low"], -inf), json_number(row["high"], inf)
         fixed, tied = bool(row.get("fixed")), str(row.get("tied", ""))
         return cls(float(row["value"]), low, high, row["unit"], fixed, tied)
 
@@ -220,7 +220,7 @@ class PartResult:
         """What `to_dict` gave."""
         named = {each.name: row[each.name] for each in fields(cls)}
         for name in ("relative_rms", "noise_floor", "over_floor", "over_floor_alone"):
-            named[name] = number(named[name])
+            named[name] = json_number(named[name])
         return cls(**named)
 
 

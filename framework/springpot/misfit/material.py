@@ -32,11 +32,10 @@ from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
 from springpot.writing import NAMED, number
 
 from ..numerics import SMALLEST
-from .error import Error
+from .error import Error, percent, times, with_unit
 from .refit import Refit, refit
-from .residual_battery import Battery, battery
+from .residual_tests import Battery, battery
 from .where import where
-from .words import percent, times, with_unit
 
 POINTS_OF_EACH = 6
 """Points of a level from which a free spectrum can fail at it."""

@@ -17,9 +17,8 @@ from springpot.errors import ModelError
 from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
-from springpot.misfit.error import Error
-from springpot.misfit.residual_battery import Finding
-from springpot.misfit.words import over_floor, plain
+from springpot.misfit.error import Error, over_floor, plain
+from springpot.misfit.residual_tests import Finding
 from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real

@@ -9,8 +9,7 @@ from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
-from springpot.diagnosis.case import Case
-from springpot.diagnosis.ladder import Ladder, Step
+from springpot.diagnosis.ladder import Case, Ladder, Step
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text

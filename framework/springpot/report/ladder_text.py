@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.comparison.result import Judgement, Ranking
-from springpot.diagnosis.case import Case
-from springpot.diagnosis.ladder import Ladder, Step
+from springpot.diagnosis.ladder import Case, Ladder, Step
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.words import over_floor, plain
+from springpot.misfit.error import over_floor, plain
 from springpot.writing import LISTED, listed, number
 
 from ..numerics import NEGLIGIBLE

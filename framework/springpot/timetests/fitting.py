@@ -43,7 +43,7 @@ from .residuals_of_tests import (
 )
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
-from .together import is_material_alone
+from .temperatures import is_material_alone
 from .where import rms
 
 FASTEST = 10.0

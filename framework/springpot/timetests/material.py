@@ -28,8 +28,7 @@ from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, SMALLEST, TWO_DEV
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
-from .temperatures import is_law, lawful, seen_by
-from .together import Together
+from .temperatures import Together, is_law, lawful, seen_by
 from .where import rms
 
 STILL = 1e-7

@@ -37,9 +37,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
-from .digits import digit_of, roundings
 from .recording import recorded, spread
-from .scatter import FEWEST, ResidualScatter, scatter_of, scatter_of_sweep
+from .scatter import FEWEST, ResidualScatter, digit_of, roundings, scatter_of, scatter_of_sweep
 from .start import apparent
 from .where import places, places_in_sweep, rms
 

@@ -21,8 +21,7 @@ from typing import Any
 
 from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.meanwhile import Fitted, unseen
-from springpot.diagnosis.result import silent
+from springpot.diagnosis.result import Fitted, silent, unseen
 from springpot.errors import DataError, SpringpotError, blamed, described
 from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement

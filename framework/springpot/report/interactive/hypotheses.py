@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.diagnosis.case import Case
+from springpot.diagnosis.ladder import Case
 from springpot.errors import SpringpotError
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import refit
