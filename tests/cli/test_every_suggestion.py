@@ -246,7 +246,7 @@ def shown(monkeypatch):
         command = suggested(*words)
         frame = inspect.currentframe().f_back
         # What adds the options of the command that runs is not what suggests.
-        while frame.f_code.co_name.startswith("<") or "onward" in frame.f_code.co_filename:
+        while frame.f_code.co_name.startswith("<") or "hints" in frame.f_code.co_filename:
             frame = frame.f_back
         place = Path(frame.f_code.co_filename).relative_to(ROOT).as_posix()
         made.append((f"{place}:{frame.f_code.co_name}", command))

@@ -188,9 +188,9 @@ def test_a_step_that_lowers_the_cost_is_taken_and_the_damping_eased(cost, dampin
 def test_a_damped_step_goes_by_slopes_of_one_size():
     slopes = np.array([[2.0, 0.0], [0.0, 0.1]])
     residual = np.array([0.3, 0.004])
-    step = leastsquares._step(residual, slopes, 0.5)
+    step = leastsquares._damped_step(residual, slopes, 0.5)
     np.testing.assert_allclose(step, [0.3 / 2.0 / 1.5, 0.004 / 0.1 / 1.5])
-    far = leastsquares._step(1e6 * residual, slopes, 0.5)
+    far = leastsquares._damped_step(1e6 * residual, slopes, 0.5)
     np.testing.assert_array_equal(far, leastsquares.REACH)
 
 

@@ -147,12 +147,12 @@ HARMLESS = {
         "largest <= best.error",
     ): "errors that are equal to the last bit",
     (
-        "structure/beside.py",
+        "structure/damper.py",
         "now, here, fast = np.zeros(1), np.array([way]), np.array([speed])",
         "2",
     ): "a moment that is asked twice",
     (
-        "structure/beside.py",
+        "structure/damper.py",
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from chromium import CHROMIUM
-from springpot.report.style import STYLE
+from springpot.report.page import STYLE
 from springpot.writing import Html, tag
 
 MEASURE = """

@@ -123,7 +123,7 @@ def test_a_parameter_is_held_within_its_range_only(value):
 
 def test_a_slider_moved_step_by_step_is_one_that_is_moved_along(rng):
     way = np.append(0.0, np.cumsum(rng.normal(size=60)))
-    along, _ = nonlinear.jenkins(np.arange(61.0), way, np.zeros(61), 3.0, 2.0)
+    along, _ = nonlinear.jenkins_law(np.arange(61.0), way, np.zeros(61), 3.0, 2.0)
     force, steps = 0.0, [0.0]
     for each in np.diff(way):
         force = nonlinear.jenkins_step(force, each, 3.0, 2.0)

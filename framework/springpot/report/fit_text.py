@@ -17,10 +17,9 @@ from springpot.rheology.drawing import drawing_of
 from springpot.writing import counted, number
 
 from ..numerics import NEGLIGIBLE
-from .answers import reference_note
+from .answers import quantities_passages, reference_note
 from .figures import beside_floors, in_words
 from .population import population_passages
-from .quantities import quantities_passages
 from .text import (
     OPEN,
     Listing,

@@ -25,6 +25,7 @@ from .answers import (
     not_shown,
     physics,
     places_failed,
+    quantities_passages,
     ranking,
     reference_note,
     times,
@@ -33,12 +34,11 @@ from .answers import (
 from .canvas import require_matplotlib
 from .fit_text import parameters_table
 from .interactive.answers import drawn, rungs
-from .interactive.bench import PageParts, bench_of
 from .interactive.in_time import TimeScene, drawn_in_time
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
 from .network import network_svg
-from .quantities import quantities_passages
+from .page import PageParts, bench_of, page
 from .residuals import (
     data_and_model,
     framed,
@@ -49,7 +49,6 @@ from .residuals import (
     set_aside,
     with_noise_of,
 )
-from .style import page
 from .text import percent, told_range
 from .timetests import figure_tests, fits_in_time
 from .views import DrawnFit, Scene

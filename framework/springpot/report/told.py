@@ -13,12 +13,11 @@ from springpot.identification.value import Quantities
 from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
 
-from .answers import comparison_document, diagnosis_document
+from .answers import comparison_document, diagnosis_document, quantities_document
 from .fit_text import fit_document
 from .invention import invention_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
-from .quantities import quantities_document
 from .text import Passage, Prose, as_html, as_text
 
 USUAL = 120

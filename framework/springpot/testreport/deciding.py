@@ -11,9 +11,8 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.writing import counted
 
-from .amounts import amount, between
 from .budget import BudgetLine, ErrorBudget, combined
-from .code import PropertyFactor, RequiredTest, Requirement, TestCode, matches
+from .code import PropertyFactor, RequiredTest, Requirement, TestCode, amount, between, matches
 from .summary import EvaluatedTest
 
 CONFORMING, UNDECIDED, FAILING = "conforming", "undecided", "not conforming"

@@ -54,7 +54,6 @@ from .sessions import (
 )
 from .specimen import Opened, Specimen, safe_name, tests_in
 from .studies import report_of, studies, study
-from .testing import leave_in_time, understood_in_time
 from .trying import (
     Told,
     bound,
@@ -70,7 +69,7 @@ from .trying import (
     tried,
     with_law,
 )
-from .understanding import understood_sweeps
+from .understanding import leave_in_time, understood_in_time, understood_sweeps
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"

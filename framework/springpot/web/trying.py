@@ -27,8 +27,7 @@ from springpot.measurement.units import Units
 from springpot.misfit.error import percent
 from springpot.misfit.refit import Refit
 from springpot.registry import parse_model
-from springpot.report.interactive.answers import drawn_at_once, preview
-from springpot.report.interactive.hypotheses import Preview
+from springpot.report.interactive.answers import Preview, drawn_at_once, preview
 from springpot.report.interactive.in_time import (
     TimeScene,
     drawn_effect,

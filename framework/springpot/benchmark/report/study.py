@@ -15,7 +15,7 @@ from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, 
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.files import write_text
-from springpot.report.style import page
+from springpot.report.page import page
 from springpot.report.tables import Table, text
 from springpot.report.text import seconds
 from springpot.writing import NAMED, Html, counted, joined, number, table, tag, wide, wide_table
