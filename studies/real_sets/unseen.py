@@ -84,10 +84,14 @@ FILES = (
         ("changes with time", "ageing"),
         "read-rheol: an ageing gel",
     ),
-    Unseen("tts_plazek.csv", COMPLETE, "mastercurves: ten temperatures"),
+    Unseen(
+        "tts_plazek.csv?X=time[s],Y=compliance[1/Pa]",
+        ("of another temperature", "wlf-shift", "free-shift"),
+        "mastercurves: ten temperatures, which the file does not tell",
+    ),
     Unseen(
         "230327_C_Indentation_relaxation_500N_force.xlsx",
-        ("specimens differ", "specimen by specimen"),
+        ("age or specimen", "specimen by specimen"),
         "Zwick: 17 specimens of different stiffness",
     ),
     Unseen(

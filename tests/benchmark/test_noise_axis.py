@@ -138,14 +138,14 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     shop, audit = Workshop(plan), Audit(plan)
     covered = []
     for r in range(60):
-        [result] = audit(WorkOrder(0, (r,)), shop.run(WorkOrder(0, (r,))))
+        [result] = audit(WorkOrder(0, (r,)), shop.run([WorkOrder(0, (r,))])[0])
         covered.append(result.covered)
     assert 0.9 <= np.mean(covered) <= 0.99
 
 
 def test_a_worker_that_tells_of_other_data_is_found_out():
     plan = noisy_study(noise=[0.01], optimisers=["native"]).plan()
-    [result] = Workshop(plan).run(WorkOrder(0, (1,)))
+    [[result]] = Workshop(plan).run([WorkOrder(0, (1,))])
     [told] = Audit(plan)(WorkOrder(0, (1,)), [replace(result, reference=1.0)])
     assert (told.status, told.reason) == (
         Status.CHANGED,

@@ -266,10 +266,10 @@ def test_a_bell_rings_once():
 def test_what_an_optimiser_raises_is_a_status(monkeypatch, mood, status, reason):
     # Other tests may have left processes to this one.
     monkeypatch.setattr(fork_server, "end_children", lambda: 0)
-    [found] = shop(mood).run(WorkOrder(0, (2,)))
+    [[found]] = shop(mood).run([WorkOrder(0, (2,))])
     assert (found.status, found.reason, found.repetition) == (status, reason, 2)
-    results, worn = fork_server._result(shop(mood), WorkOrder(0, (2,)), lambda: None)
-    assert ([(each.status, each.reason) for each in results], worn) == ([(status, reason)], False)
+    [own], worn = fork_server._results(shop(mood), [WorkOrder(0, (2,))], lambda: None)
+    assert ([(each.status, each.reason) for each in own], worn) == ([(status, reason)], False)
 
 
 def test_an_optimiser_that_changes_the_problem_is_told():
@@ -278,25 +278,28 @@ def test_an_optimiser_that_changes_the_problem_is_told():
     data = bench.problem.measurement.stiffness
     data.setflags(write=True)
     data *= 1.001
-    [found] = made.run(WorkOrder(0, (0,)))
-    assert found.status is Status.CHANGED
+    found = made.run([WorkOrder(0, (0,)), WorkOrder(0, (1,))])
+    assert [(own.status, own.repetition) for [own] in found] == [
+        (Status.CHANGED, 0),
+        (Status.CHANGED, 1),
+    ]
 
 
 def test_a_fault_of_the_worker_itself_wears_it(monkeypatch):
     made = shop()
-    monkeypatch.setattr(made, "run", lambda task: 1 / 0)
-    results, worn = fork_server._result(made, WorkOrder(0, (0, 1)), lambda: None)
+    monkeypatch.setattr(made, "run", lambda tasks: 1 / 0)
+    [own], worn = fork_server._results(made, [WorkOrder(0, (0, 1))], lambda: None)
     assert worn
-    assert [each.reason for each in results] == ["ZeroDivisionError: division by zero"] * 2
+    assert [each.reason for each in own] == ["ZeroDivisionError: division by zero"] * 2
     for left, words in ((1, "left 1 process behind"), (2, "left 2 processes behind")):
         monkeypatch.setattr(fork_server, "end_children", lambda left=left: left)
-        results, worn = fork_server._result(shop(), WorkOrder(0, (0,)), lambda: None)
-        assert (results[0].status, results[0].reason, worn) == (Status.ERROR, words, False)
+        [[own]], worn = fork_server._results(shop(), [WorkOrder(0, (0,))], lambda: None)
+        assert (own.status, own.reason, worn) == (Status.ERROR, words, True)
     monkeypatch.setattr(fork_server, "end_children", lambda: 0)
     for status in (Status.MEMORY, Status.CHANGED):
         made = shop()
-        monkeypatch.setattr(made, "run", lambda task, s=status: [TrialResult(0, 0, s)])
-        assert fork_server._result(made, WorkOrder(0, (0,)), lambda: None)[1]
+        monkeypatch.setattr(made, "run", lambda tasks, s=status: [[TrialResult(0, 0, s)]])
+        assert fork_server._results(made, [WorkOrder(0, (0,))], lambda: None)[1]
 
 
 def test_a_parcel_lets_workers_find_what_the_program_defines(monkeypatch):

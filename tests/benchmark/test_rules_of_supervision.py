@@ -90,7 +90,7 @@ def engine(monkeypatch):
 def worker(engine, *tasks, entrant=0, since=NOW, begun=True, words=()):
     number = next(engine._numbers)
     engine._workers[number] = Worker(number, entrant, Line(*words), since=since, begun=begun)
-    engine._workers[number].tasks.extend(tasks)
+    engine._workers[number].batches.extend([task] for task in tasks)
     return engine._workers[number]
 
 
@@ -102,26 +102,34 @@ def result(cell=0, status=Status.BUDGET):
     ("mean", "running", "given"),
     [
         (0.0, 0, 1),
-        (0.02, 0, 1),
-        (0.019, 0, 1),
-        (0.01, 0, 2),
-        (0.0066, 0, 3),
-        (0.0066, 1, 2),
-        (0.0066, 2, 0),
+        (0.03, 0, 1),
+        (0.03, 1, 0),
+        (0.016, 0, 1),
+        (0.015, 0, 2),
+        (0.0099, 0, 3),
+        (0.0099, 1, 3),
+        (0.0099, 2, 0),
         (0.0001, 0, 32),
-        (0.0001, 16, 16),
-        (0.0001, 17, 0),
         (5.0, 0, 1),
         (5.0, 1, 0),
     ],
 )
-def test_quick_trials_are_handed_out_by_many_and_refilled_at_half(engine, mean, running, given):
+def test_quick_trials_are_handed_out_by_many_and_one_batch_ahead(engine, mean, running, given):
     busy = worker(engine, *[order(0)] * running)
     engine._means[0] = mean
     engine._backlog = Backlog(engine._plan, [order(0, i) for i in range(100)])
     engine._fill(busy)
     assert sum(map(len, busy.connection.sent)) == given
-    assert len(busy.tasks) == running + given
+    assert sum(map(len, busy.batches)) == running + given
+
+
+def test_a_batch_has_the_time_of_one_trial_and_none_is_made_of_who_failed_in_one(engine):
+    engine._means[0] = 0.001
+    assert engine._depth(0) == 30
+    engine._plan.deadline = 0.04
+    assert engine._depth(0) == 10
+    engine._singly.add(0)
+    assert engine._depth(0) == 1
 
 
 def test_a_worker_without_work_ends_where_another_s_comes_next(engine):
@@ -140,7 +148,7 @@ def test_as_many_are_hired_as_there_are_places_and_tasks(engine):
     engine._backlog = Backlog(engine._plan, tasks)
     assert engine._staff()
     assert engine._nursery.forked == [1, 2]
-    assert [each.tasks[0] for each in engine._workers.values()] == tasks[:2]
+    assert [each.batches[0] for each in engine._workers.values()] == [tasks[:1], tasks[1:2]]
     engine._nursery.ready = False
     engine._workers.clear()
     assert engine._staff()
@@ -156,11 +164,11 @@ def test_a_suspect_runs_alone(engine):
     busy = worker(engine, order(0))
     assert engine._staff()
     assert engine._nursery.forked == []
-    busy.tasks.clear()
+    busy.batches.clear()
     assert engine._staff()
     assert engine._nursery.killed == [busy.number]
     [only] = engine._workers.values()
-    assert (only.entrant, list(only.tasks), list(engine._suspects)) == (1, [order(2)], [])
+    assert (only.entrant, list(only.batches), list(engine._suspects)) == (1, [[order(2)]], [])
 
 
 def test_a_task_is_taken_of_its_own_entrant_alone_and_comes_back_in_order():
@@ -231,14 +239,18 @@ def test_a_server_that_is_never_ready_ends_the_study(engine, ready, waited, ends
 def test_the_mean_time_of_a_trial_follows_the_newest_by_a_fifth(engine):
     quick = worker(engine, order(0), order(0), since=NOW - 2.0, begun=False)
     engine._orphaned[None] = 2
-    assert engine._take(quick, [result()], False) == [result()]
+    assert engine._take(quick, [[result()]], False) == [result()]
     assert (engine._means, quick.since, quick.begun) == ({0: 2.0}, NOW, True)
     assert engine._orphaned[None] == 0
     quick.since = NOW - 7.0
-    engine._take(quick, [result()], False)
+    engine._take(quick, [[result()]], False)
     assert engine._means == {0: pytest.approx(3.0)}
     assert list(engine._workers) == [quick.number]
-    assert not quick.tasks
+    assert not quick.batches
+    quick.give([order(0, 1), order(0, 2)])
+    quick.since = NOW - 16.0
+    assert engine._take(quick, [[result()], [result()]], False) == [result(), result()]
+    assert engine._means == {0: pytest.approx(4.0)}
 
 
 @pytest.mark.parametrize(
@@ -247,18 +259,56 @@ def test_the_mean_time_of_a_trial_follows_the_newest_by_a_fifth(engine):
 )
 def test_a_worn_or_changed_process_ends(engine, status, worn, ends):
     used = worker(engine, order(0), order(0, 5))
-    engine._take(used, [result(status=status)], worn)
+    engine._take(used, [[result(status=status)]], worn)
     assert (used.number not in engine._workers) == ends
     assert (engine._backlog.first() == order(0, 5)) == ends
 
 
+@pytest.mark.parametrize("fault", ["worn", "changed", "garbled", "lost", "late", "orphaned"])
+def test_a_batch_in_which_something_went_wrong_is_run_again_one_by_one(engine, fault, monkeypatch):
+    monkeypatch.setattr(supervisor, "wait", lambda channels, timeout: [])
+    batch = [order(0, 0), order(0, 1)]
+    told = worker(engine)
+    told.give(batch)
+    if fault == "worn":
+        found = engine._take(told, [[result()], [result()]], True)
+    elif fault == "changed":
+        found = engine._take(told, [[result()], [result(status=Status.CHANGED)]], False)
+    elif fault == "garbled":
+        found = engine._garbled(told, TypeError("no results"))
+    elif fault == "lost":
+        found = engine._lost(told, "exit code 3")
+    elif fault == "late":
+        told.since = NOW - 99.0
+        found = engine._listen()
+    else:
+        found = engine._orphan(engine._nursery)
+        assert list(engine._suspects) == batch
+        engine._backlog.put_back(engine._suspects)
+        engine._singly.add(0)
+    assert found == []
+    assert not engine._workers
+    engine._means[0] = 0.001
+    engine._suspects.clear()
+    engine._nursery = Server()
+    assert engine._staff()
+    assert [list(each.batches) for each in engine._workers.values()] == [[[one]] for one in batch]
+
+
+def test_an_answer_of_too_few_tasks_is_none(engine):
+    told = worker(engine)
+    told.give([order(0, 0), order(0, 1)])
+    with pytest.raises(ValueError, match="shorter"):
+        engine._take(told, [[result()]], False)
+
+
 def test_words_of_a_worker_are_heard_to_the_last(engine, monkeypatch):
-    answers = {b"one": ([result()], False), b"bad": None}
+    answers = {b"one": ([[result()]], False), b"bad": None}
     monkeypatch.setattr(supervisor, "answer", lambda message: answers[message])
     words = (supervisor.BEGUN, b"one", supervisor.BEGUN, b"one")
     one = worker(engine, order(0), order(0), order(0), begun=False, words=words)
     assert engine._hear(one) == [result(), result()]
-    assert (len(one.tasks), one.begun, one.deaf) == (1, True, False)
+    assert (len(one.batches), one.begun, one.deaf) == (1, True, False)
     one.connection.words = [EOFError()]
     assert engine._hear(one) == []
     assert (one.deaf, engine._nursery.killed) == (True, [one.number])
@@ -286,7 +336,7 @@ def test_a_clock_starts_once(monkeypatch):
 
 
 def test_a_worker_that_ended_leaves_its_answers_and_the_trial_it_died_of(engine, monkeypatch):
-    monkeypatch.setattr(supervisor, "answer", lambda message: ([result()], False))
+    monkeypatch.setattr(supervisor, "answer", lambda message: ([[result()]], False))
     lost = worker(engine, order(0), order(0, 1), order(0, 2), since=NOW - 3.0, words=[b"one"])
     first, second = engine._lost(lost, "exit code 3")
     assert first == result()

@@ -10,7 +10,19 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.schema import SCHEMA, UPGRADES, columns, create, expected, seal, trials_of
+from springpot.benchmark.schema import (
+    CELLS,
+    FACTS,
+    KEYS,
+    PROBLEMS,
+    SCHEMA,
+    UPGRADES,
+    columns,
+    create,
+    expected,
+    seal,
+    trials_of,
+)
 from springpot.benchmark.traces import at, geometric_grid, improvements
 from springpot.benchmark.trial import TwinProblem
 from springpot.errors import StudyError
@@ -204,11 +216,14 @@ def as_before_processor_times(path):
         db.execute("PRAGMA journal_mode = DELETE")
         for column in ("processor", "processor_batched", *DRAWN):
             db.execute(f"ALTER TABLE trial DROP COLUMN {column}")
-        old = db.execute(trials_of(columns(db)["trial"])).fetchall()
-        db.executemany(
-            "UPDATE trial SET seal = ? WHERE cell = ? AND repetition = ?",
-            [(seal(row[:-1], 3), *row[:2]) for row in old],
-        )
+        old = {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS}
+        for table, query in (old | {"trial": trials_of(columns(db)["trial"])}).items():
+            keys = KEYS[table].split(", ")
+            match = " AND ".join(f"{key} = ?" for key in keys)
+            db.executemany(
+                f"UPDATE {table} SET seal = ? WHERE {match}",
+                [(seal(row[:-1], 3), *row[: len(keys)]) for row in db.execute(query).fetchall()],
+            )
         db.execute("PRAGMA user_version = 3")
     db.close()
 
@@ -220,7 +235,10 @@ def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, 
     as_before_processor_times(path)
     with sqlite3.connect(path) as db:
         db.execute("UPDATE trial SET best = best * 0.9 WHERE repetition = 2")
+        db.execute("UPDATE fact SET value = 'another' WHERE name = 'machine'")
     db.close()
+    with Store(path, write=True) as store, pytest.raises(StudyError, match="study is damaged"):
+        store.facts()
     run_study(study, engine="serial", out=tmp_path, quiet=True, tables=False)
     with Store(path) as store:
         [(_, rows)] = store.trials()
@@ -251,6 +269,17 @@ def test_no_finished_trial_is_lost_of_an_older_store_whose_file_is_damaged(tmp_p
     assert len(rows) == 4
     assert not any(row.status.failed for row in rows)
     assert "is damaged; what can be read is used" in capfd.readouterr().err
+
+
+def test_a_seal_is_the_same_in_every_python():
+    """A store is read by a later Python than that which wrote it."""
+    values = (1, 1.0, "1", "\u00b5 \ud800", None, b"1", -(2**40), 1e-300)
+    assert seal(values).hex() == "d4ac87129c6f742c"
+    assert seal(values, 6).hex() == "6a879850b305106b"
+    assert len({seal((value,)) for value in (1, 1.0, "1", b"1", None)}) == 5
+    # Equal texts are one object in one row, and two in another.
+    text = "".join(["a", "b"])
+    assert seal((text, text)) == seal(("ab", "".join(["a", "b"])))
 
 
 @pytest.mark.parametrize("version", UPGRADES)

@@ -53,6 +53,19 @@ def test_a_law_of_temperature_is_identified_from_any_material_alone():
     assert max(test.relative_rms for test in fit.tests) < 0.01
 
 
+def test_tests_that_differ_more_than_each_is_missed_are_not_of_one_state():
+    """None is followed by itself either: what no material does lies in each."""
+    ripple = 1.0 + 0.2 * np.sin(9.0 * np.log(TIME))
+    first, second = (
+        TimeTest.of_relaxation(TIME, level * TIME**-0.2 * ripple, "MPa", name=name)
+        for level, name in ((1.0, "specimen#1"), (10.0, "specimen#2"))
+    )
+    answer = springpot.diagnose([first, second], only=["inertia"])
+    assert answer.verdict == "unexplained"
+    assert "of the misfit goes where each test has a material of its own" in answer.says
+    assert "of another temperature, age or specimen" in answer.says
+
+
 @pytest.mark.soak
 def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
     untold = [replace(test, temperature=None) for test in relaxations(0.01, 4)]

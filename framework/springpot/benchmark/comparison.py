@@ -205,7 +205,7 @@ def score_cell(
     owners, goals = traces.owners, goals_of(references, bests, scale.target)
     excess = _excess(traces.values, bests[owners], references[owners])
     # On the few evaluations of the grid: the traces may have thousands.
-    along = _excess(traces.at(scale.grid), bests[:, None], references[:, None])
+    along = traces.at(excess, scale.grid)
     return CellScores(
         cell,
         repetitions=np.array(trials.column("repetition")),

@@ -135,7 +135,7 @@ class SerialEngine:
                 stack.enter_context(redirect_stdout(aside))
                 stack.enter_context(redirect_stderr(aside))
                 self._shop.warm_up(task)
-                results = self._audit(task, self._shop.run(task))
+                results = self._audit(task, self._shop.run([task])[0])
             yield results
 
 

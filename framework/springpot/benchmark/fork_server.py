@@ -4,7 +4,7 @@ It runs no optimiser itself. It is started as a program, in a session of its own
 reach it, no socket needs a path, and it serves the command, a thread of an executor and a worker of
 a cluster alike. Once its coordinator is gone, it ends whatever it has forked, and itself.
 
-A worker process: forked for one optimiser, it runs the tasks it is sent and answers each.
+A worker process: forked for one optimiser, it runs the batches it is sent and answers each.
 """
 
 from __future__ import annotations
@@ -104,8 +104,8 @@ Its optimiser has asked for its first value, and its imports are behind it.
 """
 
 
-def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
-    """The results that a worker has sent, and whether it ends now.
+def answer(blob: bytes) -> tuple[list[list[TrialResult]], bool]:
+    """The results of each task that a worker has sent, and whether it ends now.
 
     Raises
     ------
@@ -134,39 +134,40 @@ def serve(connection: Connection, shop: Workshop) -> None:
             tasks: list[WorkOrder] = connection.recv()
         except (EOFError, OSError):
             return
-        for task in tasks:
-            results, worn = _result(shop, task, lambda: connection.send_bytes(BEGUN))
-            # An optimiser may have closed or replaced them; what it printed is not worth a trial.
-            with suppress(OSError, ValueError, AttributeError):
-                sys.stdout.flush()
-                sys.stderr.flush()
-            connection.send((results, worn))
-            if worn:
-                return
+        results, worn = _results(shop, tasks, lambda: connection.send_bytes(BEGUN))
+        # An optimiser may have closed or replaced them; what it printed is not worth a trial.
+        with suppress(OSError, ValueError, AttributeError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        connection.send((results, worn))
+        if worn:
+            return
 
 
-def _result(
-    shop: Workshop, task: WorkOrder, begun: Callable[[], None]
-) -> tuple[list[TrialResult], bool]:
-    """The results of a task, and whether its process changed and must not be used again."""
+def _results(
+    shop: Workshop, tasks: list[WorkOrder], begun: Callable[[], None]
+) -> tuple[list[list[TrialResult]], bool]:
+    """The results of each task, and whether their process changed and must not be used again."""
     try:
-        shop.warm_up(task, begun)
+        shop.warm_up(tasks[0], begun)
         # After the first use, which may well start a thread that a library keeps for all that
         # follow.
         before = settings()
-        results = shop.run(task)
+        results = shop.run(tasks)
         worn = settings() != before
     except BaseException as error:
         # Nothing interrupts a worker from outside: whatever this is, the optimiser raised it.
-        return failure(task, Status.ERROR, f"{type(error).__name__}: {error}"), True
+        reason = f"{type(error).__name__}: {error}"
+        return [failure(task, Status.ERROR, reason) for task in tasks], True
     # What it leaves running would take time from the trials that follow.
     left = end_children()
     if left:
         noun = "process"
         if left > 1:
             noun = "processes"
-        results = failure(task, Status.ERROR, f"left {left} {noun} behind")
-    return results, worn or any(r.status in (Status.MEMORY, Status.CHANGED) for r in results)
+        results = [failure(task, Status.ERROR, f"left {left} {noun} behind") for task in tasks]
+    ended = (Status.MEMORY, Status.CHANGED)
+    return results, worn or left > 0 or any(r.status in ended for own in results for r in own)
 
 
 READY, BROKEN, BORN, ENDED = "ready", "broken", "born", "ended"

@@ -181,33 +181,34 @@ class Store:
         first = self._version()
         if first not in UPGRADES:
             return
+        damaged = {table: self._unsound(table, first) for table in _QUERIES}
         # One version at a time: each upgrade knows only the one before it.
-        sealed, damaged = first >= SEALED, set()
-        if sealed:
-            before = self._rows(trials_of(columns(self._db)["trial"]))
-            damaged = {(row["cell"], row["repetition"]) for row in before if not sound(row, first)}
         for version in range(first, SCHEMA):
             for statement in statements(version):
                 self._db.execute(statement)
         self._db.execute(f"PRAGMA user_version = {SCHEMA}")
-        if not sealed:
-            for table, query in {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS}.items():
-                self._seal_all(table, query)
         # What was damaged then is damaged still.
-        self._seal_all("trial", ALL_TRIALS, damaged)
+        for table, keys in damaged.items():
+            self._seal_all(table, keys)
 
-    def _seal_all(
-        self, table: str, query: str, damaged: Container[tuple[object, ...]] = ()
-    ) -> None:
+    def _unsound(self, table: str, layout: int) -> set[tuple[object, ...]]:
+        """Keys of the rows that do not fit their seals, where the layout has any."""
+        if layout < SEALED:
+            return set()
+        query = _QUERIES[table]
+        if table == "trial":
+            query = trials_of(columns(self._db)[table])
+        return {_key(table, row) for row in self._rows(query) if not sound(row, layout)}
+
+    def _seal_all(self, table: str, damaged: Container[tuple[object, ...]]) -> None:
         """Take what an older version wrote as it is.
 
         But for the rows of some keys, and for those that nobody could read.
         """
-        keys = KEYS[table].split(", ")
-        match = " AND ".join(f"{key} = ?" for key in keys)
-        sealed = (row for row in self._rows(query) if readable(table, row))
-        rows = [(tuple(row[key] for key in keys), seal(row[:-1])) for row in sealed]
-        seals = [(checksum, *key) for key, checksum in rows if key not in damaged]
+        match = " AND ".join(f"{key} = ?" for key in KEYS[table].split(", "))
+        rows = (row for row in self._rows(_QUERIES[table]) if readable(table, row))
+        found = [(seal(row[:-1]), _key(table, row)) for row in rows]
+        seals = [(checksum, *key) for checksum, key in found if key not in damaged]
         self._db.executemany(f"UPDATE {table} SET seal = ? WHERE {match}", seals)
 
     def _version(self) -> int:
@@ -557,3 +558,10 @@ class Store:
 
 _TOLD = {"name", "cells", "repetitions", "seed", "budget", "target", "accuracy", "optima"}
 DAMAGED = "its record in the store is damaged: --retry-failed runs it again"
+
+_QUERIES = {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS, "trial": ALL_TRIALS}
+"""What asks for the rows of each table that is sealed."""
+
+
+def _key(table: str, row: sqlite3.Row) -> tuple[object, ...]:
+    return tuple(row[key] for key in KEYS[table].split(", "))

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.util import module_from_spec, spec_from_file_location
 from itertools import compress
+from operator import itemgetter
 from pathlib import Path
 from types import ModuleType
 from typing import Any, overload
@@ -213,6 +214,7 @@ class CellTrials(Sequence[TrialRow]):
 
     def __init__(self, names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> None:
         self._names, self._rows = names, rows
+        self._numbers: dict[str, Real] = {}
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -235,19 +237,15 @@ class CellTrials(Sequence[TrialRow]):
         kept["theta"] = json.loads(kept["theta"]) if kept["theta"] else {}
         return TrialRow(**kept)
 
-    @cached_property
-    def _columns(self) -> dict[str, tuple[Any, ...]]:
-        # Some rows have their seal still, behind all that is named.
-        columns = tuple(zip(*self._rows, strict=False)) or ((),) * len(self._names)
-        return dict(zip(self._names, columns, strict=False))
-
     def column(self, name: str) -> tuple[Any, ...]:
         """What a column holds of each trial (n,), as the store has it."""
-        return self._columns[name]
+        return tuple(map(itemgetter(self._names.index(name)), self._rows))
 
     def numbers(self, name: str) -> Real:
         """Numbers of a column (n,), NaN where a trial has none."""
-        return np.array(self._columns[name], dtype=float)
+        if name not in self._numbers:
+            self._numbers[name] = np.array(self.column(name), dtype=float)
+        return self._numbers[name]
 
     @cached_property
     def failed(self) -> NDArray[np.bool_]:

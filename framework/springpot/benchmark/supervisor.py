@@ -2,7 +2,9 @@
 
 Trials in supervised processes, of which any may crash, hang or run out of memory.
 
-Each process is forked from a clean server for one optimiser and sees no trial of another.
+Each process is forked from a clean server for one optimiser and sees no trial of another. Quick
+trials are sent in batches, which are believed as a whole or run again one by one: what went wrong
+in one of them is then told of that one.
 
 The audit: what a trial's process claims, checked in one that runs no optimiser.
 """
@@ -15,6 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import count
+from math import isclose, isnan
 from multiprocessing.connection import Connection, wait
 from time import monotonic
 from typing import Any
@@ -105,10 +108,9 @@ def _equal(own: Mapping[str, float], claimed: Mapping[str, float] | None) -> boo
     """Whether parameters agree but for rounding."""
     if claimed is None or own.keys() != claimed.keys():
         return False
-    return bool(
-        np.allclose(
-            list(own.values()), list(claimed.values()), rtol=ALIKE, atol=0.0, equal_nan=True
-        )
+    return all(
+        isclose(value, claimed[name], rel_tol=ALIKE) or (isnan(value) and isnan(claimed[name]))
+        for name, value in own.items()
     )
 
 
@@ -123,13 +125,13 @@ IMPORTS = 30.0
 In each new process: the largest libraries take three to import, and ten times as much is left for a
 cold disk and a busy machine.
 """
-AHEAD = 0.02
-"""Seconds of work that wait in a worker's pipe.
+AHEAD = 0.03
+"""Seconds of work in a batch.
 
-So that it never waits for the coordinator, who needs milliseconds to
-keep a batch of results."""
+A worker has another in its pipe, so that it never waits for the coordinator, who needs milliseconds
+to keep one."""
 DEEPEST = 32
-"""Most tasks that wait there: what a worker that dies gives back is done again by another."""
+"""Most tasks in a batch: what a worker that dies gives back is done again by another."""
 NEWEST = 0.2
 """Weight of the newest trial in the mean time of an optimiser's.
 
@@ -151,19 +153,19 @@ class Worker:
     entrant: int
     connection: Connection
     since: float = field(default_factory=monotonic)
-    tasks: deque[WorkOrder] = field(default_factory=deque)
+    batches: deque[list[WorkOrder]] = field(default_factory=deque)
     deaf: bool = False
     begun: bool = False
     pid: int | None = None
 
-    def give(self, tasks: list[WorkOrder]) -> None:
-        """Send tasks; the clock of the first starts now if the worker was idle."""
-        if not self.tasks:
+    def give(self, batch: list[WorkOrder]) -> None:
+        """Send tasks; the clock of the first batch starts now if the worker was idle."""
+        if not self.batches:
             self.since = monotonic()
-        self.tasks.extend(tasks)
+        self.batches.append(batch)
         with suppress(OSError):
             # That a worker is dead is told by the server, and its tasks are given to another.
-            self.connection.send(tasks)
+            self.connection.send(batch)
 
     def begin(self) -> None:
         """Its optimiser has asked for its first value: the clock starts now."""
@@ -237,6 +239,7 @@ class LocalEngine:
         self._orphaned: Counter[WorkOrder | None] = Counter()
         self._suspects: deque[WorkOrder] = deque()
         self._means: dict[int, float] = {}
+        self._singly: set[int] = set()
         self._silent: set[int] = set()
 
     def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
@@ -270,7 +273,7 @@ class LocalEngine:
 
     def _staff(self) -> bool:
         """Give every worker enough to do, and hire where one is missing; False once all is done."""
-        busy = any(worker.tasks for worker in self._workers.values())
+        busy = any(worker.batches for worker in self._workers.values())
         if not (busy or self._suspects or self._backlog.first()):
             return False
         if self._nursery is None:
@@ -308,25 +311,26 @@ class LocalEngine:
         return self._workers[number]
 
     def _fill(self, worker: Worker) -> None:
-        mean = self._means.get(worker.entrant, 0.0)
-        # Quick trials are handed out by many, or workers would wait for the next; slow ones singly,
-        # or they could not be shared.
-        depth = 1
-        if mean > 0:
-            depth = int(min(max(AHEAD / mean, 1), DEEPEST))
-        # Refilled at half, so that there is something to do while the refill is on its way.
-        if len(worker.tasks) > depth // 2:
+        depth = self._depth(worker.entrant)
+        # Where trials are quick there is something to do while the next batch is on its way.
+        if len(worker.batches) > (depth > 1):
             return
-        more: list[WorkOrder] = []
-        while (
-            len(worker.tasks) + len(more) < depth
-            and (task := self._backlog.take(worker.entrant)) is not None
-        ):
-            more.append(task)
-        if more:
-            worker.give(more)
-        elif not worker.tasks and self._backlog.first() is not None:
+        batch: list[WorkOrder] = []
+        while len(batch) < depth and (task := self._backlog.take(worker.entrant)) is not None:
+            batch.append(task)
+        if batch:
+            worker.give(batch)
+        elif not worker.batches and self._backlog.first() is not None:
             self._dismiss(worker)  # the next task is another optimiser's
+
+    def _depth(self, entrant: int) -> int:
+        """Tasks in a batch of an entrant's."""
+        mean = self._means.get(entrant, 0.0)
+        if not mean or entrant in self._singly:
+            return 1
+        # Quick trials are handed out by many, or workers would wait for the next; slow ones singly,
+        # or they could not be shared. A batch has the time of one.
+        return int(min(max(min(AHEAD, 0.25 * self._plan.deadline) / mean, 1), DEEPEST))
 
     def _listen(self) -> list[TrialResult]:
         nursery = self._nursery
@@ -343,7 +347,7 @@ class LocalEngine:
         now = monotonic()
         # After all has been heard: an answer that came in time must not count as late.
         for worker in [
-            w for w in self._workers.values() if w.tasks and now - w.since > self._limit(w)
+            w for w in self._workers.values() if w.batches and now - w.since > self._limit(w)
         ]:
             results += self._overdue(worker)
         if self._nursery is nursery and not nursery.ready and now - self._asked > START:
@@ -354,12 +358,12 @@ class LocalEngine:
         """Seconds until the first deadline."""
         now = monotonic()
         # Nobody needs to look more often than the next deadline: answers wake the wait themselves.
-        running = [w.since + self._limit(w) - now for w in self._workers.values() if w.tasks]
+        running = [w.since + self._limit(w) - now for w in self._workers.values() if w.batches]
         # A little later than the deadline, or it would be looked at just before.
         return max(0.0, min(running, default=1.0)) + 0.001
 
     def _limit(self, worker: Worker) -> float:
-        limit = self._plan.runs_of(worker.tasks[0]) * self._plan.deadline
+        limit = self._plan.runs_of(worker.batches[0][0]) * self._plan.deadline
         # Who hangs before the first value is waited for once, and not in each of its trials.
         if not worker.begun and worker.entrant not in self._silent:
             limit += IMPORTS
@@ -385,10 +389,18 @@ class LocalEngine:
             results += self._garbled(worker, error)
         return results
 
-    def _take(self, worker: Worker, claimed: list[TrialResult], worn: bool) -> list[TrialResult]:
-        # Judged while the task still counts as under way: what is no result at all makes it fail.
-        results = self._audit(worker.tasks[0], claimed)
-        worker.tasks.popleft()
+    def _take(
+        self, worker: Worker, claimed: list[list[TrialResult]], worn: bool
+    ) -> list[TrialResult]:
+        batch = worker.batches[0]
+        # Judged while they still count as under way: what is no result at all makes a task fail.
+        pairs = zip(batch, claimed, strict=True)
+        results = [result for task, told in pairs for result in self._audit(task, told)]
+        worn |= any(result.status is Status.CHANGED for result in results)
+        if worn and len(batch) > 1:
+            self._repeat(worker)
+            return []
+        worker.batches.popleft()
         self._orphaned[None] = 0
         worker.begun = True
         now, mean = monotonic(), self._means.get(worker.entrant, 0.0)
@@ -396,21 +408,36 @@ class LocalEngine:
         weight = 1.0
         if mean:
             weight = NEWEST
-        self._means[worker.entrant] = mean + (now - worker.since - mean) * weight
+        self._means[worker.entrant] = mean + ((now - worker.since) / len(batch) - mean) * weight
         worker.since = now
-        if worn or any(result.status is Status.CHANGED for result in results):
+        if worn:
             self._dismiss(worker)
         return results
 
-    def _garbled(self, worker: Worker, error: Exception) -> list[TrialResult]:
-        results: list[TrialResult] = []
-        if worker.tasks:
-            reason = (
-                f"its process answered with something that is no result ({type(error).__name__})"
-            )
-            results = failure(worker.tasks.popleft(), Status.CRASH, reason)
+    def _failed(
+        self, worker: Worker, status: Status, reason: str, seconds: float = 0.0
+    ) -> list[TrialResult]:
+        """The end of a worker by the trial that it was at."""
+        if len(worker.batches[0]) > 1:
+            self._repeat(worker)
+            return []
+        results = failure(worker.batches.popleft()[0], status, reason, seconds)
         self._dismiss(worker)
         return results
+
+    def _repeat(self, worker: Worker) -> None:
+        """Run a batch again, one by one as all that follow of its entrant."""
+        # Nobody knows which of them it was; from the same seeds it shows itself.
+        self._singly.add(worker.entrant)
+        self._dismiss(worker)
+
+    def _garbled(self, worker: Worker, error: Exception) -> list[TrialResult]:
+        if worker.batches:
+            name = type(error).__name__
+            reason = f"its process answered with something that is no result ({name})"
+            return self._failed(worker, Status.CRASH, reason)
+        self._dismiss(worker)
+        return []
 
     def _hear_nursery(self, nursery: Nursery) -> list[TrialResult]:
         results: list[TrialResult] = []
@@ -436,10 +463,8 @@ class LocalEngine:
         results: list[TrialResult] = []
         if not worker.deaf:
             results = self._hear(worker)
-        if worker.tasks and worker.number in self._workers:
-            results += failure(
-                worker.tasks.popleft(), Status.CRASH, cause, monotonic() - worker.since
-            )
+        if worker.batches and worker.number in self._workers:
+            results += self._failed(worker, Status.CRASH, cause, monotonic() - worker.since)
         self._dismiss(worker)
         return results
 
@@ -448,26 +473,26 @@ class LocalEngine:
         cause = nursery.cause()
         if not nursery.ready:
             raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
-        running = [worker for worker in self._workers.values() if worker.tasks]
+        running = [worker for worker in self._workers.values() if worker.batches]
+        under_way = [task for worker in running for task in worker.batches.popleft()]
         alone: WorkOrder | None = None
-        if len(running) == 1:
-            alone = running[0].tasks[0]
+        if len(under_way) == 1:
+            alone = under_way[0]
         # With several under way nobody knows whose trial ended the server: they are tried one at a
         # time first.
-        self._orphaned[alone] += len(running) < 2
+        self._orphaned[alone] += len(under_way) < 2
         if self._orphaned[None] >= ORPHANED:
             raise StudyError(
                 f"study {self._plan.name}: the server of workers ends again and again ({cause})"
             )
         results: list[TrialResult] = []
-        for worker in running:
-            task = worker.tasks.popleft()
+        for task in under_way:
             if self._orphaned[task] >= ORPHANED:
                 results += failure(task, Status.CRASH, f"it ends the server of workers ({cause})")
             else:
                 self._suspects.append(task)
-            self._backlog.put_back(worker.tasks)
         for worker in self._workers.values():
+            self._give_back(worker)
             # Workers outlive their server: nobody would end them after it.
             if worker.pid is not None:
                 end_group(worker.pid)
@@ -480,15 +505,17 @@ class LocalEngine:
         if not worker.begun:
             self._silent.add(worker.entrant)
             reason = f"ended after {limit:g} s, in which it asked for no value"
-        results = failure(worker.tasks.popleft(), Status.TIMEOUT, reason, limit)
-        self._dismiss(worker)
-        return results
+        return self._failed(worker, Status.TIMEOUT, reason, limit)
 
     def _dismiss(self, worker: Worker) -> None:
         if self._workers.pop(worker.number, None) is None:
             return
-        self._backlog.put_back(worker.tasks)
-        worker.tasks.clear()
+        self._give_back(worker)
         worker.connection.close()
         if self._nursery is not None:
             self._nursery.kill(worker.number)
+
+    def _give_back(self, worker: Worker) -> None:
+        """Let others do what it has not done."""
+        self._backlog.put_back([task for batch in worker.batches for task in batch])
+        worker.batches.clear()

@@ -36,8 +36,11 @@ def pack(trace: Sequence[tuple[int, float]]) -> bytes:
 
 def unpack(blob: bytes) -> tuple[NDArray[np.int64], Real]:
     """Evaluations (n,) and values (n,) of a packed trace."""
-    whole = Traces.of([blob])
-    return whole.evaluations, whole.values
+    raw = zlib.decompress(blob) if blob else b""
+    count = len(raw) // (_STEP.itemsize + _VALUE.itemsize)
+    # By itself: every trial's is looked at as it comes, and `Traces` is made for many.
+    steps = np.frombuffer(raw, _STEP, count)
+    return np.cumsum(steps, dtype=np.int64), np.frombuffer(raw, _VALUE, offset=steps.nbytes)
 
 
 def pack_values(values: Real) -> bytes:
@@ -90,29 +93,36 @@ class Traces:
     @classmethod
     def of(cls, blobs: Sequence[bytes]) -> Traces:
         """Those of packed traces, an empty one having none."""
-        each = _STEP.itemsize + _VALUE.itemsize
         raw = [zlib.decompress(blob) if blob else b"" for blob in blobs]
-        counts = [len(one) // each for one in raw]
-        ends = [_STEP.itemsize * count for count in counts]
-        steps = b"".join(one[:end] for one, end in zip(raw, ends, strict=True))
-        values = b"".join(one[end:] for one, end in zip(raw, ends, strict=True))
+        each = _STEP.itemsize + _VALUE.itemsize
+        counts = np.array([len(one) // each for one in raw], dtype=np.int64)
+        words = np.frombuffer(b"".join(raw), _STEP)
+        # Of a trial with n improvements n words are steps, and the next two n their values.
+        before = np.cumsum(counts) - counts
+        rows = np.arange(counts.sum())
+        steps = words[rows + np.repeat(2 * before, counts)]
+        halves = 2 * rows + np.repeat(before + counts, counts)
+        values = words[np.column_stack([halves, halves + 1])].view(_VALUE).ravel()
         # Counted on from the trials before, whose sum is then taken off again.
-        along = np.concatenate([[0], np.cumsum(np.frombuffer(steps, _STEP), dtype=np.int64)])
-        before = np.repeat(along[np.cumsum([0, *counts[:-1]])], counts)
-        return cls(np.array(counts), along[1:] - before, np.frombuffer(values, _VALUE))
+        along = np.concatenate([[0], np.cumsum(steps, dtype=np.int64)])
+        return cls(counts, along[1:] - np.repeat(along[before], counts), values)
 
     @cached_property
     def owners(self) -> NDArray[np.int64]:
         """Whose each improvement is (N,)."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
-    def at(self, grid: NDArray[np.int64]) -> Real:
-        """Values (n, g) at evaluation numbers `grid` (g,), infinite before a first improvement."""
-        # Each improvement is seen from one place of the grid on, until a later one is.
-        last = np.zeros((len(self.counts), len(grid) + 1), dtype=np.int64)
-        seen = np.searchsorted(grid, self.evaluations)
-        last[self.owners, seen] = np.arange(1, len(self.values) + 1)
-        return np.append(inf, self.values)[np.maximum.accumulate(last, axis=1)[:, :-1]]
+    def at(self, worth: Real, grid: NDArray[np.int64]) -> Real:
+        """What of `worth` (N,) is seen (n, g) at `grid` (g,), infinite before an improvement."""
+        # Each is seen from one place of the grid on until the next is: before them all, infinity.
+        places = np.arange(len(worth)) + self.owners + 1
+        first = np.cumsum(self.counts + 1) - self.counts - 1
+        shown = np.full(len(worth) + len(first), inf)
+        begin = np.zeros(len(shown), dtype=np.int64)
+        shown[places], begin[places] = worth, np.searchsorted(grid, self.evaluations)
+        end = np.roll(begin, -1)
+        end[first - 1] = len(grid)
+        return np.repeat(shown, end - begin).reshape(len(first), len(grid))
 
     def shares(self, excess: Real, targets: Real, grid: NDArray[np.int64]) -> Real:
         """Share (g,) of trials and falling `targets` that an `excess` (N,) reached by `grid`."""

@@ -9,7 +9,7 @@ finds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -239,30 +239,43 @@ class Workshop:
         self._warm: set[type] = set()
         self._benches = [_built(case) for case in plan.cases]
 
-    def run(self, task: WorkOrder) -> list[TrialResult]:
-        """The results of a task; whatever an optimiser raises becomes a status."""
-        cell = self.plan.cells[task.cell]
-        bench = self._benches[cell.case]
-        case = self.plan.cases[cell.case]
-        if case.noise is not None and not isinstance(bench, Exception):
-            bench = _built(case, self.plan, task.repetitions[0])
-        if isinstance(bench, Exception):
-            return failure(task, Status.ERROR, f"{type(bench).__name__}: {bench}")
+    def run(self, tasks: Sequence[WorkOrder]) -> list[list[TrialResult]]:
+        """The results of each task; whatever an optimiser raises becomes a status."""
+        results, used = [], dict[int, TwinProblem]()
+        for task in tasks:
+            bench = self._bench(task)
+            if isinstance(bench, Exception):
+                error = f"{type(bench).__name__}: {bench}"
+                results.append(failure(task, Status.ERROR, error))
+            else:
+                results.append(self._tried(task, bench))
+                used[id(bench)] = bench
+        # What a trial itself reports of a fault says more than that the process was changed by it.
+        if all(result.status.failed for own in results for result in own):
+            return results
+        # An optimiser shares the process with the problem: one that has changed it has raced on
+        # another.
+        for bench in used.values():
+            if complaint := bench.witness.complaint(bench.problem):
+                return [failure(task, Status.CHANGED, complaint) for task in tasks]
+        return results
+
+    def _bench(self, task: WorkOrder) -> TwinProblem | Exception:
+        """The problem of a task."""
+        number = self.plan.cells[task.cell].case
+        bench, case = self._benches[number], self.plan.cases[number]
+        if case.noise is None or isinstance(bench, Exception):
+            return bench
+        return _built(case, self.plan, task.repetitions[0])
+
+    def _tried(self, task: WorkOrder, bench: TwinProblem) -> list[TrialResult]:
         try:
-            results = self._race(task, cell, bench)
+            return self._race(task, self.plan.cells[task.cell], bench)
         # Not within its run only: to keep what it did may be what takes the memory.
         except MemoryError:
             return failure(task, Status.MEMORY, f"needs more than {self.plan.memory} MiB")
         except (Exception, SystemExit) as error:
             return failure(task, Status.ERROR, f"{type(error).__name__}: {error}")
-        # An optimiser shares the process with the problem: one that has changed it has raced on
-        # another.
-        complaint = bench.witness.complaint(bench.problem)
-        # What the trial itself reports of a fault says more than that the process was changed by
-        # it.
-        if complaint and not all(result.status.failed for result in results):
-            return failure(task, Status.CHANGED, complaint)
-        return results
 
     def _race(self, task: WorkOrder, cell: Cell, bench: TwinProblem) -> list[TrialResult]:
         entrant = self.plan.entrants[cell.entrant]

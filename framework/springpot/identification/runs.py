@@ -436,11 +436,9 @@ def same(claimed: float | None, evaluated: float, size: float) -> bool:
     # By their roots, the sizes of residuals: squares near zero would agree by no share of
     # themselves. Stacked and single evaluations differ in their last bits, 1e-16 of |K| in a
     # residual, and a model may lose four digits of them.
-    one, other, own = (
-        np.sqrt(claimed),
-        np.sqrt(evaluated),
-        float(np.nan_to_num(np.sqrt(size), posinf=0.0)),
-    )
+    one, other, own = np.sqrt(claimed), np.sqrt(evaluated), np.sqrt(size)
+    if not np.isfinite(own):
+        own = 0.0
     return bool(abs(one - other) <= ALIKE * other + ROUNDING * own)
 
 

@@ -318,17 +318,29 @@ def _after(
 
 
 def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
-    """What tests say that a material follows one by one and not together; nothing of others."""
-    alone = max(test.over_floor_alone for test in tests)
-    if not alone < AGREE or all(test.agrees for test in tests):
+    """What tests say that one material follows worse than each its own; nothing of others."""
+    if all(test.agrees for test in tests):
         return ""
-    says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
+    alone, taken = max(test.over_floor_alone for test in tests), _taken_by_own(tests)
+    if alone < AGREE:
+        says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
+    elif taken > 0.5:
+        says = f"{taken:.0%} of the misfit goes where each test has a material of its own"
+    else:
+        return ""
     if any("temperature" in part.conditions for part in parts):
         return f"{says}: they are not of one specimen in one state"
     return (
         f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
         " of each, such as 'FILE#2?temperature=25[degC]'"
     )
+
+
+def _taken_by_own(tests: Sequence[PartResult]) -> float:
+    """The share of the squared residuals that parameters of each test's own take."""
+    common = sum(test.points * test.over_floor**2 for test in tests)
+    own = sum(test.points * test.over_floor_alone**2 for test in tests)
+    return 1.0 - own / common
 
 
 def _steps(parts: Sequence[TestPart], verdict: Verdict, where: Sequence[Where]) -> Iterator[ToDo]:

@@ -199,7 +199,7 @@ def _names(row: Sequence[str], width: int) -> bool:
 
 def _ask_which(names: Sequence[str]) -> OpenQuestion:
     """The question for columns with names of which too few are known."""
-    shown = ", ".join(cell.strip() for cell in names)
+    shown = ", ".join(dict.fromkeys(cell.strip() for cell in names))
     headings = headings_of(names, [], len(names))
     hint = proposal(headings) or "say which, such as 'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
     roles = {str(heading.role) for heading in headings if heading.role}

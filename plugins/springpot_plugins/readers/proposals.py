@@ -33,6 +33,8 @@ OR_IN_TIME = (
     " both displacement[mm] and force[N], or strain[-] and stress[Pa]"
 )
 """What else columns may be whose names say nothing."""
+_SPECIAL = re.compile(r"[^\w ]")
+"""What a name in a hint may not hold."""
 _MOST = 2
 """Columns that a note offers for one condition: a longer list is no help."""
 _IGNORED = ("", "ignore", "none")
@@ -211,6 +213,11 @@ def _with_names(needed: Sequence[str], unknown: Mapping[int, Heading]) -> str:
     """The proposal where nothing tells which column is which."""
     if not unknown:
         return ""
+    pair = list(dict.fromkeys(each.title for each in unknown.values()))
+    if len(pair) == 2 < len(unknown) and not any(map(_SPECIAL.search, pair)):
+        # Curves side by side, whose columns have the same two names: tests in time.
+        first, second = pair
+        return "say what they are" + OR_IN_TIME.replace("FIRST", first).replace("SECOND", second)
     spec = ",".join(f"NAME={role}[{USUAL[role]}]" for role in needed)
     says = f"say which, with their names or numbers and units, such as 'FILE?{spec}'"
     if {"frequency", "storage", "loss"} <= {*needed}:

@@ -1,6 +1,7 @@
 """Every layout of docs/readers.md holds for tests in time as for sweeps, to the last number."""
 
 import io
+import re
 
 import numpy as np
 import pytest
@@ -266,6 +267,20 @@ def test_a_workbook_whose_names_nobody_knows_asks_for_its_columns_as_text_does(t
         np.testing.assert_allclose(swept.stiffness, COLD + 1j * WARM)
     both = workbook({"pad 1": numbers, "pad 2": [[t, w, c] for t, c, w in numbers]})
     are_both(opened(tmp_path, both, "?1=time[s],2=relaxation[Pa]", name="b.xlsx"))
+
+
+def test_curves_side_by_side_of_two_names_are_read_by_the_hint_as_it_is_printed(tmp_path):
+    path = tmp_path / "digitised.csv"
+    rows = [f"{t},{c},{t},{w}" for t, c, w in zip(TIME, COLD, WARM, strict=True)]
+    path.write_text("\n".join(["cold,,warm,", "X,Y,X,Y", *rows]), encoding="utf-8")
+    with pytest.raises(DataError, match=r"columns X, Y; .*of a test in time '(.*?)'") as refused:
+        open_measurement(path)
+    hint = re.search(r"in time '(.*?)'", str(refused.value))
+    assert hint is not None
+    tests = open_in_time(hint[1])
+    assert [test.provenance["part"] for test in tests] == ["cold", "warm"]
+    for test, values in zip(tests, (COLD, WARM), strict=True):
+        np.testing.assert_allclose(test.response, values)
 
 
 def test_rows_of_one_time_are_left_out_by_one_rule(tmp_path):
