@@ -332,7 +332,7 @@ def test_a_law_changes_a_record_at_its_size_and_nothing_where_it_vanishes(
         return Traced(value, None)
 
     effect, test = record(moved)
-    found = list(effects._vanishes(effect, [test]))
+    found = list(effects._law_vanishes(effect, [test]))
     assert [any(part in says for part in told) for says in found] == [True] * len(told)
     n = len(effects.THETA)
     assert asked[1][n] == pytest.approx(effect.vanishes_at + 1e-9 * abs(asked[0][n]), rel=1e-12)
