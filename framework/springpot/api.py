@@ -27,12 +27,12 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis, Fitted, Progress, silent, unseen
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.calibration import calibration_of
+from springpot.identification.fitted import Fit
 from springpot.identification.fitting import identify as identify_objects
-from springpot.identification.fitting import searched
-from springpot.identification.native import Fit
 from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
+from springpot.identification.searching import searched
 from springpot.identification.space import require_conditions
 from springpot.invention.inventing import invent as invent_objects
 from springpot.invention.result import Invention

@@ -51,6 +51,7 @@ deviations: a chance of 5 %.
 
 
 Real: TypeAlias = "NDArray[np.float64]"
+Complex: TypeAlias = "NDArray[np.complex128]"
 ROUNDS = 20
 """Changes of the active set for each column, before another algorithm takes over.
 

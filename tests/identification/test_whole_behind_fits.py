@@ -27,6 +27,7 @@ from springpot.identification.native import fit
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Dimension, Parameter
+from springpot.rheology.parameters import Coordinates
 from springpot.thresholds import SUPERPOSITION
 
 STRAINED = Measurement(
@@ -131,7 +132,7 @@ def test_branches_and_shapes_of_a_network(name, stays):
     theta = np.array([p.typical * (1.0 + 0.1 * i) for i, p in enumerate(model.parameters)])
     theta = np.clip(theta, [p.lower for p in model.parameters], [p.upper for p in model.parameters])
     stiffness = np.array([300.0])
-    unit = space.Coordinates.of(model.parameters, points.log_omega.mean(), stiffness, 2.0)
+    unit = Coordinates.of(model.parameters, points.log_omega.mean(), stiffness, 2.0)
     size = unit.size[0]
     found = {
         "branches": {each.name: getattr(branches, each.name) for each in fields(branches)},

@@ -18,6 +18,7 @@ from springpot.misfit import (
     residual_tests,
     where,
 )
+from springpot.misfit.values import printed
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 20.0, 16)
 UNITS = Units("kN/m", "mm")
@@ -171,7 +172,7 @@ def of_fit(found):
         "starts": found.has_one_minimum,
         "words": [material.split_in_words(found, lowest), *material.beyond_any_material(lowest)],
         "levels": [*material.notes_on_levels(found, []), *material.notes_on_amplitudes(found)],
-        "values": {name: value.to_dict() for name, value in refit.printed(found).items()},
+        "values": {name: value.to_dict() for name, value in printed(found).items()},
     }
 
 

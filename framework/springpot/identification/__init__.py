@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from .fitted import Fit as Fit
     from .fitting import identify as identify
     from .held_material import intervals_beside_material as intervals_beside_material
     from .held_material import is_passive as is_passive
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
     )
     from .native import (
         Effort as Effort,
-    )
-    from .native import (
-        Fit as Fit,
     )
     from .native import (
         fit as fit,
@@ -104,7 +102,8 @@ __getattr__, __dir__ = offered(
         "held_material": "intervals_beside_material is_passive within_material",
         "leastsquares": "levenberg_marquardt",
         "material_fit": "least_error",
-        "native": "BoundedDescent Effort Fit fit minima_in_box scanned_starts",
+        "fitted": "Fit",
+        "native": "BoundedDescent Effort fit minima_in_box scanned_starts",
         "prediction": "Prediction",
         "intervals": "bootstrap fit_batch held_costs profile",
         "problem": "default_objective Objective Problem Searched SpecimenProblem weighted",

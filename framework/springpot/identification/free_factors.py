@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import student
+from springpot.distributions import alike, student
+from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
@@ -20,9 +21,9 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, INTERVAL
 
 from ..numerics import ALIKE, ROUNDING
-from .levels_alone import alike, meeting, ranges, reached_from, shifted_by
-from .material import is_material
-from .native import Fit, fit
+from .fitted import Fit
+from .material import is_material, shifted_by
+from .native import fit
 from .problem import Objective, weighted
 from .space import Expected, expectation
 

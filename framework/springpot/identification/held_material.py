@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from springpot.distributions import f_sf, student
+from springpot.distributions import alike, f_sf, student
 from springpot.measurement.independence import at_one_frequency
 from springpot.numerics import non_negative
 from springpot.rheology.effect import Effect, Layer
@@ -25,11 +25,10 @@ from springpot.thresholds import VERDICT
 
 from ..numerics import PRINTED, ROUNDING, SMALLEST
 from .bordered import RANK
+from .fitted import Fit
 from .intervals import allowed_cost
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
-from .levels_alone import alike
 from .material import SpectrumSearch, is_material, own_parameters
-from .native import Fit
 from .problem import weighted
 from .uncertainty import Uncertainty
 

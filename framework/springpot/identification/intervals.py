@@ -12,14 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ALIKE, NEGLIGIBLE, PRINTED
+from .fitted import Fit
 from .leastsquares import WHOLE, Rows, Solution, levenberg_marquardt
-from .native import CONFIRMED, NEAR, Fit, within_bounds
+from .native import CONFIRMED, NEAR, within_bounds
 from .normal import Equations
-from .space import Coordinates
 from .task import Task
 from .uncertainty import Uncertainty, printed_spread
 from .value import LOST

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
+from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Relaxation
@@ -22,10 +23,10 @@ from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 from ..numerics import ALIKE, DECADE
+from .fitted import Fit
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
-from .levels_alone import FEW, Alone, each_alone, meeting, ranges, reached_from
+from .levels_alone import FEW, Alone, each_alone
 from .material import is_material
-from .native import Fit
 from .problem import relative_objective
 from .space import spread_between
 from .uncertainty import Uncertainty

@@ -23,8 +23,8 @@ from springpot.thresholds import INTERVAL, WHERE
 
 from ..numerics import SMALLEST
 from .bordered import Bordered, Covariance, LevelSlopes
+from .fitted import Fit
 from .material import is_material
-from .native import Fit
 from .value import Value
 
 FEWEST = 3

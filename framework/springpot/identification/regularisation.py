@@ -23,8 +23,8 @@ from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ALIKE
+from .fitted import Fit
 from .material import BEYOND, is_material
-from .native import Fit
 from .problem import weighted
 
 PER_DECADE = 8

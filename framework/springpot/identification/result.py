@@ -28,6 +28,7 @@ from springpot.thresholds import INTERVAL
 
 from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
+from .fitted import Fit
 from .fitted_quantities import in_short
 from .kept import (
     bounds_of,
@@ -40,7 +41,6 @@ from .kept import (
     words_in,
 )
 from .material import is_material
-from .native import Fit
 from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE
 from .leastsquares import FLAT, WHOLE, Evaluate, Rows, Solution, levenberg_marquardt
 from .normal import Arrow, Equations, Layout
 from .problem import require_derivative
-from .space import Coordinates
 from .starts import (
     Branches,
     Grid,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot.distributions import student
 from springpot.measurement.units import Units
 from springpot.rheology.model import Model
-from springpot.rheology.parameters import SearchForm
+from springpot.rheology.parameters import WIDEST, SearchForm
 from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
@@ -28,11 +28,10 @@ from .bordered import (
     lost_and_known,
     matrix_of,
 )
+from .fitted import Fit
 from .material import surprise_at, surprise_slopes
-from .native import Fit
 from .population import Specimens, follows_specimens
 from .problem import weighted
-from .space import WIDEST
 from .value import Value, printed
 
 

@@ -16,12 +16,13 @@ from time import perf_counter
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
+from springpot.identification.fitting import refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.notes import notes_on_specimens
 from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
+from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out

@@ -18,10 +18,10 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.material import PER_DECADE
-from springpot.identification.space import Coordinates
 from springpot.numerics import non_negative
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, SMALLEST, TWO_DEVIATIONS
