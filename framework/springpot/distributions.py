@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import betaln, chdtrc, fdtrc, fdtri, gammaincc, gammaincinv, ndtr, ndtri, stdtrit
 
-
-from .numerics import SMALLEST
+from .numerics import SMALLEST, Real
 
 Chance: TypeAlias = NDArray[np.float64] | Any
 
