@@ -1,18 +1,20 @@
 """Answers in words: where a model fails, errors beside the floor, and how far parameters moved."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import springpot
+from springpot.diagnosis import Ladder
 from springpot.format_numbers import number
 from springpot.measurement import Measurement, Units
 from springpot.report.answers import beside_floor, reference_note, worth_showing
 from springpot.report.html import report_html
 from springpot.report.ladder_text import change, changes_text
 from springpot.report.residuals import set_aside
-from springpot.report.text import percent
+from springpot.report.text import percent, to_json
 from springpot.report.told import told as text_of
 
 pytest.importorskip("matplotlib")
@@ -268,3 +270,21 @@ def test_two_notes_are_told_and_how_many_more_there_are():
         True, True, False, False,
     ]  # fmt: skip
     assert "2 notes more" in told
+
+
+def test_rivals_of_an_accepted_effect_keep_what_tells_them_apart():
+    omega, rng = 2.0 * np.pi * np.geomspace(1.0, 50.0, 14), np.random.default_rng(3)
+    model = springpot.parse_model("fractional-maxwell + inertia")
+    exact = model.stiffness(np.array([400.0, 60.0, 0.55, 0.6e-3]), omega)
+    noise = 0.005 * (rng.normal(size=14) + 1j * rng.normal(size=14))
+    data = Measurement(omega, exact * (1.0 + noise), units=Units("kN/m", "mm"))
+    rivals = ["inertia", "specimen-inertia"]
+    ladder = springpot.discover(data, "fractional-maxwell", only=rivals)
+    first, last = ladder.steps
+    assert sorted(last.alike) == rivals
+    assert last.next_experiment is None
+    assert first.next_experiment is not None
+    assert f"next experiment: {first.next_experiment.says[:40]}" in str(ladder)
+    kept = Ladder.from_dict(json.loads(to_json(ladder)))
+    assert kept.undecided.next_experiment == first.next_experiment
+    assert str(kept) == str(ladder)

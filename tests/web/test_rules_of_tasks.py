@@ -110,9 +110,7 @@ def test_a_plan_has_a_row_for_each_point_with_what_is_to_be_set(celsius):
         conditions={"amplitude": np.full(12, 0.5), **told},
     )  # fmt: skip
     advice = SimpleNamespace(action={"omega": [2.0 * np.pi, 4.0 * np.pi]}, says="why")
-    ladder = SimpleNamespace(
-        undecided=SimpleNamespace(diagnosis=SimpleNamespace(next_experiment=advice))
-    )
+    ladder = SimpleNamespace(undecided=SimpleNamespace(next_experiment=advice))
     lines = leaving.plan_csv(ladder, data).splitlines()
     head, *rows = [line for line in lines if "why" not in line]
     assert len(rows) == len(lines) - 2
@@ -126,7 +124,7 @@ def test_a_plan_has_a_row_for_each_point_with_what_is_to_be_set(celsius):
         expected = [[1.0, 0.5], [2.0, 0.5]]
     assert np.allclose(cells, expected)
     for nothing in (None, SimpleNamespace(action={"omega": []})):
-        ladder.undecided.diagnosis.next_experiment = nothing
+        ladder.undecided.next_experiment = nothing
         with pytest.raises(DataError, match="no further measurement is proposed"):
             leaving.plan_csv(ladder, data)
 

@@ -19,7 +19,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 
 from .case import Case
-from .result import Diagnosis, Progress, Verdict, silent, within
+from .result import Diagnosis, NextExperiment, Progress, Verdict, silent, within
 
 LONGEST = 6
 """Effects accepted at most."""
@@ -69,6 +69,8 @@ class Step:
         The examination of this rung's model; a file does not hold it.
     test : str, optional
         The test of which errors and floors are told, the one missed most, where there are several.
+    next_experiment : NextExperiment, optional
+        What would tell apart the effects that may be missing from this rung's model.
     """
 
     model: Model
@@ -84,6 +86,7 @@ class Step:
     alike: tuple[str, ...] = ()
     examined: Examined | None = None
     test: str = ""
+    next_experiment: NextExperiment | None = None
 
     @property
     def over_floor(self) -> float:
@@ -122,6 +125,7 @@ class Step:
             "parameters": self.parameters,
             "changed": self.changed,
             "tests": self.tests,
+            "next_experiment": self.next_experiment,
         }
         if self.test:
             row["test"] = self.test
@@ -130,6 +134,9 @@ class Step:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Step:
         """What `to_dict` gave."""
+        advice = row.get("next_experiment")
+        if advice is not None:
+            advice = NextExperiment.from_dict(advice)
         return cls(
             model=parse_model(row["model"]),
             accepted=row["accepted"],
@@ -143,6 +150,7 @@ class Step:
             changed=row["changed"],
             tests=parts_of(row["tests"]),
             test=row.get("test", ""),
+            next_experiment=advice,
         )
 
 
@@ -183,13 +191,11 @@ class Ladder:
         accepted from what was not: taking one of two rivals answers nothing.
         """
         last = self.steps[-1]
-        if self.diagnosis.next_experiment is not None:
+        if last.next_experiment is not None:
             return last
         accepted = {step.accepted for step in self.steps}
         for before, step in zip(self.steps[-2::-1], self.steps[:0:-1], strict=True):
-            if before.examined is None:
-                continue
-            proposed = before.diagnosis.next_experiment
+            proposed = before.next_experiment
             if proposed is None or step.accepted not in proposed.separates:
                 continue
             if len(accepted & set(proposed.separates)) == 1:
@@ -199,7 +205,7 @@ class Ladder:
     @property
     def proposed(self) -> dict[str, Any] | None:
         """What to measure next, as in a diagnosis: of the rung that cannot be decided."""
-        experiment = self.undecided.diagnosis.next_experiment
+        experiment = self.undecided.next_experiment
         return None if experiment is None else experiment.to_dict()
 
     def __str__(self) -> str:
@@ -414,6 +420,7 @@ def rung_of(case: Examined, before: Step | None = None, accepted: str | None = N
         alike=alike,
         examined=case,
         test=error.test,
+        next_experiment=told.next_experiment,
     )
 
 

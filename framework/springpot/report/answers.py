@@ -12,7 +12,7 @@ from math import isfinite
 import numpy as np
 
 from springpot.comparison.result import Comparison, Judgement
-from springpot.diagnosis.result import Candidate, Diagnosis, Shelf
+from springpot.diagnosis.result import Candidate, Diagnosis, NextExperiment, Shelf
 from springpot.errors import ModelError
 from springpot.format_numbers import counted, number
 from springpot.identification.value import Value
@@ -449,6 +449,11 @@ def _next(diagnosis: Diagnosis) -> str:
     advice = diagnosis.next_experiment
     if advice is None:
         return ""
+    return experiment_text(advice)
+
+
+def experiment_text(advice: NextExperiment) -> str:
+    """What to measure next, and what it will show."""
     return f"next experiment: {advice.says}"
 
 

@@ -20,6 +20,7 @@ from ..numerics import NEGLIGIBLE
 from .answers import (
     beside_floor,
     diagnosis_document,
+    experiment_text,
     floors,
     handy_model,
     left_out,
@@ -57,6 +58,7 @@ def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
         parameters_table("parameter", last.parameters),
         Prose(reference_note(data_of(last), [last.model.network])),
         remarks(ladder),
+        Prose(_open_question(ladder)),
         left_out(ladder.left_out),
         *diagnosis_document(
             ladder.diagnosis, data_of(last), verbose, "at the last step: ", fitted=False
@@ -117,6 +119,14 @@ def remarks(ladder: Ladder) -> Listing:
     """What accepting each effect changed, and what it may be as well."""
     lines = [words(step) for step in ladder.steps for words in (changes_text, doubt_text)]
     return Listing([line for line in lines if line])
+
+
+def _open_question(ladder: Ladder) -> str:
+    """What tells an accepted effect from its rivals, where the last diagnosis asks for nothing."""
+    asking = ladder.undecided
+    if asking is ladder.steps[-1] or asking.next_experiment is None:
+        return ""
+    return experiment_text(asking.next_experiment)
 
 
 def floor_moved(ladder: Ladder) -> str:

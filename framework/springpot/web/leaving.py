@@ -246,7 +246,7 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
     DataError
         If nothing is proposed.
     """
-    proposed = ladder.undecided.diagnosis.next_experiment
+    proposed = ladder.undecided.next_experiment
     if proposed is None or not proposed.action.get("omega"):
         raise DataError(
             "no further measurement is proposed here: nothing is left that one would decide"
