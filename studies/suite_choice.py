@@ -1,9 +1,10 @@
 """The choice of an optimiser: rules learnt from half of springpot-60 and tried on the other half.
 
-    springpot run studies/suite_race.py      races all, `auto` by the rules that there are
-    python studies/suite_choice.py learn     learns them anew (plugins/.../optimisers/auto.toml)
-    springpot run studies/suite_race.py      races `auto` again, if its rules are others
-    python studies/suite_choice.py           says how near it came to the virtual best
+    python studies/suite_choice.py learn     learns the rules anew (plugins/.../auto.toml)
+    python studies/suite_choice.py           says how near `auto` came to the virtual best
+
+Trials are those of the archives of suite_race and suite_repeated. Where the rules are others than
+before, `auto` is raced again: springpot run results/suite_race/suite_race.zip --optimiser auto.
 
 Question: does a choice by features that cost at most 5 % of the budget come near the best optimiser
 of each problem on problems from which nothing was learnt? Measure: expected running time over that
@@ -24,8 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import plugins
-from springpot.benchmark import Findings, Store, Table, save_table, store_path
+from springpot.benchmark import Table, save_table
 from springpot.benchmark.cases import problem_of, reference_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.identification.problem import Problem
@@ -35,9 +35,9 @@ from springpot_plugins.optimisers import auto
 from springpot_plugins.optimisers.auto import TOLERANCE, Auto, Seen, Watched, leaf, looked
 from springpot_plugins.optimisers.leastsquares import LeastSquares
 from suite import SUITE, TARGET, plan, sweeps
+from suite_repeated import BUDGET, FAILED, FOLDER, RACE, Trials, archived, halves, together
 
 ROOT = Path(__file__).parents[1]
-RESULTS = ROOT / "results"
 RULES = ROOT / "plugins" / "springpot_plugins" / "optimisers" / "auto.toml"
 OWN = Auto.name
 KINDS = tuple(
@@ -50,8 +50,10 @@ SAME = ("least-squares", "least-squares-alternating", "optimagic-scipy-ls-dogbox
 """Who makes no other descents than these, and has no turn beside them."""
 LENGTHS = (30, 50, 80, 120, 200, 400)
 """Evaluations after which one is ended."""
-TURNS = (0.1, 0.2, 0.3, 0.45)
-"""Shares of the budget for which descents and the chosen optimiser take turns."""
+TURNS, GROWTHS, WEIGHTS = (0.0125, 0.025, 0.05, 0.1, 0.2, 0.4), (1, 2), (1, 2, 4)
+"""Shares of the budget that the first turn of the chosen optimiser has; by what each next turn is
+longer, doubled ones suiting any time that somebody may need (Luby and others 1993); and how many
+times longer those of descents are."""
 TRIED, TRIED_IN_TIME = 30, 8
 """Descents of each kind on each problem, and on those with tests in time."""
 DRAWN = 40
@@ -60,33 +62,13 @@ DRAWS = 5
 """Looks at each problem, from different points."""
 DEEPEST, FEWEST = 2, 4
 """Questions that the tree asks at most, and problems that are left to the least of its leaves."""
-FAILED = 10.0
-"""Budgets that an optimiser is taken to need which never arrives."""
+SCHEDULE = ("turn", "growth", "weight")
 RANKED = 4
 """Optimisers of a leaf, of which the first that is installed is chosen."""
 EXTRAS = ("dfo-", "minion-", "minuit-", "nevergrad-", "optimagic-", "pymoo-")
 
-Trials = Mapping[str, Mapping[str, tuple[Real, Real]]]
 Order = tuple[int, ...]
-
-
-def trials_of(findings: Findings) -> dict[str, dict[str, tuple[Real, Real]]]:
-    """Hitting times and evaluations spent, by problem and optimiser."""
-    found: dict[str, dict[str, tuple[Real, Real]]] = {}
-    for scores in findings.scores:
-        cell = scores.cell
-        found.setdefault(cell.problem.dataset, {})[cell.label] = scores.hits, scores.spent
-    return found
-
-
-def halves() -> tuple[list[str], list[str]]:
-    """The problems that are learnt from, and those that are not: every second of each part."""
-    measured = plugins().find("suite", SUITE).measured
-    parts: dict[str, list[str]] = {}
-    for name, told in measured.items():
-        parts.setdefault(told.part, []).append(name)
-    learnt = [name for names in parts.values() for name in names[::2]]
-    return learnt, [name for name in measured if name not in learnt]
+Way = tuple[float, int, int]
 
 
 def training() -> list[tuple[str, Problem, float]]:
@@ -180,25 +162,29 @@ def put_together(runs: Real, order: Order, longest: int, budget: int) -> Real:
     return hits
 
 
-def cost(first: Real, own: Real, share: float, budget: int) -> float:
+def cost(first: Real, own: Real, way: Way, budget: int) -> float:
     """Expected running time of descents for a share of the budget, then in turns with another.
 
     Parameters
     ----------
     first, own : ndarray, shape (n,) and (m,)
         Evaluations at which descents and the other alone meet the target.
-    share : float
-        Of the budget, a turn.
+    way : float, int and int
+        Share of the budget that the other's first turn has, by what the next is longer, and how
+        many times longer those of descents are.
     budget : int
         Evaluations of a trial.
     """
-    limit, turn = Auto().share * budget, share * budget
-    first, own = first[:, None], own[None, :]
-    with np.errstate(invalid="ignore"):
-        # It begins anew with each of its turns, of which it has the first.
-        late = np.where(own <= turn, limit + own, np.inf)
-        more = first + np.ceil((first - limit) / turn) * turn
-    hits = np.where(first <= limit, first, np.fmin(late, more)).ravel()
+    rng, length = np.random.default_rng(0), way[0] * budget
+    at = done = Auto().share * budget
+    hits = np.where(first <= done, first, np.inf)
+    while at < budget:
+        # The other begins anew with each of its turns, the descents go on.
+        drawn = rng.choice(own, len(first))
+        hits = np.fmin(hits, np.where(drawn <= length, at + drawn, np.inf))
+        at, more = at + length, way[2] * length
+        hits = np.fmin(hits, np.where(first <= done + more, at + (first - done), np.inf))
+        at, done, length = at + more, done + more, way[1] * length
     hits = np.where(hits <= budget, hits, np.inf)
     return min(expected_running_time(hits, np.full(len(hits), budget)), FAILED * budget)
 
@@ -207,26 +193,27 @@ def learnt(trials: Trials, budget: int) -> dict[str, Any]:
     """The rules."""
     known = bank()
     order, longest = rotation(known, budget)
-    rules: dict[str, Any] = {"longest": longest, "turn": TURNS[0]}
+    rules: dict[str, Any] = {"longest": longest, **dict.fromkeys(SCHEDULE, 1)}
     rules["descents"] = [KINDS[kind] for kind in order]
     # What is seen hangs on the descents.
     write(rules | {"tree": auto.rules()["tree"]})
     seen, problems = looks(budget), list(known)
     alone = {p: put_together(known[p], order, longest, budget) for p in problems}
     names = [name for name in next(iter(trials.values())) if name not in (OWN, *SAME)]
-    best = np.inf
-    for turn in TURNS:
-        costs = np.log10(
-            [[cost(alone[p], trials[p][name][0], turn, budget) for name in names] for p in problems]
-        )
-        level, tree = _tree(costs, [seen[p] for p in problems], names)
-        if level < best:
-            best, rules["turn"], rules["tree"] = level, turn, tree
+
+    def costs(way: Way) -> Real:
+        rows = [[cost(alone[p], trials[p][n][0], way, budget) for n in names] for p in problems]
+        return np.log10(rows)
+
+    # The turns by the best of all rivals, whose choice may then hang on what is seen.
+    way = min(product(TURNS, GROWTHS, WEIGHTS), key=lambda way: costs(way).mean(axis=0).min())
+    rules |= dict(zip(SCHEDULE, way, strict=True))
+    rules["tree"] = _tree(costs(way), [seen[p] for p in problems], names)
     return rules
 
 
-def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> tuple[float, dict[str, Any]]:
-    """Mean cost on problems that are left out one by one, and the tree from all of them."""
+def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> dict[str, Any]:
+    """The tree of as many questions as pay on problems that are left out one by one."""
     keys = [each.name for each in fields(Seen)]
     # Each look at a problem is a row; all of a problem have its costs.
     owner = np.repeat(np.arange(len(seen)), DRAWS)
@@ -244,10 +231,10 @@ def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> tuple[float,
             total += float(np.mean([costs[problem, names.index(pick)] for pick in picks]))
         return total / len(seen)
 
-    # As many questions as pay on problems that were left out.
     levels = [left_out(depth) for depth in range(DEEPEST + 1)]
-    depth = int(np.argmin(levels))
-    return levels[depth], grown(np.ones(len(rows), dtype=bool), depth)
+    for depth, level in enumerate(levels):
+        print(f"{depth} questions deep: {10**level:.1f} evaluations on problems left out")
+    return grown(np.ones(len(rows), dtype=bool), int(np.argmin(levels)))
 
 
 def _grown(
@@ -305,9 +292,8 @@ def mean(values: Mapping[str, float]) -> float:
     return float(np.exp(np.mean(np.log(list(values.values())))))
 
 
-def told(findings: Findings, folder: Path) -> None:
+def told(trials: Trials, budget: int) -> Table:
     """The table: each optimiser, and the choice, on both halves."""
-    trials, budget = trials_of(findings), findings.scale.budget
     half, unseen = halves()
     labels = list(next(iter(trials.values())))
     rows = []
@@ -323,23 +309,24 @@ def told(findings: Findings, folder: Path) -> None:
         f" {FAILED:g} budgets. Missed: unseen problems on which it never arrived."
     )
     columns = ("optimiser", "learnt from", "unseen", "missed")
-    save_table(Table("How near to the virtual best", columns, rows, note), folder, "selector")
+    return Table("How near to the virtual best", columns, rows, note)
 
 
 def main() -> None:
     """Learn, or say how well what was learnt chooses."""
-    with Store(store_path("suite_race", RESULTS)) as store:
-        findings = Findings.of(store)
+    race = archived(RACE)
     if "learn" not in sys.argv:
-        told(findings, RESULTS / "suite_race")
+        save_table(told(race, BUDGET), RACE.parent, "selector")
         return
-    write(learnt(trials_of(findings), findings.scale.budget))
+    more = archived(FOLDER / "suite_repeated.zip")
+    write(learnt(together(race, more), BUDGET))
 
 
 def write(rules: Mapping[str, Any]) -> None:
     """Keep the rules where `auto` reads them."""
     text = f"# Learnt by studies/suite_choice.py from {len(halves()[0])} problems of {SUITE}.\n\n"
-    text += f"longest = {rules['longest']}\nturn = {rules['turn']}\n"
+    text += f"longest = {rules['longest']}\n"
+    text += "".join(f"{name} = {rules[name]}\n" for name in SCHEDULE)
     for kind in rules["descents"]:
         text += f'\n[[descents]]\nmethod = "{kind["method"]}"\n'
         text += f"logarithmic = {str(kind['logarithmic']).lower()}\n"

@@ -19,6 +19,7 @@ from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
+from springpot.benchmark.report.fairness import OF_ITS_OWN
 from springpot.benchmark.statistics import Interval, wilson
 from springpot.report.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm
@@ -105,7 +106,7 @@ def overview(findings: Findings, found: dict[tuple[str, int], MeanRanks]) -> Tab
         f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that"
         f" reached the target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by"
         f" Wilcoxon's test over problems, adjusted by Holm{_doubts(found)}. Exact: 5 models; noisy:"
-        " the same with 1 % and with 2 % noise of eq. (53)."
+        f" the same with 1 % and with 2 % noise of eq. (53). {OF_ITS_OWN['native']}"
     )
     return Table("The paper's swarm among others", columns, rows, note)
 
@@ -158,7 +159,7 @@ def details(findings: Findings, found: dict[tuple[str, int], MeanRanks]) -> Tabl
         "Success with Wilson's 95 % interval; mean rank with a bootstrap 95 % interval over"
         f" problems, or their range where they are too few{_doubts(found)}. Swarm ends below:"
         " chance that a trial of the swarm is better than one of this optimiser on the same"
-        " problem at that budget, ties by half (A12)."
+        f" problem at that budget, ties by half (A12). {OF_ITS_OWN['native']}"
     )
     return Table("The paper's swarm: ranks", columns, rows, note)
 

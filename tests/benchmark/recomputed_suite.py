@@ -1,10 +1,11 @@
 """The tables of the main study, computed anew from its archive by other hands: numpy, no springpot.
 
-    python recomputed_suite.py ARCHIVE.zip springpot-60.csv FOLDER
+    python recomputed_suite.py RESULTS springpot-60.csv
 
-FOLDER holds parts.csv and selector.csv. Prints how many cells agree, and what the choice takes on
-unseen problems beside the virtual best, chosen by both trials of each optimiser and by one of them
-while the other judges, with bootstrap intervals over problems; exit code 1 if a cell disagrees.
+RESULTS holds suite_race with its archive, parts.csv and selector.csv, and suite_repeated with its
+archive and judged.csv. Prints how many cells agree, and what the choice takes on unseen problems
+beside the virtual best, by the trials of the race, by further ones, and by one half of these while
+the other judges, with bootstrap intervals over problems; exit code 1 if a cell disagrees.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ PARTS = {
     "hard": ("hard",),
     "deceptive": ("deceptive",),
 }
-CHOICE = "auto"
+CHOICE, ALONE = "auto", "least-squares-alternating"
 FAILED = 10.0
 
 
@@ -70,32 +71,31 @@ class Race:
         return wilson(sum(np.isfinite(hit) for hit in hits), len(hits))
 
     def running_time(self, problem, label):
-        trials = self.trials[problem, label]
-        arrived = sum(np.isfinite(hit) for hit, _ in trials)
-        spent = sum(hit if np.isfinite(hit) else evaluations for hit, evaluations in trials)
-        return spent / arrived if arrived else np.inf
+        return time_of(self.trials[problem, label])
 
     def rivals(self, problem):
-        return {name: self.trials[problem, name] for name in self.labels if name != CHOICE}
+        return {n: each for (p, n), each in self.trials.items() if p == problem and n != CHOICE}
 
     def best(self, problem):
-        return min(self.running_time(problem, name) for name in self.rivals(problem))
+        return min(map(time_of, self.rivals(problem).values()))
 
     def best_by_the_other(self, problem):
-        """Running time of who was the quickest in the other of two trials."""
-        rivals, arrived, spent = self.rivals(problem), 0, 0
+        """Running time by one half of the trials of who was the quickest by the other half."""
+        rivals, judging = self.rivals(problem), []
         for own in (0, 1):
-            name = min(rivals, key=lambda name: rivals[name][1 - own][0])
-            hit, evaluations = rivals[name][own]
-            arrived += np.isfinite(hit)
-            spent += hit if np.isfinite(hit) else evaluations
-        return spent / arrived if arrived else FAILED * self.budget
+            name = min(rivals, key=lambda name: time_of(rivals[name][own::2]))
+            judging += rivals[name][1 - own :: 2]
+        return min(time_of(judging), FAILED * self.budget)
 
-    def over(self, label, problems, best):
+    def over(self, label, problems, best, race=None):
         """Running times over the best one's, of the problems that somebody solves."""
-        solved = [p for p in problems if np.isfinite(self.best(p))]
-        most = FAILED * self.budget
-        return np.array([min(self.running_time(p, label), most) / best(p) for p in solved])
+        most, found = FAILED * self.budget, []
+        for problem in problems:
+            # Who was far from the best has its trials of the race only.
+            whose = self if (problem, label) in self.trials else race
+            if np.isfinite(self.best(problem)):
+                found.append(min(whose.running_time(problem, label), most) / best(problem))
+        return np.array(found)
 
     def over_best(self, label, problems):
         """Geometric mean over the virtual best, and how many problems are missed."""
@@ -110,15 +110,21 @@ class Race:
         return learnt, [p for p in self.suite if p not in learnt]
 
 
+def time_of(trials):
+    """Evaluations until success with restarts."""
+    arrived = sum(np.isfinite(hit) for hit, _ in trials)
+    spent = sum(hit if np.isfinite(hit) else evaluations for hit, evaluations in trials)
+    return spent / arrived if arrived else np.inf
+
+
 def mean(ratios):
     return float(np.exp(np.mean(np.log(ratios))))
 
 
-def told(ratios):
+def interval(ratios):
     """Geometric mean with a bootstrap interval."""
     drawn = np.random.default_rng(0).integers(0, len(ratios), (20_000, len(ratios)))
-    low, high = np.quantile(np.exp(np.log(ratios)[drawn].mean(axis=1)), [0.025, 0.975])
-    return f"{mean(ratios):.2f} [{low:.2f}, {high:.2f}]"
+    return mean(ratios), *np.quantile(np.exp(np.log(ratios)[drawn].mean(axis=1)), [0.025, 0.975])
 
 
 def wilson(successes, n):
@@ -130,14 +136,26 @@ def wilson(successes, n):
     return rate, low, centre + half if successes < n else 1.0
 
 
-def tables(race):
+def judged(race, more, label):
+    """The choice over the best of each problem: three ways to tell the best, on both halves."""
+    there = {problem for problem, _ in more.trials}
+    for half in race.halves():
+        problems = [problem for problem in half if problem in there]
+        yield interval(race.over(label, problems, race.best))
+        yield interval(more.over(label, problems, more.best, race))
+        yield interval(more.over(label, problems, more.best_by_the_other, race))
+
+
+def tables(race, more):
     learnt, unseen = race.halves()
     parts, selector = {}, {}
     for label in race.labels:
         parts[label] = [number for part in PARTS for number in race.share(label, part)]
         early, (late, missed) = race.over_best(label, learnt)[0], race.over_best(label, unseen)
         selector[label] = [early, late, missed]
-    return {"parts": parts, "selector": selector}
+    ways = {name: np.ravel(list(judged(race, more, name))) for name in (CHOICE, ALONE)}
+    names = ("suite_race/parts", "suite_race/selector", "suite_repeated/judged")
+    return dict(zip(names, (parts, selector, ways), strict=True))
 
 
 def compared(made, folder):
@@ -157,11 +175,17 @@ def compared(made, folder):
     return agree, wrong
 
 
+def races(results, suite):
+    """The race, and the further trials."""
+    names = ("suite_race", "suite_repeated")
+    return [Race(Path(results) / name / f"{name}.zip", suite) for name in names]
+
+
 if __name__ == "__main__":
-    whole = Race(*sys.argv[1:3])
-    count, off = compared(tables(whole), sys.argv[3])
+    made = tables(*races(*sys.argv[1:3]))
+    count, off = compared(made, sys.argv[1])
     print(f"{count} cells agree, {len(off)} do not", *off, sep="\n")
-    for by, chosen in (("both trials", whole.best), ("the other", whole.best_by_the_other)):
-        ratios = whole.over(CHOICE, whole.halves()[1], chosen)
-        print(f"{CHOICE} on unseen problems over the best chosen by {by}: {told(ratios)}")
+    ways = made["suite_repeated/judged"][CHOICE].reshape(-1, 3)[3:]
+    for way, told in zip(("the race", "more trials", "others"), ways, strict=True):
+        print(f"{CHOICE} on unseen problems by {way}: {told[0]:.2f} [{told[1]:.2f}, {told[2]:.2f}]")
     sys.exit(bool(off))

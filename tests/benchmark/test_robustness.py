@@ -9,6 +9,7 @@ from synthetic import synthetic_store
 
 from springpot.benchmark import Findings, Store, run_study, store_path
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
+from springpot.benchmark.report.study import write_study_report
 from springpot.benchmark.robustness import WithoutSome, _moved, without_each
 from springpot.benchmark.standings import RANKING, study_tables
 from springpot.benchmark.statistics import ROPE, signed_rank_posterior
@@ -123,4 +124,7 @@ def test_no_ranking_holds_native_without_saying_what_it_knows(tmp_path):
         run_study(study, 1, "serial", out=folder, quiet=True, tables=False)
         with Store(store_path(study, folder)) as store:
             notes = {name: table.note for name, table in study_tables(store, sorted(RANKING))}
-        assert {"native knows how the model is built" in note for note in notes.values()} == {told}
+        words = "native knows how the model is built"
+        assert {words in note for note in notes.values()} == {told}
+        page = write_study_report(store_path(study, folder)).read_text(encoding="utf-8")
+        assert (words in page.partition("Which optimiser should I use?")[0]) == told

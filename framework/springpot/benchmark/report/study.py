@@ -11,7 +11,7 @@ import numpy as np
 from springpot.benchmark.beside import opened
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
 from springpot.benchmark.plan import ASKED
-from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, Findings
+from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, INSIDER, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.files import write_text
@@ -20,7 +20,7 @@ from springpot.report.tables import Table, text
 from springpot.report.text import seconds
 from springpot.writing import NAMED, Html, counted, joined, number, table, tag, wide, wide_table
 
-from .fairness import fairness
+from .fairness import OF_ITS_OWN, fairness
 from .study_plots import (
     Pens,
     accuracy_against_time,
@@ -145,6 +145,8 @@ def _head(findings: Findings) -> Iterator[Html]:
     if by_budget:
         # The last is that of the whole budget.
         yield tag("div", *verdict(findings, by_budget[-1]), class_="verdict")
+        if INSIDER in {summary.cell.optimiser for summary in findings.summaries}:
+            yield tag("p", OF_ITS_OWN[INSIDER], class_="quiet")
 
 
 def _choices(findings: Findings) -> Iterator[Html]:
