@@ -30,6 +30,7 @@ FLOORS = {
     "errors": 0,
     "distributions": 0,
     "thresholds": 0,
+    "surroundings": 0,
     "plain_data": 1,
     "processes": 1,
     "files": 1,

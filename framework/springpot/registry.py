@@ -35,10 +35,10 @@ from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals
 from springpot.measurement.suite import Suite
 from springpot.measurement.timetest import TimeTest
-from springpot.processes import kept_surroundings
 from springpot.rheology.effect import Effect, use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
+from springpot.surroundings import kept_surroundings
 from springpot.writing import suggested
 
 from .catalogue import KINDS, Kind, Owner, Shelf
