@@ -176,3 +176,24 @@ def test_one_specimen_that_drifts_is_not_taken_for_several():
         )
     assert drifts >= 18
     assert specimens >= 18
+
+
+def test_two_specimens_at_four_temperatures_are_not_taken_for_one_that_drifts():
+    """A specimen has one gain at all of them, which costs less than a gain of each run."""
+    specimens, drifts = 0, 0
+    for seed in range(20):
+        rng = np.random.default_rng([18, seed])
+        omega, repeat = np.tile(np.geomspace(1.0, 100.0, 20), 8), np.repeat(np.arange(2), 80)
+        held = {"temperature": np.tile(np.repeat([0.0, 20.0, 40.0, 60.0], 20), 2)}
+        noise = 0.005 * (rng.standard_normal(160) + 1j * rng.standard_normal(160))
+        stiffness = 1e4 * omega**0.3 * (1.0 + 0.2j) * (1.0 + noise)
+        gains = 1.0 + 0.02 * np.array([1.0, -1.0])[repeat]
+        settling = 1.0 + 0.08 * np.exp(-np.arange(160) / 30.0)
+        found = [
+            average_repeats(Measurement(omega, stiffness * of, conditions=held, repeat=repeat))
+            for of in (gains, settling)
+        ]
+        specimens += found[0].own_gain > 0.0
+        drifts += found[1].own_gain == 0.0
+    assert specimens >= 18
+    assert drifts >= 18

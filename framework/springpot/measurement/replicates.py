@@ -172,20 +172,18 @@ def _replicate_gains(
         return None, 0.0
     # Numbered anew without the runs that are too short, so that no mean is taken of nothing.
     run, values = np.unique(run[usable], return_inverse=True)[1], relative[usable]
-    x = np.log(measurement.omega[usable])
-    mean = _means(values, run)
-    gain_spent = float(np.max(run) + 1) * (1.0 - float(np.mean(1.0 / count[usable])))
+    count, x = count[usable], np.log(measurement.omega[usable])
+    by_gain, gain_spent = _by_gains(values, run, count)
     # About the middle of each run, so that its gain and its slope do not share what sets it apart.
     x = x - _means(x.astype(np.complex128), run).real[run]
     slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
     slope = slope / np.maximum(np.bincount(run, x**2), SMALLEST)
     # An analysis of variance: what a gain of each run explains, against what is left when slopes
     # are gone too.
-    by_gain = float(np.sum(np.abs(mean[run]) ** 2))
     by_slope = float(np.sum(np.abs(slope[run] * x) ** 2))
     left = float(np.sum(np.abs(values) ** 2)) - by_gain - by_slope
     # Twice, as each row has a real and an imaginary part; what gains and slopes take is taken away.
-    free = 2.0 * (float(np.sum(1.0 - 1.0 / count[usable])) - 2.0 * gain_spent)
+    free = 2.0 * (float(np.sum(1.0 - 1.0 / count)) - 2.0 * gain_spent)
     if free < 1.0:
         return None, 0.0
     # Replicates may be equal to the last digit.
@@ -197,15 +195,38 @@ def _replicate_gains(
     )
     if not gain_differs or slope_differs:
         return None, 0.0
-    by_drift = _by_settling(relative, group, usable)
     # Each parameter pays for the range that it might have had, of which F tells the size in units
     # of its error: the complex gains, against the complex height of the curve and its time.
-    spared = (2.0 * gain_spent - 3.0) * np.log(strength)
-    if (by_drift - by_gain) / unit + spared > 2.0 * np.log(REPEATS.drift_odds):
+    price = float(np.log(strength))
+    by_gains = max(
+        taken / unit - 2.0 * spent * price
+        for taken, spent in (
+            (by_gain, gain_spent),
+            _by_gains(values, _specimens(measurement)[usable], count),
+        )
+    )
+    by_drift = _by_settling(relative, group, usable) / unit - 3.0 * price
+    if by_drift - by_gains > 2.0 * np.log(REPEATS.drift_odds):
         return None, 0.0
     gains = np.zeros(len(relative), dtype=np.complex128)
-    gains[usable] = mean[run]
+    gains[usable] = _means(values, run)[run]
     return gains, gain_spent
+
+
+def _by_gains(values: Complex, owner: Rows, count: Rows) -> tuple[float, float]:
+    """Sum of squares that a gain of each owner of rows takes, and how many of the gains are free.
+
+    Of values (n,) that have lost the means of so many repeats (n,).
+    """
+    taken = float(np.sum(np.abs(_means(values, owner)[owner]) ** 2))
+    return taken, len(np.unique(owner)) * (1.0 - float(np.mean(1.0 / count)))
+
+
+def _specimens(measurement: Measurement) -> Rows:
+    """The repeat of each row (N,): a specimen has one gain in all its runs, or a mounting has."""
+    if measurement.repeat is None:
+        return np.zeros(len(measurement), dtype=np.int64)
+    return np.asarray(np.unique(measurement.repeat, return_inverse=True)[1], dtype=np.int64)
 
 
 def _run_numbers(measurement: Measurement) -> Rows:
