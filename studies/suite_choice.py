@@ -3,8 +3,9 @@
     python studies/suite_choice.py learn     learns the rules anew (plugins/.../auto.toml)
     python studies/suite_choice.py           says how near `auto` came to the virtual best
 
-Trials are those of the archives of suite_race and suite_repeated. Where the rules are others than
-before, `auto` is raced again: springpot run results/suite_race/suite_race.zip --optimiser auto.
+Trials are those of the archive of suite_race. Where the rules are others than before, `auto` is
+raced again: springpot run results/suite_race/suite_race.zip --optimiser auto, and
+studies/suite_repeated.py without its store.
 
 Question: does a choice by features that cost at most 5 % of the budget come near the best optimiser
 of each problem on problems from which nothing was learnt? Measure: expected running time over that
@@ -35,7 +36,7 @@ from springpot_plugins.optimisers import auto
 from springpot_plugins.optimisers.auto import TOLERANCE, Auto, Seen, Watched, leaf, looked
 from springpot_plugins.optimisers.leastsquares import LeastSquares
 from suite import SUITE, TARGET, plan, sweeps
-from suite_repeated import BUDGET, FAILED, FOLDER, RACE, Trials, archived, halves, together
+from suite_repeated import BUDGET, FAILED, RACE, Trials, archived, halves
 
 ROOT = Path(__file__).parents[1]
 RULES = ROOT / "plugins" / "springpot_plugins" / "optimisers" / "auto.toml"
@@ -50,10 +51,8 @@ SAME = ("least-squares", "least-squares-alternating", "optimagic-scipy-ls-dogbox
 """Who makes no other descents than these, and has no turn beside them."""
 LENGTHS = (30, 50, 80, 120, 200, 400)
 """Evaluations after which one is ended."""
-TURNS, GROWTHS, WEIGHTS = (0.0125, 0.025, 0.05, 0.1, 0.2, 0.4), (1, 2), (1, 2, 4)
-"""Shares of the budget that the first turn of the chosen optimiser has; by what each next turn is
-longer, doubled ones suiting any time that somebody may need (Luby and others 1993); and how many
-times longer those of descents are."""
+TURNS = (0.1, 0.2, 0.3, 0.45)
+"""Shares of the budget for which descents and the chosen optimiser take turns."""
 TRIED, TRIED_IN_TIME = 30, 8
 """Descents of each kind on each problem, and on those with tests in time."""
 DRAWN = 40
@@ -62,13 +61,11 @@ DRAWS = 5
 """Looks at each problem, from different points."""
 DEEPEST, FEWEST = 2, 4
 """Questions that the tree asks at most, and problems that are left to the least of its leaves."""
-SCHEDULE = ("turn", "growth", "weight")
 RANKED = 4
 """Optimisers of a leaf, of which the first that is installed is chosen."""
 EXTRAS = ("dfo-", "minion-", "minuit-", "nevergrad-", "optimagic-", "pymoo-")
 
 Order = tuple[int, ...]
-Way = tuple[float, int, int]
 
 
 def training() -> list[tuple[str, Problem, float]]:
@@ -162,29 +159,25 @@ def put_together(runs: Real, order: Order, longest: int, budget: int) -> Real:
     return hits
 
 
-def cost(first: Real, own: Real, way: Way, budget: int) -> float:
+def cost(first: Real, own: Real, share: float, budget: int) -> float:
     """Expected running time of descents for a share of the budget, then in turns with another.
 
     Parameters
     ----------
     first, own : ndarray, shape (n,) and (m,)
         Evaluations at which descents and the other alone meet the target.
-    way : float, int and int
-        Share of the budget that the other's first turn has, by what the next is longer, and how
-        many times longer those of descents are.
+    share : float
+        Of the budget, a turn.
     budget : int
         Evaluations of a trial.
     """
-    rng, length = np.random.default_rng(0), way[0] * budget
-    at = done = Auto().share * budget
-    hits = np.where(first <= done, first, np.inf)
-    while at < budget:
-        # The other begins anew with each of its turns, the descents go on.
-        drawn = rng.choice(own, len(first))
-        hits = np.fmin(hits, np.where(drawn <= length, at + drawn, np.inf))
-        at, more = at + length, way[2] * length
-        hits = np.fmin(hits, np.where(first <= done + more, at + (first - done), np.inf))
-        at, done, length = at + more, done + more, way[1] * length
+    limit, turn = Auto().share * budget, share * budget
+    first, own = first[:, None], own[None, :]
+    with np.errstate(invalid="ignore"):
+        # It begins anew with each of its turns, of which it has the first.
+        late = np.where(own <= turn, limit + own, np.inf)
+        more = first + np.ceil((first - limit) / turn) * turn
+    hits = np.where(first <= limit, first, np.fmin(late, more)).ravel()
     hits = np.where(hits <= budget, hits, np.inf)
     return min(expected_running_time(hits, np.full(len(hits), budget)), FAILED * budget)
 
@@ -193,27 +186,26 @@ def learnt(trials: Trials, budget: int) -> dict[str, Any]:
     """The rules."""
     known = bank()
     order, longest = rotation(known, budget)
-    rules: dict[str, Any] = {"longest": longest, **dict.fromkeys(SCHEDULE, 1)}
+    rules: dict[str, Any] = {"longest": longest, "turn": TURNS[0]}
     rules["descents"] = [KINDS[kind] for kind in order]
     # What is seen hangs on the descents.
     write(rules | {"tree": auto.rules()["tree"]})
     seen, problems = looks(budget), list(known)
     alone = {p: put_together(known[p], order, longest, budget) for p in problems}
     names = [name for name in next(iter(trials.values())) if name not in (OWN, *SAME)]
-
-    def costs(way: Way) -> Real:
-        rows = [[cost(alone[p], trials[p][n][0], way, budget) for n in names] for p in problems]
-        return np.log10(rows)
-
-    # The turns by the best of all rivals, whose choice may then hang on what is seen.
-    way = min(product(TURNS, GROWTHS, WEIGHTS), key=lambda way: costs(way).mean(axis=0).min())
-    rules |= dict(zip(SCHEDULE, way, strict=True))
-    rules["tree"] = _tree(costs(way), [seen[p] for p in problems], names)
+    best = np.inf
+    for turn in TURNS:
+        costs = np.log10(
+            [[cost(alone[p], trials[p][name][0], turn, budget) for name in names] for p in problems]
+        )
+        level, tree = _tree(costs, [seen[p] for p in problems], names)
+        if level < best:
+            best, rules["turn"], rules["tree"] = level, turn, tree
     return rules
 
 
-def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> dict[str, Any]:
-    """The tree of as many questions as pay on problems that are left out one by one."""
+def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> tuple[float, dict[str, Any]]:
+    """Mean cost on problems that are left out one by one, and the tree from all of them."""
     keys = [each.name for each in fields(Seen)]
     # Each look at a problem is a row; all of a problem have its costs.
     owner = np.repeat(np.arange(len(seen)), DRAWS)
@@ -231,10 +223,10 @@ def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> dict[str, An
             total += float(np.mean([costs[problem, names.index(pick)] for pick in picks]))
         return total / len(seen)
 
+    # As many questions as pay on problems that were left out.
     levels = [left_out(depth) for depth in range(DEEPEST + 1)]
-    for depth, level in enumerate(levels):
-        print(f"{depth} questions deep: {10**level:.1f} evaluations on problems left out")
-    return grown(np.ones(len(rows), dtype=bool), int(np.argmin(levels)))
+    depth = int(np.argmin(levels))
+    return levels[depth], grown(np.ones(len(rows), dtype=bool), depth)
 
 
 def _grown(
@@ -318,15 +310,13 @@ def main() -> None:
     if "learn" not in sys.argv:
         save_table(told(race, BUDGET), RACE.parent, "selector")
         return
-    more = archived(FOLDER / "suite_repeated.zip")
-    write(learnt(together(race, more), BUDGET))
+    write(learnt(race, BUDGET))
 
 
 def write(rules: Mapping[str, Any]) -> None:
     """Keep the rules where `auto` reads them."""
     text = f"# Learnt by studies/suite_choice.py from {len(halves()[0])} problems of {SUITE}.\n\n"
-    text += f"longest = {rules['longest']}\n"
-    text += "".join(f"{name} = {rules[name]}\n" for name in SCHEDULE)
+    text += f"longest = {rules['longest']}\nturn = {rules['turn']}\n"
     for kind in rules["descents"]:
         text += f'\n[[descents]]\nmethod = "{kind["method"]}"\n'
         text += f"logarithmic = {str(kind['logarithmic']).lower()}\n"

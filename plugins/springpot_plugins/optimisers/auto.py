@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
-from itertools import count, cycle
+from itertools import cycle
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -116,14 +116,10 @@ class Auto(Optimiser):
         name, why = chosen(seen)
         problem.remark(f"{name} was chosen to take turns with descents: {why}")
         other: Optimiser = springpot.plugins().find("optimiser", name)()
-        # In turns: where the rules err, half of the budget at least is still the descents'.
+        # In turns: where the rules err, half of the budget is still the descents'.
+        turns = cycle([other.minimise, descents])
         length = max(1, int(rules()["turn"] * budget))
-        turns = (
-            (search, weight * length * rules()["growth"] ** i)
-            for i in count()
-            for search, weight in ((other.minimise, 1), (descents, rules()["weight"]))
-        )
-        keep_on(problem, lambda: in_turn(problem, *next(turns), rng))
+        keep_on(problem, lambda: in_turn(problem, next(turns), length, rng))
 
 
 def descents(problem: Recorder, budget: int, rng: np.random.Generator) -> None:
