@@ -27,7 +27,7 @@ from springpot.benchmark.gate.baseline import (
     Baseline,
     Sample,
 )
-from springpot.benchmark.gate.changes import changes_since
+from springpot.benchmark.gate.regression import changes_since
 from springpot.benchmark.plan import stream_of
 from springpot.benchmark.statistics import wilson
 from springpot.report.tables import Entry

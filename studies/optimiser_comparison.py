@@ -24,7 +24,7 @@ from paper.published import MODELS
 from paper.results import available
 from springpot import plugins
 from springpot.benchmark import Store, Study, Table, save_table
-from springpot.benchmark.report.fairness import OF_ITS_OWN
+from springpot.benchmark.robustness import OF_ITS_OWN
 from springpot.benchmark.statistics import ecdf, hitting_time, median, target_value, wilson
 from springpot.report.tables import Entry
 

@@ -19,7 +19,7 @@ from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
-from springpot.benchmark.report.fairness import OF_ITS_OWN
+from springpot.benchmark.robustness import OF_ITS_OWN
 from springpot.benchmark.statistics import Interval, wilson
 from springpot.report.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm

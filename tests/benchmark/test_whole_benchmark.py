@@ -17,7 +17,7 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement
 from springpot.benchmark import Findings, Store, Study
 from springpot.benchmark.columns import trace_columns, trial_columns
 from springpot.benchmark.exporting import WRITERS
-from springpot.benchmark.gate import baseline, changes, regression
+from springpot.benchmark.gate import baseline, regression
 from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
@@ -195,7 +195,7 @@ def test_baseline_and_what_changed_since(store, stays, tmp_path):
     with Store(worse) as later:
         if before.samples.keys() <= baseline.baseline_of(later).samples.keys():
             after = baseline.samples_like(later, before)
-            found = changes.changes_since(before, after, 0.05, 1.5)
+            found = regression.changes_since(before, after, 0.05, 1.5)
             answer["changes"] = [
                 [
                     each.who,

@@ -8,9 +8,8 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.diagnosis.contest import promise, separation
 from springpot.diagnosis.evidence import best_with
-from springpot.diagnosis.experiment import Clash, actions, next_experiment
+from springpot.diagnosis.experiment import Clash, actions, next_experiment, promise, separation
 from springpot.measurement import Measurement
 from springpot.misfit.error import plain
 from springpot.registry import plugins

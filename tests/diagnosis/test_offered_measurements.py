@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.diagnosis import contest
+from springpot.diagnosis import experiment
 from springpot.diagnosis import experiment as e
 from springpot.measurement import Measurement, Units
 from springpot.thresholds import EXPERIMENT
@@ -118,8 +118,8 @@ def test_the_promise_is_the_least_or_where_it_depends_the_mean(sigmas, either, t
     wanted = 0.75 * min(sigmas) + 0.25 * max(sigmas)
     if either:
         wanted = min(sigmas)
-    assert contest.separation(shares, sigmas) == pytest.approx(wanted)
-    told = contest.promise(("a", "b"), shares, sigmas)
+    assert experiment.separation(shares, sigmas) == pytest.approx(wanted)
+    told = experiment.promise(("a", "b"), shares, sigmas)
     assert told.startswith("it separates a from b by") is either
     if not either:
         right, wrong = ("a", "b") if turned else ("b", "a")
@@ -130,7 +130,7 @@ def test_the_promise_is_the_least_or_where_it_depends_the_mean(sigmas, either, t
 
 
 def test_more_than_enough_is_worth_no_more():
-    assert contest._enough(2.9 * SETTLED) == pytest.approx(2.9 * SETTLED)
-    assert contest._enough(4.0 * SETTLED) == pytest.approx(3.0 * SETTLED)
-    assert contest._sigmas(1000.0) == "1000 sigma"
-    assert contest._sigmas(1001.0) == "more than 1000 sigma"
+    assert experiment._enough(2.9 * SETTLED) == pytest.approx(2.9 * SETTLED)
+    assert experiment._enough(4.0 * SETTLED) == pytest.approx(3.0 * SETTLED)
+    assert experiment._sigmas(1000.0) == "1000 sigma"
+    assert experiment._sigmas(1001.0) == "more than 1000 sigma"

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.diagnosis import contest, evidence, experiment, ladder, marginal, notes, scan
+from springpot.diagnosis import evidence, experiment, ladder, marginal, notes, scan
 from springpot.diagnosis import search as searching
 from springpot.diagnosis.search import NEGLIGIBLE
 from springpot.thresholds import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
@@ -17,7 +17,7 @@ SETTLED = EXPERIMENT.settled
 
 
 def test_what_a_contest_is_expected_to_tell_counts_each_side_by_its_chance():
-    assert contest._expected((0.25, 0.75), (2.0, 8.0)) == 6.5
+    assert experiment._expected((0.25, 0.75), (2.0, 8.0)) == 6.5
 
 
 @pytest.mark.parametrize(
@@ -30,12 +30,12 @@ def test_what_a_contest_is_expected_to_tell_counts_each_side_by_its_chance():
     ],
 )
 def test_two_are_told_apart_whoever_is_right_where_both_ways_settle_or_are_alike(sigmas, told):
-    assert contest._either_way(sigmas) is told
+    assert experiment._either_way(sigmas) is told
 
 
 def test_a_question_is_as_open_as_the_odds_of_the_second_answer():
-    assert contest.openness({"a": 0.2, "b": 0.5, "c": 0.1}) == pytest.approx(0.4)
-    assert contest.openness({"a": 0.2}) == contest.openness({"a": 0.0, "b": 0.0}) == 0.0
+    assert experiment.openness({"a": 0.2, "b": 0.5, "c": 0.1}) == pytest.approx(0.4)
+    assert experiment.openness({"a": 0.2}) == experiment.openness({"a": 0.0, "b": 0.0}) == 0.0
 
 
 def test_the_effort_of_a_refit_ends_where_it_is_no_rival():

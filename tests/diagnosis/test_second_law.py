@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.asked import _second_law
+from springpot.diagnosis.grown import _second_law
 from springpot.registry import plugins
 
 FREQUENCY = np.geomspace(0.05, 50.0, 16)

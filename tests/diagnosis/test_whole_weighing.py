@@ -19,7 +19,7 @@ from test_whole_diagnosis import (
     made,
 )
 
-from springpot.diagnosis import contest, evidence, experiment, grown, marginal, notes, scan, verdict
+from springpot.diagnosis import evidence, experiment, grown, marginal, notes, scan, verdict
 from springpot.diagnosis.examination import examine
 from springpot.measurement import Measurement, Units
 from springpot.registry import plugins
@@ -149,10 +149,10 @@ def test_a_measurement_is_promised_in_words(stays):
     stays(
         [
             [
-                contest.promise(("a", "b"), shares, sigmas),
-                contest.separation(shares, sigmas),
-                contest._no_use(action.says, ("a", "b"), sigmas[0]),
-                contest._enough(sigmas[1]),
+                experiment.promise(("a", "b"), shares, sigmas),
+                experiment.separation(shares, sigmas),
+                experiment._no_use(action.says, ("a", "b"), sigmas[0]),
+                experiment._enough(sigmas[1]),
             ]
             for action in list(experiment.actions(made(EXACT)))[:1]
             for shares in ((0.5, 0.5), (0.9, 0.1))

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 import springpot
 from springpot.identification import fit_batch
-from springpot.identification.bordered import Eliminated, LevelSlopes
-from springpot.identification.normal import Arrow, Layout, Whole
+from springpot.identification.normal import Arrow, Eliminated, Layout, LevelSlopes, Whole
 from springpot.identification.population import Errors, component
 from springpot.rheology import levels_of
 

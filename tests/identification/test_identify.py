@@ -220,7 +220,7 @@ def test_a_failed_search_is_repeated_and_reported(monkeypatch):
     # The module is hidden behind the function of the same name.
     import sys
 
-    module = sys.modules["springpot.identification.fitting"]
+    module = sys.modules["springpot.identification.searching"]
     data = noisy_data("fractional-maxwell", 0.02, 7)
     calls = []
 

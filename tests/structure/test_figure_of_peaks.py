@@ -22,7 +22,7 @@ def test_a_temperature_is_told_in_celsius_and_used_in_kelvin():
 
 
 def test_the_bands_of_the_peaks_are_drawn_in_millimetres(undrawn, tmp_path):
-    from springpot.structure.figures import figure_motion
+    from springpot.structure.shown import figure_motion
 
     dampers = tuple(
         Damper(MODEL, THETA, storey, 0.5, np.diag((0.05 * THETA) ** 2)) for storey in (1, 2)
@@ -57,7 +57,7 @@ def test_the_bands_of_the_peaks_are_drawn_in_millimetres(undrawn, tmp_path):
 
 
 def test_a_steady_state_is_drawn_over_hertz_in_millimetres_and_kilonewtons(undrawn, tmp_path):
-    from springpot.structure.figures import figure_steady
+    from springpot.structure.shown import figure_steady
 
     omega = 2.0 * np.pi * np.array([0.5, 1.0, 2.0])
     drift = np.array([[3.0 + 4.0j, 1.0], [1.0, 2.0j], [0.5, 0.1]])
@@ -92,7 +92,7 @@ def simulated_nothing():
 
 def test_peaks_of_many_records_are_drawn_in_millimetres_and_kilonewtons(undrawn, tmp_path):
     from springpot.structure.answers import RecordSuite
-    from springpot.structure.figures import figure_suite
+    from springpot.structure.shown import figure_suite
 
     frame = Frame(np.full(2, 1e5), np.array([8e7, 7e7]), 0.02, (Damper(MODEL, THETA, 1, 0.5),))
     record = artificial(np.random.default_rng(1), duration=2.0, step=0.02)

@@ -22,7 +22,7 @@ from springpot.structure import (
     next_test,
     reading,
     records,
-    tables,
+    shown,
 )
 
 
@@ -274,7 +274,7 @@ def test_the_mean_and_the_envelope_of_records_stand_each_before_its_band(level, 
 
     damper = {"axial_force": row(3e3, 5e3), "stroke": row(7e-3, 9e-3), "energy": row(11e3, 13e3)}
     result = {"storeys": [{"drift": row(0.02, 0.04)}], "dampers": [damper]}
-    tables._show_mean_and_envelope(result, level)
+    shown._show_mean_and_envelope(result, level)
     lines = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
     lines = [[cell.strip() for cell in line if cell.strip()] for line in lines]
     drift = ["drift 1 [mm]", "20.00", "[10.00, 40.00]", "40.00", "[20.00, 80.00]", "record-3"]

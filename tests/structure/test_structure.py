@@ -245,7 +245,7 @@ def test_a_steady_state_has_the_same_axial_force_and_stroke():
 
 def test_the_drift_figure_shows_its_largest_point_whole():
     pytest.importorskip("matplotlib")
-    from springpot.structure.figures import figure_motion
+    from springpot.structure.shown import figure_motion
 
     for frame in (oscillator(Damper(MODEL, THETA)), braced()):
         found = simulate(frame, shaken(0.02), np.random.default_rng(1))

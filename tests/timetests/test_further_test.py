@@ -11,7 +11,7 @@ import pytest
 import springpot
 from springpot import TimeTest
 from springpot.timetests import identify
-from springpot.timetests.experiment import AfterTest, _of_one_class, planned_tests
+from springpot.timetests.diagnosis import AfterTest, _of_one_class, planned_tests
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("fractional-zener")

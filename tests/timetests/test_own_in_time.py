@@ -13,7 +13,7 @@ import springpot
 from springpot.constraints import marked
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
-from springpot.timetests.experiment import planned_tests
+from springpot.timetests.diagnosis import planned_tests
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("zener")

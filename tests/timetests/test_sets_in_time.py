@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from springpot.diagnosis.asked import go_on_to_neighbours
+from springpot.diagnosis.grown import go_on_to_neighbours
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import discover, recorded

@@ -31,8 +31,8 @@ from .comparison import (
     rankings,
     score_cell,
 )
-from .report.fairness import OF_ITS_OWN
 from .robustness import (
+    OF_ITS_OWN,
     anytime_table,
     attainment_table,
     noise_table,

@@ -32,7 +32,6 @@ from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, VERDICT
 
 from ..numerics import SMALLEST
-from .contest import openness, worth_telling_apart
 from .evidence import Evidence, best_with
 from .experiment import (
     experiment_on_confounded,
@@ -40,6 +39,8 @@ from .experiment import (
     experiment_on_unknown,
     experiment_on_untold,
     next_experiment,
+    openness,
+    worth_telling_apart,
 )
 from .grown import Grown, Search
 from .notes import header_notes, notes, unexplained_harmonics

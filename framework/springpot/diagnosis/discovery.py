@@ -18,14 +18,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .asked import (
-    AskedSet,
-    go_on_to_neighbours,
-    in_each_place,
-    one_more,
-    one_or_two_for_one,
-    scanned_beside,
-)
 from .evidence import (
     Evidence,
     credible,
@@ -34,7 +26,17 @@ from .evidence import (
     size_of_scanned,
 )
 from .examination import examine
-from .grown import Grown, Search, at_its_limit
+from .grown import (
+    AskedSet,
+    Grown,
+    Search,
+    at_its_limit,
+    go_on_to_neighbours,
+    in_each_place,
+    one_more,
+    one_or_two_for_one,
+    scanned_beside,
+)
 from .in_practice import Accuracy
 from .ladder import Case, Ladder, Reached, Step, climbed, replaced_by
 from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from springpot.identification.bordered import variance_of
 from springpot.identification.intervals import held_costs
+from springpot.identification.normal import variance_of
 from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.independence import distinct_log_omega, telling

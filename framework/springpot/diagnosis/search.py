@@ -26,8 +26,7 @@ from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import SMALLEST
-from .asked import AskedSet, beside, in_each_place, once, one_more, two_more
-from .grown import Grown, Search
+from .grown import AskedSet, Grown, Search, beside, in_each_place, once, one_more, two_more
 from .result import Fitted, TriedEffect, unseen
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 

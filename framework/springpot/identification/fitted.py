@@ -17,10 +17,9 @@ from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .bordered import LevelSlopes
 from .leastsquares import Trial
 from .material import FINE, SpectrumSearch, is_material, own_parameters
-from .normal import Layout
+from .normal import Layout, LevelSlopes
 from .problem import Objective, numbers_of
 from .space import Expected
 from .task import Task

@@ -24,11 +24,11 @@ from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import PRINTED, ROUNDING, SMALLEST
-from .bordered import RANK
 from .fitted import Fit
 from .intervals import allowed_cost
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
 from .material import SpectrumSearch, is_material, own_parameters
+from .normal import RANK
 from .problem import weighted
 from .uncertainty import Uncertainty
 

@@ -15,10 +15,10 @@ from springpot.thresholds import INTERVAL
 from springpot.writing import NAMED
 
 from ..numerics import NEGLIGIBLE, ROUNDING
-from .bordered import Bordered, variance_of
 from .fitted import Fit
 from .kept import note_on_levels, words_in
 from .known_factors import refused_in_words
+from .normal import Bordered, variance_of
 from .population import FEWEST, told
 from .uncertainty import Uncertainty, printed_covariance
 from .value import LOST

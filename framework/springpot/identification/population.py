@@ -22,9 +22,9 @@ from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL, WHERE
 
 from ..numerics import SMALLEST
-from .bordered import Bordered, Covariance, LevelSlopes
 from .fitted import Fit
 from .material import is_material
+from .normal import Bordered, Covariance, LevelSlopes
 from .value import Value
 
 FEWEST = 3

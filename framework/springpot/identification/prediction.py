@@ -29,8 +29,8 @@ from springpot.thresholds import INTERVAL
 from springpot.writing import LISTED, NAMED, listed, suggested, table, tag
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
-from .bordered import Bordered, Covariance, lost_and_known
 from .kept import called
+from .normal import Bordered, Covariance, lost_and_known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

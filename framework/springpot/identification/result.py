@@ -26,7 +26,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
-from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
 from .fitted import Fit
 from .fitted_quantities import in_short
@@ -41,6 +40,7 @@ from .kept import (
     words_in,
 )
 from .material import is_material
+from .normal import Bordered, Covariance, carried, matrix_of, told_of
 from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes

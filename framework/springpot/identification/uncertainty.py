@@ -18,7 +18,9 @@ from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING
-from .bordered import (
+from .fitted import Fit
+from .material import surprise_at, surprise_slopes
+from .normal import (
     PART,
     RANK,
     Bordered,
@@ -28,8 +30,6 @@ from .bordered import (
     lost_and_known,
     matrix_of,
 )
-from .fitted import Fit
-from .material import surprise_at, surprise_slopes
 from .population import Specimens, follows_specimens
 from .problem import weighted
 from .value import Value, printed

@@ -26,8 +26,7 @@ from .deciding import (
     FoundFactor,
     chance,
 )
-from .figures import figure_cycles
-from .report import CycleReport, Sheet, check_sheets_path, write_sheets
+from .report import CycleReport, Sheet, check_sheets_path, figure_cycles, write_sheets
 
 SHOWN = 40
 """Rows of a budget on a page: all are in the workbook."""

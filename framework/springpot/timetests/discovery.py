@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from springpot.diagnosis.asked import go_on_to_neighbours
+from springpot.diagnosis.grown import go_on_to_neighbours
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by, with_rivals
 from springpot.diagnosis.result import Fitted, Progress, silent, unseen

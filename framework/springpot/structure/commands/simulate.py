@@ -105,7 +105,7 @@ def _one(
     from springpot.structure.motion import simulate
     from springpot.structure.reading import read_structure
     from springpot.structure.records import read_record
-    from springpot.structure.tables import show_motion
+    from springpot.structure.shown import show_motion
 
     draws, seed, further = asked
     # One generator for the record and the draws: one seed repeats both.
@@ -113,7 +113,7 @@ def _one(
     frame, shaken = read_structure(structure), read_record(record, rng)
     simulation = simulate(frame, shaken, rng, draws)
     if figure is not None:
-        from springpot.structure.figures import figure_motion
+        from springpot.structure.shown import figure_motion
 
         figure_motion(simulation, figure)
     result = described(simulation) | _further(frame, [shaken], further)
@@ -144,7 +144,7 @@ def _many(
     from springpot.structure.motion import Simulation, simulate
     from springpot.structure.reading import read_structure
     from springpot.structure.records import read_record
-    from springpot.structure.tables import show_suite
+    from springpot.structure.shown import show_suite
 
     draws, seed, further = asked
     frame, rng = read_structure(structure), np.random.default_rng(seed)
@@ -165,7 +165,7 @@ def _many(
         return worst
     suite = RecordSuite(done, refused)
     if figure is not None:
-        from springpot.structure.figures import figure_suite
+        from springpot.structure.shown import figure_suite
 
         figure_suite(suite, figure)
     shaken = [each.motion.record for each in done]
@@ -181,11 +181,11 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     from springpot.structure.answers import described_steady
     from springpot.structure.frame import steady_of
     from springpot.structure.reading import read_structure
-    from springpot.structure.tables import show_steady
+    from springpot.structure.shown import show_steady
 
     steady = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))
     if figure is not None:
-        from springpot.structure.figures import figure_steady
+        from springpot.structure.shown import figure_steady
 
         figure_steady(steady, figure)
     result = described_steady(steady)
