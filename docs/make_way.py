@@ -43,7 +43,7 @@ ROOMS = [
     Room(
         "misfit",
         "how far the model is off, beside which noise and which material floor, and where",
-        "misfit/floor.py  material.py  residual_battery.py  where.py",
+        "misfit/floor.py  material.py  residual_tests.py  where.py",
     ),
     Room(
         "diagnosis",

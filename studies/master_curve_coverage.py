@@ -31,7 +31,7 @@ import springpot
 from springpot import Measurement, TimeTest
 from springpot.benchmark import Interval, Table, save_table
 from springpot.rheology import Continuum, Points
-from springpot.rheology.continuum import Relaxation
+from springpot.rheology.elements import Relaxation
 
 ROOT = Path(__file__).resolve().parent.parent
 LN10 = float(np.log(10.0))

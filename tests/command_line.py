@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot.cli.group import exit_code, run
 
 
 @dataclass(frozen=True)

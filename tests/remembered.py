@@ -44,12 +44,12 @@ _known: dict[tuple[str, bytes], tuple[Any, list[Any]]] = {}
 def remember(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the public functions look first whether they were asked the same before."""
     import springpot.api
-    import springpot.judgement
+    import springpot.timetests.comparing
 
     for name in EXAMINATIONS:
         monkeypatch.setattr(springpot.api, name, _remembering(getattr(springpot.api, name)))
-    compare = _remembering(springpot.judgement.compare)
-    monkeypatch.setattr(springpot.judgement, "compare", compare)
+    compare = _remembering(springpot.timetests.comparing.compare)
+    monkeypatch.setattr(springpot.timetests.comparing, "compare", compare)
     for place in RUNGS:
         module = importlib.import_module(place)
         monkeypatch.setattr(module, "examine", _remembering(module.examine))

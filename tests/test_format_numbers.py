@@ -3,9 +3,16 @@
 import pytest
 
 from springpot.errors import DataError
-from springpot.format_numbers import at_place, counted, exponent_of, number
-from springpot.inputs import bytes_of, text_in
-from springpot.suggestions import accepting, suggested, with_model
+from springpot.files import bytes_of, text_in
+from springpot.writing import (
+    accepting,
+    at_place,
+    counted,
+    exponent_of,
+    number,
+    suggested,
+    with_model,
+)
 
 INF = float("inf")
 

@@ -7,8 +7,8 @@ import pytest
 
 import springpot
 from springpot.errors import SpringpotError
+from springpot.files import json_of
 from springpot.identification import Value
-from springpot.inputs import json_of
 from springpot.plain_data import jsonable
 
 

@@ -153,7 +153,7 @@ BOUNDARIES = {
     "framework/springpot/benchmark/fork_server.py:of": (
         "what pickle says of a study that cannot be sent"
     ),
-    "framework/springpot/cli/faults.py:_exit_code": TOP,
+    "framework/springpot/cli/group.py:_exit_code": TOP,
     "framework/springpot/identification/runs.py:_supervised": OPTIMISER,
     "framework/springpot/loading.py:_read": STRANGER,
     "framework/springpot/loading.py:load": STRANGER,
@@ -188,10 +188,10 @@ BOUNDARIES = {
     "plugins/springpot_plugins/readers/trios_json.py:_parsed": STRANGER,
     "framework/springpot/cli/group.py:_table": PLUGIN,
     "framework/springpot/files.py:_is_stdout": "a stream that has no number, as a test's has none",
-    "framework/springpot/identification/fitting.py:_elsewhere": OPTIMISER,
-    "framework/springpot/identification/fitting.py:action": OPTIMISER,
-    "framework/springpot/inputs.py:bytes_of": STRANGER,
-    "framework/springpot/inputs.py:toml_in": STRANGER,
+    "framework/springpot/identification/searching.py:_elsewhere": OPTIMISER,
+    "framework/springpot/identification/searching.py:action": OPTIMISER,
+    "framework/springpot/files.py:bytes_of": STRANGER,
+    "framework/springpot/files.py:toml_in": STRANGER,
     "framework/springpot/limits.py:address_space": "a system without these counters",
     "framework/springpot/measurement/opening.py:tests": PLUGIN,
     "plugins/springpot_plugins/datasets/manifest.py:read_manifest": STRANGER,

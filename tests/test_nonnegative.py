@@ -5,7 +5,7 @@ import pytest
 import scipy.optimize
 from scipy.optimize import lsq_linear
 
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 
 
 def columns(step):

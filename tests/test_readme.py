@@ -59,7 +59,7 @@ def masked(line: str) -> str:
 
 def run(command: str) -> list[str]:
     """What a command of springpot prints."""
-    from springpot.cli.faults import exit_code
+    from springpot.cli.group import exit_code
     from springpot.cli.group import run as springpot
 
     name, *arguments = shlex.split(command)

@@ -29,8 +29,7 @@ RUNS = r"^```(?:console|python)"
 
 def commanded(line: str) -> list[str]:
     """What a command of springpot prints; ``> FILE`` puts it there."""
-    from springpot.cli.faults import exit_code
-    from springpot.cli.group import run
+    from springpot.cli.group import exit_code, run
 
     words = shlex.split(line)
     target = words[words.index(">") + 1] if ">" in words else None

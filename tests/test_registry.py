@@ -13,9 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from springpot import owners
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot import errors
+from springpot.cli.group import exit_code, run
 from springpot.errors import ModelError, PluginError
 from springpot.registry import Registry, plugins
 from springpot.surroundings import surroundings
@@ -437,7 +436,7 @@ def test_a_plugin_that_gives_no_number_or_raises_is_named(
         for name, item in offered.shelves[word].items.items():
             monkeypatch.setitem(shelf.items, name, item)
             monkeypatch.setitem(shelf._from, name, offered.shelves[word].owner(name))
-    monkeypatch.setattr(owners, "_by_module", offered.owner_of_module)
+    monkeypatch.setattr(errors, "_by_module", offered.owner_of_module)
     monkeypatch.chdir(tmp_path)
     Path("bad.txt").write_text("BAD\n")
     for asked in ASKED.values():

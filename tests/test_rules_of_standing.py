@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot import identified, judgement
+from springpot import loading
 from springpot.comparison.result import ONLY_NOISE
 from springpot.errors import DataError
 from springpot.identification.problem import relative_objective
 from springpot.measurement import Units
 from springpot.rheology.parameters import Dimension
+from springpot.timetests import comparing
 
 
 @cache
@@ -32,8 +33,8 @@ def judged(monkeypatch):
     error = SimpleNamespace(relative_rms=0.02, noise_floor=0.01, noise_source="estimated")
     said = SimpleNamespace(error=error, says=ONLY_NOISE, fails=False, unclear=False)
     asked = SimpleNamespace(judgements=[said])
-    monkeypatch.setattr(judgement, "compare", lambda data, models, rng: asked)
-    monkeypatch.setattr(judgement, "lowest_error", lambda *given: 0.005)
+    monkeypatch.setattr(comparing, "compare_sweeps", lambda data, models, rng: asked)
+    monkeypatch.setattr(comparing, "lowest_error", lambda *given: 0.005)
     return said
 
 
@@ -56,7 +57,7 @@ def fit(error=0.02, **more):
 )
 def test_a_search_stopped_short_half_again_above_what_its_model_reaches(judged, error, noise, good):
     judged.error.noise_floor = noise
-    found = judgement.standing_of(fit(error))
+    found = comparing.standing_of(fit(error))
     assert found.good_enough is good
     assert ("this model reaches 2 % on these data" in found.says) is not good
     assert (found.noise_floor, found.material_floor) == (noise, 0.005)
@@ -66,52 +67,52 @@ def test_a_search_stopped_short_half_again_above_what_its_model_reaches(judged, 
 def test_a_model_that_fails_or_may_is_none_that_a_longer_search_mends(judged, fault):
     setattr(judged, fault, True)
     for error in (0.02, 9.0):
-        found = judgement.standing_of(fit(error))
+        found = comparing.standing_of(fit(error))
         assert (found.good_enough, found.says) == (False, ONLY_NOISE)
 
 
 def test_another_objective_may_leave_a_larger_error(judged):
     other = replace(fitted().fit, objective=replace(relative_objective(), name="another"))
-    assert judgement.standing_of(fit(9.0, fit=other)).good_enough
+    assert comparing.standing_of(fit(9.0, fit=other)).good_enough
 
 
 def test_of_too_few_numbers_nothing_is_said(judged, monkeypatch):
-    few = SimpleNamespace(dof=judgement.FEWEST_ABOUT_MODEL - 1)
-    assert judgement.standing_of(fit(fit=few)) is None
+    few = SimpleNamespace(dof=comparing.FEWEST_ABOUT_MODEL - 1)
+    assert comparing.standing_of(fit(fit=few)) is None
 
     def refused(*given):
         raise DataError("too few")
 
-    monkeypatch.setattr(judgement, "compare", refused)
-    assert judgement.standing_of(fit()) is None
+    monkeypatch.setattr(comparing, "compare_sweeps", refused)
+    assert comparing.standing_of(fit()) is None
 
 
 def test_what_specimens_differ_by_is_not_called_noise(judged, monkeypatch):
     kept = SimpleNamespace(scatter=lambda fit: 0.031)
-    monkeypatch.setattr(judgement, "Specimens", SimpleNamespace(of=lambda data: kept))
-    found = judgement.standing_of(fit())
+    monkeypatch.setattr(comparing, "Specimens", SimpleNamespace(of=lambda data: kept))
+    found = comparing.standing_of(fit())
     assert found.says == "what is left is that specimens differ by 3.1 %"
     kept.scatter = lambda fit: None
-    assert judgement.standing_of(fit()).says == ONLY_NOISE
+    assert comparing.standing_of(fit()).says == ONLY_NOISE
 
 
 @pytest.mark.parametrize("fails", [True, False])
 def test_tests_in_time_stand_by_their_own_judgement(monkeypatch, fails):
     error = SimpleNamespace(noise_floor=0.01, noise_source="estimated", material_floor=0.02)
     said = SimpleNamespace(error=error, fails=fails, says="as it is")
-    monkeypatch.setattr(judgement, "judgement_of", lambda identified, delta, floor: said)
-    monkeypatch.setattr(judgement, "material_floor", lambda identified: 0.02)
-    found = judgement.standing_of(SimpleNamespace(uncertainty=None))
+    monkeypatch.setattr(comparing, "judgement_of", lambda identified, delta, floor: said)
+    monkeypatch.setattr(comparing, "material_floor", lambda identified: 0.02)
+    found = comparing.standing_of(SimpleNamespace(uncertainty=None))
     assert (found.good_enough, found.says, found.material_floor) == (not fails, "as it is", 0.02)
 
 
 def test_what_a_user_states_is_in_the_units_of_the_stiffness():
     """A mass in kg and a time in s, a stiffness and a force as they are given."""
-    known = identified.stated("coulomb-friction", {"friction.F": 3.0}, "kN/m", "--unit")
+    known = loading.stated("coulomb-friction", {"friction.F": 3.0}, "kN/m", "--unit")
     assert known.theta == pytest.approx([3.0])
-    known = identified.stated("kelvin", {"k": 3.0, "c": 0.5}, "kN/m", "--unit")
+    known = loading.stated("kelvin", {"k": 3.0, "c": 0.5}, "kN/m", "--unit")
     assert known.theta == pytest.approx([3.0, 0.5])
     assert (known.units.stiffness, known.units.amplitude) == ("kN/m", "m")
-    assert identified._factor(known.units, Dimension(1, 0, 1)) == 1.0
-    assert identified._factor(known.units, Dimension(1, 2)) == 1000.0
-    assert identified.stated("kelvin", {"k": 3.0, "c": 0.5}, None, "--unit").units == Units()
+    assert loading._factor(known.units, Dimension(1, 0, 1)) == 1.0
+    assert loading._factor(known.units, Dimension(1, 2)) == 1000.0
+    assert loading.stated("kelvin", {"k": 3.0, "c": 0.5}, None, "--unit").units == Units()

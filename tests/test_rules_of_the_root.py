@@ -12,9 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot import api, constraints, files, inputs, limits, nonnegative, plain_data, processes
+from springpot import api, constraints, files, limits, numerics, plain_data, processes
 from springpot import distributions as own
-from springpot import format_numbers as numbers
+from springpot import writing as numbers
 from springpot.api import library
 from springpot.errors import DataError, ModelError, OptionError, OutputError, SpringpotError
 from springpot.measurement import Measurement, Units
@@ -66,10 +66,10 @@ def test_numbers_in_words(stays):
 
 def test_least_squares_without_negative_weights():
     matrix = np.array([[1.0, 0.9, 0.0], [0.0, 0.5, 1.0], [1.0, 0.0, 1.0], [0.3, 0.2, 0.1]])
-    weights, left = nonnegative.non_negative(matrix, matrix @ np.array([2.0, 0.0, 1.0]))
+    weights, left = numerics.non_negative(matrix, matrix @ np.array([2.0, 0.0, 1.0]))
     np.testing.assert_allclose(weights, [2.0, 0.0, 1.0], atol=1e-12)
     assert left == pytest.approx(0.0, abs=1e-20)
-    weights, left = nonnegative.non_negative(np.eye(3), np.array([1.0, -2.0, 3.0]))
+    weights, left = numerics.non_negative(np.eye(3), np.array([1.0, -2.0, 3.0]))
     np.testing.assert_allclose(weights, [1.0, 0.0, 3.0])
     assert left == pytest.approx(4.0)
 
@@ -192,17 +192,17 @@ def test_what_a_file_declares_is_of_its_kind():
 def test_a_file_is_read_up_to_its_size_and_not_beyond(tmp_path):
     path = tmp_path / "a.txt"
     path.write_bytes(b"x" * 2048)
-    assert len(inputs.bytes_of(path, 2048)) == 2048
+    assert len(files.bytes_of(path, 2048)) == 2048
     with pytest.raises(DataError, match="at most 1 KiB are read in one piece"):
-        inputs.bytes_of(path, 2047)
-    assert [inputs._size(most) for most in (1 << 20, (1 << 20) - 1, 64 << 20)] == [
+        files.bytes_of(path, 2047)
+    assert [files._size(most) for most in (1 << 20, (1 << 20) - 1, 64 << 20)] == [
         "1 MiB",
         "1023 KiB",
         "64 MiB",
     ]
     path.write_bytes(b"ab\xff")
     with pytest.raises(DataError, match=r"\(byte 2\)"):
-        inputs.text_in(path)
+        files.text_in(path)
 
 
 @pytest.mark.parametrize(
@@ -217,23 +217,23 @@ def test_a_file_is_read_up_to_its_size_and_not_beyond(tmp_path):
 )
 def test_json_holds_numbers_that_can_be_used(text, says):
     if not says:
-        assert inputs.json_of(text, finite=True) == [1e150, -1e150, 2]
+        assert files.json_of(text, finite=True) == [1e150, -1e150, 2]
         return
     with pytest.raises(ValueError, match=says):
-        inputs.json_of(text, finite=True)
+        files.json_of(text, finite=True)
 
 
 def test_json_and_toml_are_bounded(monkeypatch):
-    monkeypatch.setattr(inputs, "MOST_CONTAINERS", 3)
-    assert inputs.json_of('[[], {"a": 1}]') == [[], {"a": 1}]
+    monkeypatch.setattr(files, "MOST_CONTAINERS", 3)
+    assert files.json_of('[[], {"a": 1}]') == [[], {"a": 1}]
     with pytest.raises(ValueError, match="more than 3 lists and objects"):
-        inputs.json_of("[[], [], {}]")
-    assert inputs.toml_of("a = 1.5\nb.c = 2") == {"a": 1.5, "b": {"c": 2}}
+        files.json_of("[[], [], {}]")
+    assert files.toml_of("a = 1.5\nb.c = 2") == {"a": 1.5, "b": {"c": 2}}
     with pytest.raises(ValueError, match="is no finite number"):
-        inputs.toml_of("a = inf")
-    assert inputs.toml_of("a" + ".b" * 40 + " = 1")
+        files.toml_of("a = inf")
+    assert files.toml_of("a" + ".b" * 40 + " = 1")
     with pytest.raises(ValueError, match="nested too deeply"):
-        inputs.toml_of("a" + ".b" * 50 + " = 1")
+        files.toml_of("a" + ".b" * 50 + " = 1")
 
 
 def test_limits_hold_in_an_own_process_and_its_main_thread_alone():

@@ -24,20 +24,19 @@ from springpot.diagnosis.discovery import discover as discover_objects
 from springpot.diagnosis.examination import diagnose as diagnose_objects
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.meanwhile import Fitted, unseen
-from springpot.diagnosis.result import Diagnosis, Progress, silent
+from springpot.diagnosis.result import Diagnosis, Fitted, Progress, silent, unseen
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.calibration import calibration_of
+from springpot.identification.fitted import Fit
 from springpot.identification.fitting import identify as identify_objects
-from springpot.identification.fitting import searched
-from springpot.identification.native import Fit
 from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
+from springpot.identification.searching import searched
 from springpot.identification.space import require_conditions
 from springpot.invention.inventing import invent as invent_objects
 from springpot.invention.result import Invention
-from springpot.measurement.joining import joined
+from springpot.measurement.conversion import joined
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import PROMISED, Test, sweep_of
 from springpot.measurement.other_test import OtherTest
@@ -57,8 +56,8 @@ from springpot.timetests.prediction import predict_test
 from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.where import TestPrediction
 
-from .judgement import standing_of
 from .thresholds import INTERVAL, INTERVALS
+from .timetests.comparing import standing_of
 
 Data: TypeAlias = Test | str | Path | Sequence[Test | str | Path]
 """What users give: a test, its file or name, or several of one specimen."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.material import is_material
 from springpot.identification.runs import Optimiser
-from springpot.measurement.joining import FILE, LEVELS, file_of
+from springpot.measurement.conversion import FILE, LEVELS, file_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, conditions, sweep_of, tests_without, together
 from springpot.measurement.units import Units

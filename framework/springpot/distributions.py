@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import betaln, chdtrc, fdtrc, fdtri, gammaincc, gammaincinv, ndtr, ndtri, stdtrit
 
+from .numerics import SMALLEST, Real
+
 Chance: TypeAlias = NDArray[np.float64] | Any
 
 LIKENESS = 0.98
@@ -128,3 +130,31 @@ def samples_of_one(residual: NDArray[np.float64]) -> float:
     # Misses that alternate would claim more than one independent number a sample.
     likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
     return (1.0 + likeness) / (1.0 - likeness)
+
+
+def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
+    """Factor on variances because neighbouring residuals are alike.
+
+    (1 + r) / (1 - r) for their correlation r.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (2n,)
+        In units of its own scatter: the real parts, then the imaginary ones.
+    omega : ndarray, shape (n,)
+        Angular frequencies.
+    number : ndarray of int, shape (n,)
+        Level of each point.
+    """
+    # Level by level, rising in frequency: only so are neighbours neighbours.
+    order = np.lexsort((omega, number))
+    pairs = residual.reshape(2, -1).T[order]
+    same = np.diff(number[order]) == 0
+    product = 0.0
+    # Neighbours of different levels are no neighbours.
+    if np.any(same):
+        product = float(np.mean((pairs[1:] * pairs[:-1])[same]))
+    # A negative correlation would narrow the intervals, on no more than a guess.
+    variance = max(float(np.mean(pairs**2)), SMALLEST)
+    r = float(np.clip(product / variance, 0.0, LIKENESS))
+    return (1.0 + r) / (1.0 - r)

@@ -1,13 +1,20 @@
-"""Names of a package that are imported when they are first asked for.
+"""What is loaded only when it is asked for: names of a package, pictures and texts of results.
 
-So that the package itself costs nothing.
+A package itself costs nothing. Results live below the room that makes pictures, and must not import
+it: its name here is the only thread upwards, and whoever draws nothing never loads a library of
+pictures.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def offered(
@@ -42,3 +49,56 @@ def offered(
         return sorted(where)
 
     return get, listed
+
+
+# As names, not as imports: the rooms below must not know the one above.
+DRAWS, TELLS = "springpot.report.result_plots", "springpot.report.told"
+
+
+def draw(
+    result: object, path: str | Path | None = None, axes: Axes | None = None
+) -> Figure | Axes | Path:
+    """Draw a result on axes that are given, into a file, or on a figure of its own.
+
+    Parameters
+    ----------
+    result : object
+        Anything that `springpot.report.result_plots` knows.
+    path : str or Path, optional
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; the figure is then the caller's.
+
+    Returns
+    -------
+    Axes, Path or Figure
+        The axes that were given, the file that was written, or a figure that shows itself in a
+        notebook.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing, the file cannot be written, or both places are given.
+    """
+    drawn: Figure | Axes | Path = import_module(DRAWS).drawn(result, path, axes)
+    return drawn
+
+
+def draw_view(
+    result: object, view: str, path: str | Path | None = None, axes: Axes | None = None
+) -> Figure | Axes | Path:
+    """One view of a fit, as wide as a journal's column where no axes are given; see `draw`."""
+    drawn: Figure | Axes | Path = import_module(DRAWS).one_view(result, view, path, axes)
+    return drawn
+
+
+def text_of(result: object) -> str:
+    """What the command line prints of a result."""
+    text: str = import_module(TELLS).told(result)
+    return text
+
+
+def html_of(result: object) -> str:
+    """What a notebook shows of a result."""
+    page: str = import_module(TELLS).shown(result)
+    return page

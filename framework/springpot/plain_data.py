@@ -43,7 +43,7 @@ def jsonable(value: Any) -> Any:
     return str(value)
 
 
-def number(value: float | None, missing: float = nan) -> float:
+def json_number(value: float | None, missing: float = nan) -> float:
     """A number as JSON tells it, which has null for one that is not finite."""
     if value is None:
         return missing

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,6 +22,7 @@ from springpot.errors import (
     OutputError,
     PluginError,
     SpringpotError,
+    use_owners,
 )
 from springpot.files import write_text
 from springpot.identification.runs import Optimiser
@@ -34,12 +35,11 @@ from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals
 from springpot.measurement.suite import Suite
 from springpot.measurement.timetest import TimeTest
-from springpot.owners import use_owners
 from springpot.rheology.effect import Effect, use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
-from springpot.suggestions import suggested
 from springpot.surroundings import kept_surroundings
+from springpot.writing import suggested
 
 from .catalogue import KINDS, Kind, Owner, Shelf
 from .measurement import opening
@@ -609,3 +609,27 @@ def write_measurement(measurement: Measurement, path: str | Path) -> Path:
         if reader.text is not None:
             return write_text(path, reader.text(measurement))
     raise OutputError(f"cannot write {path}: no plugin offers a format to write measurements in")
+
+
+LIBRARIES = ("springpot", "numpy", "scipy", "nlopt", "cma", "pluggy")
+"""Distributions on which numbers depend."""
+
+
+def versions(further: Iterable[str] = ()) -> dict[str, str]:
+    """Versions by distribution: the libraries, those of all plugins, and further ones.
+
+    What is absent is left out.
+
+    Parameters
+    ----------
+    further : iterable of str
+        Names of distributions.
+    """
+    by_name = {}
+    for name in dict.fromkeys((*LIBRARIES, *plugins().distributions(), *further)):
+        try:
+            by_name[name] = version(name)
+        # An extra that is not installed had no part in the result.
+        except PackageNotFoundError:
+            continue
+    return by_name

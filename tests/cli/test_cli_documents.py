@@ -14,7 +14,7 @@ import pytest
 import documents
 from springpot.benchmark.gate.baseline import read_baseline
 from springpot.errors import DataError
-from springpot.inputs import LARGEST, json_of, toml_in, toml_of
+from springpot.files import LARGEST, json_of, toml_in, toml_of
 from springpot.web.sessions import session_of
 from springpot.web.tasks import perform
 

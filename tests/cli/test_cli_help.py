@@ -30,17 +30,7 @@ def test_help_loads_no_library_and_no_room():
     own = {name for name in loaded if name.startswith("springpot.")}
     tables = {name for name in own if name.endswith(".commands")}
     assert own - tables - {name.removesuffix(".commands") for name in tables} == {
-        f"springpot.{name}"
-        for name in (
-            "cli",
-            "cli.faults",
-            "cli.group",
-            "errors",
-            "lazy",
-            "limits",
-            "owners",
-            "terminal_safe",
-        )
+        f"springpot.{name}" for name in ("cli", "cli.group", "errors", "lazy", "limits")
     }
 
 

@@ -288,10 +288,10 @@ def test_rows_of_several_tests_are_compared_one_by_one(springpot, write):
 
 
 def test_who_waits_is_told_why(capsys, monkeypatch):
-    from springpot.cli import waiting
+    from springpot.cli import hints
 
-    monkeypatch.setattr(waiting, "PATIENCE", 0.01)
-    with waiting.Waiting() as told:
+    monkeypatch.setattr(hints, "PATIENCE", 0.01)
+    with hints.Waiting() as told:
         told.told("looking here")
         while not told._begun:
             sleep(0.01)
@@ -301,8 +301,8 @@ def test_who_waits_is_told_why(capsys, monkeypatch):
     assert out == ""
     assert err.splitlines()[-1].startswith("fitting model ")
     assert len(err.splitlines()) <= 2
-    monkeypatch.setattr(waiting, "PATIENCE", 60.0)
-    with waiting.Waiting() as told:
+    monkeypatch.setattr(hints, "PATIENCE", 60.0)
+    with hints.Waiting() as told:
         told.told("looking here")
     assert capsys.readouterr().err == ""
 
@@ -394,6 +394,6 @@ def test_a_ladder_is_a_picture(heavy, tmp_path):
 
 
 def test_a_stage_that_is_told_keeps_no_process_alive():
-    from springpot.cli import waiting
+    from springpot.cli import hints
 
-    assert waiting.Waiting()._thread.daemon
+    assert hints.Waiting()._thread.daemon

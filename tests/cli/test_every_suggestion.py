@@ -1,6 +1,6 @@
 """Every place that shows a command to be copied is tried, and what it shows is taken.
 
-`springpot.suggestions.suggested` makes all of them; a place without a scenario here fails.
+`springpot.writing.suggested` makes all of them; a place without a scenario here fails.
 """
 
 import ast
@@ -24,7 +24,7 @@ from springpot.errors import SpringpotError
 from springpot.measurement import Measurement
 from springpot.measurement.covered import Covered
 from springpot.registry import parse_model, plugins
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 ROOT = Path(package.__file__).parent
 FILES = {
@@ -103,7 +103,7 @@ def too_large(_):
     def greedy():
         raise MemoryError
 
-    called("measurement/budget.py:within_budget")(Path("record.csv"), greedy)
+    called("files.py:within_budget")(Path("record.csv"), greedy)
 
 
 def by_column(_):
@@ -206,19 +206,17 @@ SCENARIOS = {
     "cli/timetests.py:_show_diagnosis": printing(
         "cli/timetests.py:_show_diagnosis", IN_TIME, [], ["step.csv"], "maxwell", False
     ),
-    "diagnosis/actions.py:accepting": of_call(
-        "diagnosis/actions.py:accepting", "inertia", True, 0.1
+    "diagnosis/result.py:accepting": of_call("diagnosis/result.py:accepting", "inertia", True, 0.1),
+    "diagnosis/result.py:leaving_out": of_call("diagnosis/result.py:leaving_out", 3, 0.1),
+    "diagnosis/result.py:leaving_out_the_beginning": of_call(
+        "diagnosis/result.py:leaving_out_the_beginning", 0.3
     ),
-    "diagnosis/actions.py:leaving_out": of_call("diagnosis/actions.py:leaving_out", 3, 0.1),
-    "diagnosis/actions.py:leaving_out_the_beginning": of_call(
-        "diagnosis/actions.py:leaving_out_the_beginning", 0.3
-    ),
-    "diagnosis/actions.py:splitting": of_call("diagnosis/actions.py:splitting", "temperature", 0.1),
-    "diagnosis/actions.py:turning": of_call("diagnosis/actions.py:turning", "sweep.csv"),
+    "diagnosis/result.py:splitting": of_call("diagnosis/result.py:splitting", "temperature", 0.1),
+    "diagnosis/result.py:turning": of_call("diagnosis/result.py:turning", "sweep.csv"),
     "diagnosis/notes.py:_by_column": by_column,
     "identification/prediction.py:require_known": unknown_condition,
-    "identified.py:no_fit": of_call("identified.py:no_fit", "sweep.csv"),
-    "measurement/budget.py:within_budget": too_large,
+    "loading.py:no_fit": of_call("loading.py:no_fit", "sweep.csv"),
+    "files.py:within_budget": too_large,
     "measurement/opening.py:_named": of_command("inspect", "none"),
     "measurement/opening.py:_signals_by": of_command("signals", "sweep.csv"),
     "measurement/suite.py:problem": of_command("list", "suites", "springpot-60/zzz"),
@@ -248,13 +246,13 @@ def shown(monkeypatch):
         command = suggested(*words)
         frame = inspect.currentframe().f_back
         # What adds the options of the command that runs is not what suggests.
-        while frame.f_code.co_name.startswith("<") or "onward" in frame.f_code.co_filename:
+        while frame.f_code.co_name.startswith("<") or "hints" in frame.f_code.co_filename:
             frame = frame.f_back
         place = Path(frame.f_code.co_filename).relative_to(ROOT).as_posix()
         made.append((f"{place}:{frame.f_code.co_name}", command))
         return command
 
-    monkeypatch.setattr("springpot.suggestions.suggested", recorded)
+    monkeypatch.setattr("springpot.writing.suggested", recorded)
     for module in list(sys.modules.values()):
         if getattr(module, "suggested", None) is suggested and module.__name__ != __name__:
             monkeypatch.setattr(module, "suggested", recorded)

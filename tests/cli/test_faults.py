@@ -7,7 +7,7 @@ import sys
 import click
 import pytest
 
-from springpot.cli.faults import exit_code
+from springpot.cli.group import exit_code
 from springpot.errors import DataError
 
 

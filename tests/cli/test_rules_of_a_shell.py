@@ -15,7 +15,7 @@ import pytest
 
 import springpot.cli as shell
 from springpot import api, loading
-from springpot.cli import common, diagnose, discover, group, init, invent, waiting
+from springpot.cli import common, diagnose, discover, group, hints, init, invent
 
 
 @pytest.mark.parametrize(("fd", "name"), [(0, "stdin"), (1, "stdout"), (2, "stderr")])
@@ -119,9 +119,9 @@ class Terminal(io.StringIO):
 
 @pytest.mark.parametrize("tty", [True, False])
 def test_a_stage_is_shown_in_place_on_a_terminal_and_gone_at_the_end(tty, monkeypatch):
-    monkeypatch.setattr(waiting, "PATIENCE", 0.005)
+    monkeypatch.setattr(hints, "PATIENCE", 0.005)
     monkeypatch.setattr(sys, "stderr", Terminal(tty))
-    with waiting.Waiting() as shown:
+    with hints.Waiting() as shown:
         shown.told("fitting a model")
         assert sys.stderr.written.wait(5.0)
     shown.told("what nobody waits for")
@@ -130,13 +130,13 @@ def test_a_stage_is_shown_in_place_on_a_terminal_and_gone_at_the_end(tty, monkey
     if not tty:
         assert text == "fitting a model\n"
         return
-    assert lines[1] == f"{'fitting a model, 0 s':{waiting.WIDTH}}"
-    assert lines[-2:] == [" " * waiting.WIDTH, ""]
+    assert lines[1] == f"{'fitting a model, 0 s':{hints.WIDTH}}"
+    assert lines[-2:] == [" " * hints.WIDTH, ""]
 
 
 def test_nothing_is_written_over_where_nothing_was_shown(monkeypatch):
     monkeypatch.setattr(sys, "stderr", Terminal(True))
-    with waiting.Waiting() as shown:
+    with hints.Waiting() as shown:
         shown.told("fitting a model")
     assert sys.stderr.getvalue() == ""
 

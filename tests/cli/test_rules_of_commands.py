@@ -11,7 +11,7 @@ import click
 import pytest
 
 from springpot import api, registry
-from springpot.cli import CtrlC, common, compare, diagnose, group, listing, timetests, waiting
+from springpot.cli import CtrlC, common, compare, diagnose, group, hints, listing, timetests
 from springpot.errors import DataError
 from springpot.measurement import Loading, TimeTest
 
@@ -36,7 +36,7 @@ class Shown:
 def test_nothing_moves_on_the_terminal_while_an_optimiser_runs_in_a_copy(optimiser, monkeypatch):
     words, drawn, printed = [], [], []
     fit = SimpleNamespace(plot=drawn.append, standing=None)
-    monkeypatch.setattr(waiting, "Waiting", lambda: Shown(words))
+    monkeypatch.setattr(hints, "Waiting", lambda: Shown(words))
     monkeypatch.setattr(api, "identify", lambda tests, model, **options: fit)
     monkeypatch.setattr(timetests, "emit", lambda what, as_json, show: printed.append(as_json))
     model = SimpleNamespace(name="maxwell")

@@ -9,7 +9,7 @@ from time import sleep
 import numpy as np
 import pytest
 
-from springpot.cli import waiting
+from springpot.cli import hints
 from springpot.cli.group import CORE
 from springpot.registry import parse_model
 
@@ -114,7 +114,7 @@ def folder(tmp_path, monkeypatch, asked_once):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     # What is told to those who wait hangs on the machine.
-    monkeypatch.setattr(waiting, "PATIENCE", 1e3)
+    monkeypatch.setattr(hints, "PATIENCE", 1e3)
     return tmp_path
 
 
@@ -167,8 +167,8 @@ def test_prediction(springpot, folder, undrawn, asked, stays):
 
 
 def test_those_who_wait_are_told_each_kind_of_stage_once(monkeypatch, capsys):
-    monkeypatch.setattr(waiting, "PATIENCE", 0.001)
-    with waiting.Waiting() as told:
+    monkeypatch.setattr(hints, "PATIENCE", 0.001)
+    with hints.Waiting() as told:
         for stage in ("fitting a", "fitting b", "weighing"):
             told.told(stage)
             sleep(0.05)
@@ -176,7 +176,7 @@ def test_those_who_wait_are_told_each_kind_of_stage_once(monkeypatch, capsys):
 
 
 def test_nobody_is_told_before_a_second_is_over(capsys):
-    with waiting.Waiting() as told:
+    with hints.Waiting() as told:
         told.told("fitting a")
         sleep(0.05)
     assert capsys.readouterr().err == ""

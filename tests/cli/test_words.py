@@ -34,7 +34,7 @@ def test_discovery_says_what_an_accepted_effect_may_be_as_well(springpot):
 
 
 def test_large_numbers_are_written_out():
-    from springpot.misfit.words import plain
+    from springpot.misfit.error import plain
 
     assert [plain(value, 2) for value in (890.4, 12.0, 0.05, 1234.0, 3e7)] == [
         "890",

@@ -13,7 +13,7 @@ import springpot
 from springpot.derived import quantities
 from springpot.distributions import student
 from springpot.errors import SpringpotError
-from springpot.identification.derived.from_data import AROUND, _plateau, linear_limit
+from springpot.identification.measured_quantities import AROUND, _plateau, linear_limit
 from springpot.report.told import told
 
 OMEGA = np.geomspace(0.01, 100.0, 30)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from springpot.identification.derived import from_data
-from springpot.identification.derived.from_data import ENDS, FALL, FEWEST
+from springpot.identification import measured_quantities
+from springpot.identification.measured_quantities import ENDS, FALL, FEWEST
 from springpot.measurement import Measurement, Units
 
 X = np.linspace(-2.0, 3.0, 21)
@@ -15,7 +15,7 @@ X = np.linspace(-2.0, 3.0, 21)
 def test_a_parabola_is_read_with_its_errors():
     """Numbers and covariance as by `numpy.polyfit` of the nine points around the place."""
     y = np.sin(X) + 0.01 * np.random.default_rng(1).normal(size=21)
-    found = from_data.read(X, y, 0.4)
+    found = measured_quantities.read(X, y, 0.4)
     near = np.sort(np.argsort(np.abs(X - 0.4), kind="stable")[:9])
     wanted, covariance = np.polyfit(X[near] - 0.4, y[near], 2, cov=True)
     assert (found.bend, found.slope, found.value) == pytest.approx(tuple(wanted))
@@ -26,16 +26,18 @@ def test_a_parabola_is_read_with_its_errors():
 
 def test_a_curve_crosses_nothing_once_at_each_place():
     y = (X - 0.63) * (X + 1.11) * 0.5
-    places = [place for place, _ in from_data.crossings(X, y)]
+    places = [place for place, _ in measured_quantities.crossings(X, y)]
     assert places == pytest.approx([-1.11, 0.63])
     # Scatter about zero crosses it again and again at what is one place.
     rough = 0.2 * (X - 0.5) + 0.05 * (-1.0) ** np.arange(21)
     assert np.sum(np.diff(np.sign(rough)) != 0) > 1
-    assert len(list(from_data.crossings(X, rough))) == 1
-    assert list(from_data.crossings(X, y + 10.0)) == []
+    assert len(list(measured_quantities.crossings(X, rough))) == 1
+    assert list(measured_quantities.crossings(X, y + 10.0)) == []
     # Also at a sample itself, as of rounded numbers that are equal there.
-    assert [place for place, _ in from_data.crossings(X, X - X[7])] == pytest.approx([X[7]])
-    assert list(from_data.crossings(X, (X - X[7]) ** 2)) == []
+    assert [place for place, _ in measured_quantities.crossings(X, X - X[7])] == pytest.approx(
+        [X[7]]
+    )
+    assert list(measured_quantities.crossings(X, (X - X[7]) ** 2)) == []
 
 
 def swept(count, **conditions):
@@ -46,7 +48,7 @@ def swept(count, **conditions):
 @pytest.mark.parametrize("count", [FEWEST, FEWEST - 1])
 def test_a_curve_has_as_many_points_as_it_takes_to_read_it(count):
     level = np.repeat([20.0, 30.0], count)
-    found = list(from_data.curves(swept(count, temperature=level), "frequency"))
+    found = list(measured_quantities.curves(swept(count, temperature=level), "frequency"))
     assert len(found) == (2 if count == FEWEST else 0)
     for sweep, temperature in zip(found, (20.0, 30.0), strict=False):
         assert sweep.at == {"temperature": temperature}
@@ -57,25 +59,25 @@ def test_a_curve_has_as_many_points_as_it_takes_to_read_it(count):
 def test_what_was_measured_beside_a_curve_parts_it_not():
     """A column of as many values as rows; one of few levels parts it, if each leaves a curve."""
     beside = np.linspace(1.0, 2.0, 12)
-    (whole,) = from_data.curves(swept(6, force=beside), "frequency")
+    (whole,) = measured_quantities.curves(swept(6, force=beside), "frequency")
     assert whole.at == {}
     few = np.repeat([1.0, 2.0], 6)
-    assert [each.at for each in from_data.curves(swept(6, current=few), "frequency")] == [
+    assert [each.at for each in measured_quantities.curves(swept(6, current=few), "frequency")] == [
         {"current": 1.0},
         {"current": 2.0},
     ]
-    assert list(from_data.curves(swept(6), "amplitude")) == []
+    assert list(measured_quantities.curves(swept(6), "amplitude")) == []
 
 
 def test_what_is_not_positive_has_no_logarithm_and_no_place_on_a_curve():
     data = swept(8)
     stiffness = data.stiffness.copy()
     stiffness[2], stiffness[5] = -1.0 + 1.0j, 1.0 - 1.0j
-    (found,) = from_data.curves(Measurement(data.omega, stiffness), "frequency")
+    (found,) = measured_quantities.curves(Measurement(data.omega, stiffness), "frequency")
     assert len(found.x) == 14
     # Half of what others are is still positive.
     stiffness[2], stiffness[5] = 0.5 + 0.5j, 1e-9 + 1e-9j
-    (found,) = from_data.curves(Measurement(data.omega, stiffness), "frequency")
+    (found,) = measured_quantities.curves(Measurement(data.omega, stiffness), "frequency")
     assert len(found.x) == 16
 
 
@@ -84,15 +86,15 @@ def test_a_linear_limit_is_where_storage_has_fallen_by_a_twentieth(power):
     """ln G' = level + ln(0.95) (amplitude / limit)^power, in its own form and with its error."""
     x = np.linspace(np.log(0.01), np.log(0.5), 30)
     exact = 7.0 + np.log(1.0 - FALL) * np.exp(power * (x - np.log(0.1)))
-    place, error, dof = from_data.linear_limit(x, exact)
+    place, error, dof = measured_quantities.linear_limit(x, exact)
     assert (np.exp(place), error) == pytest.approx((0.1, 0.0), abs=1e-6)
     assert dof < 30 - 3
     rng, found = np.random.default_rng(2), []
     for _ in range(60):
-        found.append(from_data.linear_limit(x, exact + 0.002 * rng.normal(size=30))[:2])
+        found.append(measured_quantities.linear_limit(x, exact + 0.002 * rng.normal(size=30))[:2])
     places, errors = np.transpose(found)
     assert np.std(places) == pytest.approx(np.mean(errors), rel=0.25)
-    assert from_data.linear_limit(x, np.full(30, 7.0) + 1e-4 * np.sin(x)) is None
+    assert measured_quantities.linear_limit(x, np.full(30, 7.0) + 1e-4 * np.sin(x)) is None
 
 
 @pytest.mark.parametrize(
@@ -108,5 +110,5 @@ def test_a_limit_that_is_not_there_lies_above_or_below(last, says):
     storage[-ENDS:] = last
     # The median of three: one point that is off says nothing.
     storage[0], storage[-1] = 2.0, 20.0
-    sweep = from_data.OneSweep(x, storage, storage, {})
-    assert from_data._no_limit(sweep, "mm").startswith(says)
+    sweep = measured_quantities.OneSweep(x, storage, storage, {})
+    assert measured_quantities._no_limit(sweep, "mm").startswith(says)

@@ -9,9 +9,9 @@ import pytest
 import springpot
 from springpot.derived import quantities
 from springpot.errors import SpringpotError
-from springpot.identification.derived import from_data, from_model, of_fit, quantity
-from springpot.identification.derived.from_data import curves
-from springpot.identification.derived.from_model import DECADE, FINE, OfModel
+from springpot.identification import fitted_quantities, measured_quantities, value
+from springpot.identification.fitted_quantities import DECADE, FINE, OfModel
+from springpot.identification.measured_quantities import curves
 from springpot.measurement import TimeTest
 
 OMEGA = np.geomspace(0.05, 60.0, 24)
@@ -146,14 +146,14 @@ def test_places_are_looked_for_at_so_many_of_each_decade():
 def test_limits_are_looked_for_decade_by_decade_as_far_as_any_is(monkeypatch):
     asked = []
     slopes = SimpleNamespace(storage_x=np.ones(3))
-    monkeypatch.setattr(from_model, "_flat", lambda slope: asked.append(slope) or 1 / 0)
+    monkeypatch.setattr(fitted_quantities, "_flat", lambda slope: asked.append(slope) or 1 / 0)
     model = SimpleNamespace(
         band=(-2.0, 3.0), known=SimpleNamespace(units=None),
         logs=lambda x: asked.append(x / DECADE) or slopes,
     )  # fmt: skip
     with pytest.raises(ZeroDivisionError):
         list(OfModel._limits(model))
-    steps = np.arange(from_model.FARTHEST + 1)
+    steps = np.arange(fitted_quantities.FARTHEST + 1)
     np.testing.assert_allclose(asked[0], -2.0 / DECADE - steps)
     np.testing.assert_allclose(asked[1], 3.0 / DECADE + steps)
 
@@ -175,14 +175,14 @@ def test_what_has_no_logarithm_is_on_no_curve():
 def test_a_round_frequency_where_it_was_measured_is_asked_for(low, high, hertz):
     """That of one, else a round one in the middle, on the clock of the data."""
     seen = (2.0 * np.pi * low, 2.0 * np.pi * high)
-    assert of_fit.usual(seen, "Hz") == pytest.approx(hertz)
-    assert of_fit.usual((low, high), "rad/s") == pytest.approx(hertz / (2.0 * np.pi))
+    assert fitted_quantities.usual(seen, "Hz") == pytest.approx(hertz)
+    assert fitted_quantities.usual((low, high), "rad/s") == pytest.approx(hertz / (2.0 * np.pi))
 
 
 def test_a_value_by_its_logarithm_has_its_interval_and_one_without_end_is_open():
-    found = quantity.in_logarithm(np.log(3.0), np.log(2.0), "s", 10.0)
+    found = value.in_logarithm(np.log(3.0), np.log(2.0), "s", 10.0)
     assert (found.value, found.low, found.high) == pytest.approx((30.0, 15.0, 60.0))
-    found = quantity.in_logarithm(np.log(3.0), np.inf, "s")
+    found = value.in_logarithm(np.log(3.0), np.inf, "s")
     assert (found.low, found.high, found.unit) == (0.0, np.inf, "s")
 
 
@@ -196,7 +196,7 @@ def test_a_value_by_its_logarithm_has_its_interval_and_one_without_end_is_open()
     ],
 )
 def test_the_energy_of_a_cycle_has_the_unit_of_its_sizes(units, factor, unit):
-    assert quantity.energy_unit(springpot.Units(*units)) == (pytest.approx(factor), unit)
+    assert value.energy_unit(springpot.Units(*units)) == (pytest.approx(factor), unit)
 
 
 @pytest.mark.parametrize(("each", "count"), [(5, 2), (4, 1)])
@@ -205,18 +205,20 @@ def test_levels_of_any_column_are_curves_of_their_own_where_each_has_points_enou
     data = springpot.Measurement(
         omega, (3.0 + 1.0j) * omega, conditions={"batch": np.repeat([1.0, 2.0], each)}
     )
-    groups = list(from_data._groups(data, {"batch": data.conditions["batch"]}))
+    groups = list(measured_quantities._groups(data, {"batch": data.conditions["batch"]}))
     assert [len(rows) for rows in groups] == [2 * each // count] * count
 
 
 def test_a_crossover_is_looked_for_three_decades_beyond_the_data(monkeypatch):
     """Of a model with a name; a free spectrum ends with what was measured."""
     asked = []
-    monkeypatch.setattr(of_fit, "OfModel", lambda *given, **more: asked.append(given[2]) or 1 / 0)
+    monkeypatch.setattr(
+        fitted_quantities, "OfModel", lambda *given, **more: asked.append(given[2]) or 1 / 0
+    )
     fit = springpot.identify("artificial-hidden", "kelvin")
     low, high = np.log(2.0 * np.pi * np.array([0.5, 100.0]))
     for free, beyond in ((False, 3.0 * DECADE), (True, 0.0)):
-        monkeypatch.setattr(of_fit, "is_material", lambda model, free=free: free)
+        monkeypatch.setattr(fitted_quantities, "is_material", lambda model, free=free: free)
         with pytest.raises(ZeroDivisionError):
-            of_fit.of_fit(fit, "any", ())
+            fitted_quantities.of_fit(fit, "any", ())
         assert asked.pop() == pytest.approx((low - beyond, high + beyond))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.actions import leaving_out, splitting, turning
-from springpot.measurement.sign import sign_note, turned
+from springpot.diagnosis.result import leaving_out, splitting, turning
+from springpot.measurement.mixed_up import sign_note, turned
 from springpot.registry import of_each
 from springpot.report.text import percent
 

@@ -8,8 +8,7 @@ import pytest
 
 import springpot
 from springpot.cli import discover as command
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot.cli.group import exit_code, run
 from springpot.diagnosis import diagnose
 from springpot.measurement import Measurement, Units
 from springpot.registry import plugins

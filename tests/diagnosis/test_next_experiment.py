@@ -12,7 +12,7 @@ from springpot.diagnosis.contest import promise, separation
 from springpot.diagnosis.evidence import best_with
 from springpot.diagnosis.experiment import Clash, actions, next_experiment
 from springpot.measurement import Measurement
-from springpot.misfit.words import plain
+from springpot.misfit.error import plain
 from springpot.registry import plugins
 
 

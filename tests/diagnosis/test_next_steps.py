@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot.cli.group import exit_code, run
 from springpot.errors import DataError
 
 pytestmark = pytest.mark.usefixtures("asked_once")

@@ -11,7 +11,7 @@ import pytest
 
 from springpot.diagnosis import answer, marginal, verdict
 from springpot.diagnosis.verdict import Facts
-from springpot.misfit.residual_battery import NEIGHBOURS
+from springpot.misfit.residual_tests import OF_NEIGHBOURS
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 
@@ -72,7 +72,7 @@ def repeated(chance, curves=0.0, drift=0.0, one_curve=True, neighbours=1.0, runs
     """A search of repeats, and what sets them apart."""
     apart = SimpleNamespace(curves=curves, drift=drift, one_curve=one_curve)
     search = SimpleNamespace(
-        repeats=SimpleNamespace(p_value=chance, parts={NEIGHBOURS: neighbours}),
+        repeats=SimpleNamespace(p_value=chance, parts={OF_NEIGHBOURS: neighbours}),
         structure=SimpleNamespace(parts={"runs": runs}),
         base=SimpleNamespace(data=None),
     )
@@ -113,7 +113,7 @@ OWN = 0.9 * VERDICT.own_curves
 )
 def test_an_error_goes_on_from_point_to_point(given, on, monkeypatch):
     search, apart = repeated(**given)
-    search.repeats.parts[NEIGHBOURS] = max(search.repeats.parts[NEIGHBOURS], 1e-300)
+    search.repeats.parts[OF_NEIGHBOURS] = max(search.repeats.parts[OF_NEIGHBOURS], 1e-300)
     monkeypatch.setattr(verdict, "sets_apart", lambda data: apart)
     assert verdict._carried_on(search) == on
     search.repeats.parts = {}

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
-from springpot.diagnosis import sets
+from springpot.diagnosis import discovery
+from springpot.diagnosis.discovery import EffectSet, complete_set, likeliest_set, searched_sets
 from springpot.diagnosis.evidence import Evidence
 from springpot.diagnosis.search import search_from
-from springpot.diagnosis.sets import EffectSet, complete_set, likeliest_set, searched_sets
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.refit import refit
 from springpot.registry import parse_model, plugins
@@ -97,9 +97,9 @@ def test_one_rung_is_exchanged_for_two_only_if_the_evidence_says_so(three, delay
 def test_rivals_that_the_first_rung_has_seen_are_weighed_too(delayed, monkeypatch):
     """They may differ from what was accepted in every place."""
     begun = []
-    searched = sets.searched_sets
+    searched = discovery.searched_sets
     monkeypatch.setattr(
-        sets,
+        discovery,
         "searched_sets",
         lambda search, effects: begun.extend(search.grown) or searched(search, []),
     )
@@ -118,7 +118,12 @@ def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):
     def told(chance, *names):
         return SimpleNamespace(names=names, probability=chance)
 
-    sets = [told(0.4, "a", "b"), told(0.3, "c", "d"), told(0.2, "c", "b"), told(0.1, "a", "b", "e")]
+    sets = [
+        told(0.4, "a", "b"),
+        told(0.3, "c", "d"),
+        told(0.2, "c", "b"),
+        told(0.1, "a", "b", "e"),
+    ]
     effects = tuple(SimpleNamespace(name=name) for name in "ba")
     found = EffectSet(effects, None, Evidence(None, 0.0, 0.0, tuple(sets)))
     # Beside what is likely, what has the same curve, however unlikely.

@@ -5,7 +5,7 @@ import pytest
 from hidden_data import KELVIN, WARM, design, exact, measured
 
 import springpot
-from springpot.misfit.words import times
+from springpot.misfit.error import times
 
 SWEEPS = design(14, 0.1, 100.0, temperatures=(0.0, 15.0, 30.0, 45.0))
 DENSE = design(60, 0.1, 100.0)

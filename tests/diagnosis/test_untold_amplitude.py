@@ -7,7 +7,7 @@ import pytest
 from hidden_data import KELVIN, design, exact, measured
 
 import springpot
-from springpot.diagnosis.untold import untold_in_place
+from springpot.diagnosis.grown import untold_in_place
 
 AT = design(30, 0.1, 50.0)
 LIBRARY = ["hysteretic-loss", "friction", "inertia", "time-delay", "cubic-stiffness"]

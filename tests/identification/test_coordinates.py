@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from springpot.identification.coordinates import WIDEST, Coordinates
 from springpot.identification.value import LOST, Value
 from springpot.rheology import PURE, STIFFNESS, VISCOSITY, Parameter, springpot
+from springpot.rheology.parameters import WIDEST, Coordinates
 
 C, ALPHA = springpot("c", "alpha").parameters
 PARAMETERS = (

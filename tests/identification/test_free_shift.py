@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot.identification import fit
-from springpot.identification.allowed_shifts import Allowed
+from springpot.identification.known_factors import Allowed
 from springpot.identification.material_fit import aligned
 from springpot.registry import parse_model
 

@@ -8,9 +8,9 @@ import pytest
 import springpot
 from springpot.identification import fitting, kept
 from springpot.identification import problem as derivative
+from springpot.identification.leastsquares import Trial
 from springpot.identification.material import FINE, SpectrumSearch
 from springpot.identification.problem import relative_objective
-from springpot.identification.trials import Trial
 
 OMEGA = np.geomspace(0.1, 10.0, 15)
 

@@ -7,19 +7,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.identification import expected_factors as expected
 from springpot.identification import (
+    intervals,
+    leastsquares,
     levels_alone,
     material_fit,
     notes,
     population,
     problem,
     robust,
-    simulated,
     space,
     starts,
-    trials,
 )
+from springpot.identification import space as expected
 from springpot.identification.task import Task
 from springpot.identification.value import LOST, Value
 from springpot.measurement import Measurement
@@ -176,22 +176,22 @@ def test_weights_of_a_plane_are_those_of_the_objective_to_first_order():
 def test_a_step_that_lowers_the_cost_is_taken_and_the_damping_eased(cost, damping, better, rest):
     now, other = SimpleNamespace(cost=10.0), SimpleNamespace(cost=cost)
     way = SimpleNamespace(trial=now, damping=3.0, better=None, at_rest=None)
-    trials.Way.take(way, other, 0.1001)
+    leastsquares.Way.take(way, other, 0.1001)
     assert way.trial is (other if better else now)
     assert way.damping == pytest.approx(damping)
     assert (way.better, way.at_rest) == (better, rest)
     way.damping = 1e-9
-    trials.Way.take(way, SimpleNamespace(cost=1.0), 0.1)
+    leastsquares.Way.take(way, SimpleNamespace(cost=1.0), 0.1)
     assert way.damping == 1e-9
 
 
 def test_a_damped_step_goes_by_slopes_of_one_size():
     slopes = np.array([[2.0, 0.0], [0.0, 0.1]])
     residual = np.array([0.3, 0.004])
-    step = trials._step(residual, slopes, 0.5)
+    step = leastsquares._damped_step(residual, slopes, 0.5)
     np.testing.assert_allclose(step, [0.3 / 2.0 / 1.5, 0.004 / 0.1 / 1.5])
-    far = trials._step(1e6 * residual, slopes, 0.5)
-    np.testing.assert_array_equal(far, trials.REACH)
+    far = leastsquares._damped_step(1e6 * residual, slopes, 0.5)
+    np.testing.assert_array_equal(far, leastsquares.REACH)
 
 
 @pytest.mark.parametrize(
@@ -228,10 +228,10 @@ def test_simulated_errors_are_residuals_grown_by_what_the_fit_took(monkeypatch):
     """Six numbers, of which three are left: by the root of two."""
     fit = SimpleNamespace(residual=np.full(6, -0.3), measurement=range(3), dof=3)
     sure = SimpleNamespace(of=lambda fit: SimpleNamespace(scale=2.0))
-    monkeypatch.setattr(simulated, "Uncertainty", sure)
-    drawn = simulated._errors(fit, 4, np.random.default_rng(1), False)
+    monkeypatch.setattr(intervals, "Uncertainty", sure)
+    drawn = intervals._errors(fit, 4, np.random.default_rng(1), False)
     np.testing.assert_allclose(drawn, np.full((4, 3), -0.3 - 0.3j) * np.sqrt(2.0))
     rng, again = np.random.default_rng(1), np.random.default_rng(1)
-    drawn = simulated._errors(fit, 4, rng, True)
+    drawn = intervals._errors(fit, 4, rng, True)
     both = 2.0 * again.standard_normal((4, 6))
     np.testing.assert_array_equal(drawn, both[:, :3] + 1j * both[:, 3:])

@@ -10,15 +10,13 @@ import pytest
 from test_whole_identification import DATA, EXACT, MODEL, OMEGA, made
 
 from springpot.identification import (
-    allowed_shifts,
-    coordinates,
     free_factors,
     held_material,
+    intervals,
     kept,
     known_factors,
     levels_alone,
     notes,
-    profiles,
     regularisation,
     runs,
     space,
@@ -29,6 +27,7 @@ from springpot.identification.native import fit
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Dimension, Parameter
+from springpot.rheology.parameters import Coordinates
 from springpot.thresholds import SUPERPOSITION
 
 STRAINED = Measurement(
@@ -133,7 +132,7 @@ def test_branches_and_shapes_of_a_network(name, stays):
     theta = np.array([p.typical * (1.0 + 0.1 * i) for i, p in enumerate(model.parameters)])
     theta = np.clip(theta, [p.lower for p in model.parameters], [p.upper for p in model.parameters])
     stiffness = np.array([300.0])
-    unit = coordinates.Coordinates.of(model.parameters, points.log_omega.mean(), stiffness, 2.0)
+    unit = Coordinates.of(model.parameters, points.log_omega.mean(), stiffness, 2.0)
     size = unit.size[0]
     found = {
         "branches": {each.name: getattr(branches, each.name) for each in fields(branches)},
@@ -160,9 +159,9 @@ def test_uncertainty_of_a_fit(name, stays):
     }
     if name != "exact":
         found["profile"] = [
-            profiles.profile(fitted, "alpha"),
-            profiles.allowed_cost(known),
-            profiles.held_costs(fitted, "k2", around),
+            intervals.profile(fitted, "alpha"),
+            intervals.allowed_cost(known),
+            intervals.held_costs(fitted, "k2", around),
         ]
     stays(found, within=1e-3)
 
@@ -199,9 +198,9 @@ def test_factors_of_each_level(stays):
 
 def test_ranges_meet(stays):
     number, values = np.array([0, 0, 1, 1, 2]), np.array([1.0, 3.0, 3.5, 5.0, 9.0])
-    low, high = allowed_shifts.ranges(number, values)
+    low, high = known_factors.ranges(number, values)
     assert (low.tolist(), high.tolist()) == ([1.0, 3.5, 9.0], [3.0, 5.0, 9.0])
-    stays([allowed_shifts.meeting(low, high, room) for room in (0.0, 0.5, 0.51, 4.0)])
+    stays([known_factors.meeting(low, high, room) for room in (0.0, 0.5, 0.51, 4.0)])
 
 
 @pytest.mark.parametrize(

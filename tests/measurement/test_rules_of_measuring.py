@@ -17,11 +17,11 @@ from springpot.measurement import (
     TimeTest,
     Units,
     mixed_tests,
+    mixed_up,
     noise_of,
     reader,
     replicates,
     rows,
-    sign,
     steady,
     timenoise,
 )
@@ -116,15 +116,15 @@ def history(pulled, time=TIME):
 
 def test_a_sign_is_doubted_where_neither_part_is_left():
     for phase, wrong in ((0.4, False), (np.pi + 0.4, True), (np.pi - 0.4, False)):
-        found = sign.sign_note(history(np.sin(TIME + phase)), "force=-N")
+        found = mixed_up.sign_note(history(np.sin(TIME + phase)), "force=-N")
         assert bool(found) is wrong
-        assert sign.said_of_sign({**found, "note other": "no"}) == list(found.values())
-        assert (sign.turned(found) == "FILE?force=-N") is wrong
+        assert mixed_up.said_of_sign({**found, "note other": "no"}) == list(found.values())
+        assert (mixed_up.turned(found) == "FILE?force=-N") is wrong
     # Where time stands still, nothing moves or moving is all one, nothing is sure.
     still = np.repeat(TIME[::2], 2)
-    assert not sign._gives_work(still, np.sin(still), -np.sin(still + 0.4))
-    assert not sign._gives_work(TIME, 0.0 * TIME, -TIME)
-    assert not sign._gives_work(TIME, np.exp(TIME), -np.exp(TIME))
+    assert not mixed_up._gives_work(still, np.sin(still), -np.sin(still + 0.4))
+    assert not mixed_up._gives_work(TIME, 0.0 * TIME, -TIME)
+    assert not mixed_up._gives_work(TIME, np.exp(TIME), -np.exp(TIME))
 
 
 def test_parts_that_ask_are_usable_where_what_they_ask_was_said():

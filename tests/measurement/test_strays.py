@@ -9,7 +9,7 @@ import pytest
 
 import springpot
 from springpot.measurement import Loading, TimeTest
-from springpot.measurement.strays import said_of_strays, strays
+from springpot.measurement.timenoise import said_of_strays, strays
 
 T = np.linspace(0.0, 30.0, 240)
 NOISE = np.random.default_rng(1).normal(size=(30, 240))

@@ -17,13 +17,12 @@ from springpot.measurement import (
     scatter,
     units,
 )
+from springpot.measurement.conversion import through
 from springpot.measurement.covered import Covered
-from springpot.measurement.exchange import exchange_note, material_misfit
 from springpot.measurement.followed import Record
-from springpot.measurement.interface import through
+from springpot.measurement.mixed_up import exchange_note, material_misfit, sign_note
 from springpot.measurement.opening import select, without
 from springpot.measurement.replicates import again_note, stands_again
-from springpot.measurement.sign import sign_note
 
 
 def answer(ask):

@@ -5,13 +5,13 @@ import pytest
 
 from springpot.errors import SpringpotError
 from springpot.measurement import Measurement, Units
-from springpot.measurement.csv_safe import guarded, guarded_line, unguarded
-from springpot.measurement.joining import joined
+from springpot.measurement.conversion import joined
 from springpot.measurement.opening import _below_remarks, _files_like
 from springpot.measurement.reader import columns_of, temperature_offer, with_part
 from springpot.measurement.timenoise import relative_scatter
 from springpot.registry import plugins
 from springpot.rheology.model import Family
+from springpot.writing import guarded, guarded_line, unguarded
 
 OMEGA = np.geomspace(0.5, 60.0, 9)
 NAMES = (

@@ -9,8 +9,7 @@ import springpot
 from soaked import soaked
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.frame import near_an_alarm
-from springpot.misfit.residual_battery import battery
-from springpot.misfit.residual_tests import TESTS
+from springpot.misfit.residual_tests import TESTS, battery
 
 MODEL = springpot.parse_model("fractional-zener")
 TRUTH = np.array([100.0, 400.0, 60.0, 0.5])

@@ -7,9 +7,9 @@ import pytest
 
 import springpot
 from springpot import Measurement, Units
+from springpot.misfit.error import point_in_words
 from springpot.misfit.material import split_in_words
 from springpot.misfit.outliers import Outlier
-from springpot.misfit.words import point_in_words
 
 OMEGA = np.array([1.0, 10.0, 100.0, 1.0, 10.0, 100.0])
 MODULUS = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * (1.0 + 0.5j)

@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.measurement import Measurement, average_repeats
 from springpot.misfit.frame import DRAWS
-from springpot.misfit.residual_battery import repeats_structure, sets_apart
+from springpot.misfit.residual_tests import repeats_structure, sets_apart
 
 
 def repeated(seed=3):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from springpot.misfit.told_apart import told_apart, variance_of_sum
 from springpot.numerics import TWO_DEVIATIONS
+from springpot.timetests.verdict import told_apart, variance_of_sum
 
 RECORDS, SAMPLES = 400, 120
 PHASE = 4.0 * np.pi * np.arange(SAMPLES) / SAMPLES

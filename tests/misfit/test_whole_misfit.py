@@ -7,19 +7,18 @@ import springpot
 from springpot.measurement import Measurement, Units
 from springpot.misfit import (
     drift_search,
+    error,
     floor,
     frame,
     material,
     outliers,
     refit,
     regions,
-    residual_battery,
     residual_causes,
     residual_tests,
-    values,
     where,
-    words,
 )
+from springpot.misfit.values import printed
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 20.0, 16)
 UNITS = Units("kN/m", "mm")
@@ -140,7 +139,7 @@ def of_residual(frame, raw):
     rows = outliers.outlying(frame)
     kept = outliers.trimmed(frame)
     return {
-        "battery": residual_battery.battery(frame, np.random.default_rng(3)).findings,
+        "battery": residual_tests.battery(frame, np.random.default_rng(3)).findings,
         "places": where.where(frame),
         "periodic": where.periodic(frame),
         "discrepancy": residual_causes.discrepancy(frame, shift),
@@ -173,7 +172,7 @@ def of_fit(found):
         "starts": found.has_one_minimum,
         "words": [material.split_in_words(found, lowest), *material.beyond_any_material(lowest)],
         "levels": [*material.notes_on_levels(found, []), *material.notes_on_amplitudes(found)],
-        "values": {name: value.to_dict() for name, value in values.printed(found).items()},
+        "values": {name: value.to_dict() for name, value in printed(found).items()},
     }
 
 
@@ -216,8 +215,8 @@ def test_a_change_from_an_end_to_the_other_in_words(stays):
 
 
 def test_an_error_in_floors_in_words():
-    assert words.over_floor(0.02, 0.04) == "0.500"
-    assert words.over_floor(0.02, None) == words.over_floor(0.02, 0.0) == "-"
+    assert error.over_floor(0.02, 0.04) == "0.500"
+    assert error.over_floor(0.02, None) == error.over_floor(0.02, 0.0) == "-"
 
 
 def spanned(frame, basis):
@@ -268,7 +267,7 @@ def test_what_a_residual_is_held_against(case, stays):
             for name in data.conditions
             if name in ("amplitude", "temperature") and len(data) < 33
         ],
-        "apart": residual_battery.sets_apart(case.data),
+        "apart": residual_tests.sets_apart(case.data),
     }
     if axes:
         blocks = regions.Blocks(axes)

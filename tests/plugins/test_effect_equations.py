@@ -12,7 +12,7 @@ from springpot import Units
 from springpot.errors import SpringpotError
 from springpot.registry import plugins
 from springpot.rheology import Effect, Points
-from springpot.rheology.slipping import slip_fraction
+from springpot.rheology.terms import slip_fraction
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 100.0, 9)
 AMPLITUDE = np.geomspace(0.2, 4.0, 9)

@@ -87,8 +87,7 @@ def test_a_laos_file_is_inspected_and_diagnosed(springpot_command, tmp_path):
 
 @pytest.fixture
 def springpot_command(capsys):
-    from springpot.cli.faults import exit_code
-    from springpot.cli.group import run
+    from springpot.cli.group import exit_code, run
 
     # Not by `main`, which takes over Ctrl-C for the rest of its process, and that is the one of all
     # tests.

@@ -37,22 +37,22 @@ HARMLESS = {
         "1.0",
     ): "evidence that nobody asks of any material",
     (
-        "identification/derived/from_data.py",
+        "identification/measured_quantities.py",
         "while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):",
         "2e-06",
     ): "a tolerance",
     (
-        "identification/derived/from_model.py",
+        "identification/fitted_quantities.py",
         "x = self.band[1] - 0.1 * DECADE * np.arange(10.0 * FARTHEST)",
         "0.2",
     ): "how finely a place is looked for",
     (
-        "diagnosis/sets.py",
+        "diagnosis/discovery.py",
         "if not search.grown or search.alarm > VERDICT.accepted:",
         "search.alarm >= VERDICT.accepted",
     ): "a chance that is a level to the last bit",
     (
-        "identification/simulated.py",
+        "identification/intervals.py",
         "first, width, iterations = first + width, width + (first > 0), 2 * iterations",
         "1",
     ): "how many starts are tried at once",
@@ -147,12 +147,12 @@ HARMLESS = {
         "largest <= best.error",
     ): "errors that are equal to the last bit",
     (
-        "structure/beside.py",
+        "structure/damper.py",
         "now, here, fast = np.zeros(1), np.array([way]), np.array([speed])",
         "2",
     ): "a moment that is asked twice",
     (
-        "structure/beside.py",
+        "structure/damper.py",
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",

@@ -18,7 +18,7 @@ from opening_cost import Cost
 from soak import Row
 
 import structure
-from springpot.measurement.budget import SECONDS
+from springpot.files import SECONDS
 
 CASES = 250
 """Of each operation."""

@@ -19,9 +19,9 @@ from springpot.measurement import (
     unguarded,
     unguarded_line,
 )
-from springpot.measurement.csv_safe import csv_text
 from springpot.registry import write_measurement
 from springpot.report.tables import Table, to_csv
+from springpot.writing import csv_text
 from springpot_plugins.readers import springpot_readers
 
 FORMULAS = (

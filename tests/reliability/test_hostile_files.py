@@ -8,8 +8,9 @@ import hostile
 import pytest
 from opening_cost import READERS, cost_of, parts_cost
 
+from springpot import files
 from springpot.errors import DataError
-from springpot.measurement import Measurement, budget, open_measurement, within_budget
+from springpot.measurement import Measurement, open_measurement, within_budget
 from springpot.registry import signals_to_measurement
 
 READ = {"blank_lines", "comments", "xml_bomb"}
@@ -24,11 +25,11 @@ What is left unpacks to twice the memory that is allowed.
 @pytest.fixture
 def short(monkeypatch):
     """A small part of the time, so that the tests are done sooner; all else as it is."""
-    monkeypatch.setattr(budget, "SECONDS", 0.2)
+    monkeypatch.setattr(files, "SECONDS", 0.2)
     # A step within a library, which nothing interrupts, is no shorter for that; on a busy one it
     # took four seconds. Without a budget these files take 20 to 1000 times it.
     monkeypatch.setattr("opening_cost.ALLOWED_TIMES", 100)
-    monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
+    monkeypatch.setattr(files, "BYTES_A_SECOND", 100e6)
 
 
 @pytest.mark.soak_cases(
@@ -88,7 +89,7 @@ def test_a_workbook_is_nested_no_deeper_than_workbooks_are(tmp_path):
 
 def test_a_text_is_no_longer_than_is_read_in_one_piece(tmp_path, monkeypatch):
     path = hostile.many_rows(tmp_path, 0.001)
-    monkeypatch.setattr("springpot.inputs.bytes_of.__defaults__", (1 << 10,))
+    monkeypatch.setattr("springpot.files.bytes_of.__defaults__", (1 << 10,))
     with pytest.raises(DataError, match=r"rows\.csv is too large: at most 1 KiB"):
         open_measurement(path, (), READERS)
 

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot.cli.group import exit_code, run
 
 SHARED = Path(
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]

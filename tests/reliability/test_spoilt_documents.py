@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 from spoilt_answers import DEEP, SPOILT, changed, places, spoilt
 
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
+from springpot.cli.group import exit_code, run
 from springpot.errors import SpringpotError
 from springpot.testreport.code import read_code
 

@@ -14,13 +14,11 @@ from time import sleep
 import numpy as np
 import pytest
 
-from springpot.cli import waiting
-from springpot.cli.faults import exit_code
-from springpot.cli.group import run
-from springpot.errors import DataError
+from springpot.cli import hints
+from springpot.cli.group import exit_code, run
+from springpot.errors import DataError, PlainStream, below, plain, plain_json, plain_streams
 from springpot.measurement import Measurement
 from springpot.report.text import to_json
-from springpot.terminal_safe import PlainStream, below, plain, plain_json, plain_streams
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202eevil\x7f"
 IN_TEXT = "\x9d0;owned\x9c\x9b31m\u202eevil"
@@ -182,10 +180,10 @@ class Terminal(io.StringIO):
 
 def test_progress_is_written_over_itself_and_still_plain(monkeypatch):
     """The return to the beginning of the line is ours; what stands in it may be a stranger's."""
-    monkeypatch.setattr(waiting, "PATIENCE", 0.01)
+    monkeypatch.setattr(hints, "PATIENCE", 0.01)
     shown = Terminal()
     monkeypatch.setattr(sys, "stderr", shown)
-    with plain_streams(), waiting.Waiting() as told:
+    with plain_streams(), hints.Waiting() as told:
         told.told(f"fitting {EVIL}")
         while "fitting" not in shown.getvalue():
             sleep(0.01)
@@ -193,7 +191,7 @@ def test_progress_is_written_over_itself_and_still_plain(monkeypatch):
     assert first == ""
     assert not any(COMMANDS.search(line) for line in lines)
     assert "\\r" not in shown.getvalue()
-    assert lines[-2:] == [" " * waiting.WIDTH, ""]
+    assert lines[-2:] == [" " * hints.WIDTH, ""]
 
 
 @pytest.mark.soak

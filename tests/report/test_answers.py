@@ -8,7 +8,6 @@ import pytest
 
 import springpot
 from springpot.diagnosis import Ladder
-from springpot.format_numbers import number
 from springpot.measurement import Measurement, Units
 from springpot.report.answers import beside_floor, reference_note, worth_showing
 from springpot.report.html import report_html
@@ -16,6 +15,7 @@ from springpot.report.ladder_text import change, changes_text
 from springpot.report.residuals import set_aside
 from springpot.report.text import percent, to_json
 from springpot.report.told import told as text_of
+from springpot.writing import number
 
 pytest.importorskip("matplotlib")
 pytestmark = pytest.mark.usefixtures("unpainted")

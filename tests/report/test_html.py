@@ -12,11 +12,11 @@ import pytest
 
 import springpot
 from springpot.errors import OutputError
-from springpot.markup import Html, html, joined, table, tag
 from springpot.measurement import Measurement, Units
 from springpot.report.html import excluded_rows, report_html, write_report
 from springpot.report.ladder_text import figure_ladder
 from springpot.report.text import percent
+from springpot.writing import Html, html, joined, table, tag
 
 pytest.importorskip("matplotlib")
 

@@ -7,8 +7,8 @@ import subprocess
 import pytest
 
 from chromium import CHROMIUM
-from springpot.markup import Html, tag
-from springpot.report.style import STYLE
+from springpot.report.page import STYLE
+from springpot.writing import Html, tag
 
 MEASURE = """
 const out = [...document.querySelectorAll('.fact')].map(card => {

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from springpot.format_numbers import number
 from springpot.report.text import percent, seconds, with_interval
+from springpot.writing import number
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ from test_whole_report import MODEL, OMEGA, THETA, TIME, UNITS, levels, noisy, r
 
 import springpot
 from springpot.measurement import Loading, TimeTest
-from springpot.report.interactive import answers, bench, in_time, scene
+from springpot.report import page
+from springpot.report.interactive import answers, in_time, scene
 
 SHORT = 7.0
 """Amplitude of a history, in its own unit."""
@@ -124,9 +125,9 @@ def test_a_rung_of_tests_in_time(stays):
 
 
 def test_a_page_allows_its_own_program_alone():
-    parts = bench.bench_of({"scene": "</script>"})
+    parts = page.bench_of({"scene": "</script>"})
     assert "</script>" not in str(parts.body).partition('id="given">')[2].partition("</script>")[0]
     assert parts.policy.startswith("'sha256-")
     assert len(parts.policy) == len("'sha256-'") + 44
-    for name in bench.ORDER:
+    for name in page.ORDER:
         assert f'modules["{name}"] = (() => {{' in str(parts.body)

@@ -13,7 +13,7 @@ from springpot.identification.result import Value
 from springpot.registry import parse_model
 from springpot.report import fit_text, html, ladder_text
 from springpot.report import population as of_populations
-from springpot.report.interactive import answers, hypotheses, scene
+from springpot.report.interactive import answers, scene
 from springpot.report.text import as_text
 
 pyplot = pytest.importorskip("matplotlib.pyplot")
@@ -151,7 +151,7 @@ def test_rivals_are_drawn_where_the_experiment_tells_them_apart(action, monkeypa
     data = levels("amplitude", dict.fromkeys((0.1, 0.2, 0.3), MODEL.stiffness(THETA, OMEGA)))
     models = {name: parse_model(f"kelvin + {name}") for name in ("inertia", "friction")}
     grown = {
-        name: hypotheses.Preview(name, model, model.theta(**dict.fromkeys(model.names, 2.0)), True)
+        name: answers.Preview(name, model, model.theta(**dict.fromkeys(model.names, 2.0)), True)
         for name, model in models.items()
     }
     advice = None if action is None else proposed(**action)
@@ -176,7 +176,7 @@ def test_what_can_be_done_with_an_answer(monkeypatch):
         case = SimpleNamespace(
             search=SimpleNamespace(base=base), diagnosis=SimpleNamespace(steps=steps)
         )
-        (act,) = hypotheses.acted(case, data)
+        (act,) = answers.acted(case, data)
         assert act.name == f"without {words}"
         assert act.exclude == tuple(row - 1 for row in exclude)
         assert len(act.used) == len(data) - len(exclude)

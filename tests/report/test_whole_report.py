@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.drawing import draw
 from springpot.errors import SpringpotError
+from springpot.lazy import draw
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.registry import parse_model, plugins
 from springpot.report import figures

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.rheology import Continuum, Points
-from springpot.rheology.continuum import MANY
+from springpot.rheology.elements import MANY
 
 THETA = np.array([1.0, 0.1, 2.0, 3.0])
 

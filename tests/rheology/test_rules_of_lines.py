@@ -7,8 +7,7 @@ import pytest
 
 from springpot.registry import parse_model, plugins
 from springpot.rheology import dimensional, grammar, hysteresis, named, nodes
-from springpot.rheology.continuum import Compliance, Continuum, Relaxation
-from springpot.rheology.elements import KnownMass
+from springpot.rheology.elements import Compliance, Continuum, KnownMass, Relaxation
 from springpot.rheology.nodes import FULL, GRADIENT
 from springpot.rheology.points import Points
 

@@ -14,10 +14,10 @@ from springpot import Measurement, Units
 from springpot.errors import ModelError, SpringpotError
 from springpot.registry import parse_model
 from springpot.rheology import Effect, Points
+from springpot.rheology.factors import LARGEST_SHIFT
 from springpot.rheology.grammar import parsed
 from springpot.rheology.nodes import FULL
 from springpot.rheology.terms import LOG_OMEGA, Dual
-from springpot.rheology.thermal import LARGEST_SHIFT
 from springpot.rheology.written import examples, told, written
 from springpot.testing import check_effect
 

@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.errors import SpringpotError
 from springpot.registry import parse_model, plugins
-from springpot.rheology import Points, laws
+from springpot.rheology import Points, nonlinear
 from springpot.rheology.model import Family
 
 OMEGA = np.array([0.3, 1.1, 4.0, 17.0, 60.0, 250.0])
@@ -123,10 +123,10 @@ def test_a_parameter_is_held_within_its_range_only(value):
 
 def test_a_slider_moved_step_by_step_is_one_that_is_moved_along(rng):
     way = np.append(0.0, np.cumsum(rng.normal(size=60)))
-    along, _ = laws.jenkins(np.arange(61.0), way, np.zeros(61), 3.0, 2.0)
+    along, _ = nonlinear.jenkins_law(np.arange(61.0), way, np.zeros(61), 3.0, 2.0)
     force, steps = 0.0, [0.0]
     for each in np.diff(way):
-        force = laws.jenkins_step(force, each, 3.0, 2.0)
+        force = nonlinear.jenkins_step(force, each, 3.0, 2.0)
         steps.append(force)
     np.testing.assert_allclose(along, steps, atol=1e-12)
     assert np.sum(np.abs(along) == 2.0) > 10

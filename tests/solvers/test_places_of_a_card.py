@@ -13,7 +13,7 @@ from springpot.errors import ModelError
 from springpot.registry import parse_model
 from springpot.rheology import Points
 from springpot.solvers.exporting import exported
-from springpot.solvers.shifting import shift_law_of
+from springpot.solvers.handoff import shift_law_of
 
 BAND = "0.1Hz:50Hz"
 OMEGA = np.geomspace(1.0, 300.0, 40)

@@ -91,8 +91,8 @@ def simulated_nothing():
 
 
 def test_peaks_of_many_records_are_drawn_in_millimetres_and_kilonewtons(undrawn, tmp_path):
+    from springpot.structure.answers import RecordSuite
     from springpot.structure.figures import figure_suite
-    from springpot.structure.suites import RecordSuite
 
     frame = Frame(np.full(2, 1e5), np.array([8e7, 7e7]), 0.02, (Damper(MODEL, THETA, 1, 0.5),))
     record = artificial(np.random.default_rng(1), duration=2.0, step=0.02)

@@ -12,9 +12,8 @@ from springpot.cli import group
 from springpot.errors import DataError
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, GroundMotion, simulate
-from springpot.structure.answers import described_suite
+from springpot.structure.answers import RecordSuite, described_suite
 from springpot.structure.records import read_record, records_meant
-from springpot.structure.suites import RecordSuite
 
 FRAME = """[structure]
 storeys = 2

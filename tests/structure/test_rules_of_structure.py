@@ -16,7 +16,7 @@ from springpot.structure import (
     GroundMotion,
     answers,
     artificial,
-    beside,
+    damper,
     motion,
     motion_of,
     next_test,
@@ -257,7 +257,7 @@ def test_sliders_that_hold_each_other_up_come_to_rest_or_slide_at_their_limit(mo
     """Two that push each other: each is at rest, or at the end that holds it back."""
     speed, by_force = np.array([2.0, -1.0]), np.array([[-1.0, 0.6], [0.6, -1.0]])
     low, high = np.full(2, -most), np.full(2, most)
-    force = beside._at_rest_if_it_can(speed, by_force, low, high, np.zeros(2))
+    force = damper._at_rest_if_it_can(speed, by_force, low, high, np.zeros(2))
     left = speed + by_force @ force
     for moves, holds in zip(left, force, strict=True):
         assert abs(moves) < 1e-6 or holds == np.sign(moves) * most

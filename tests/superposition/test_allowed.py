@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.identification.allowed_shifts import Allowed
+from springpot.identification.known_factors import Allowed
 
 LEVELS = np.array([0.0, 10.0, 20.0, 30.0])
 WIDE = np.log(100.0)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from springpot.identification.allowed_shifts import Allowed
 from springpot.identification.free_factors import Factors
+from springpot.identification.known_factors import Allowed
 from springpot.rheology import Points
 from springpot.superposition.laws import SLOWER, judged_laws, slower_when_hot
 

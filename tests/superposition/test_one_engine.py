@@ -12,8 +12,8 @@ from sweeps import C1, C2, LOG_A, REFERENCE, TEMPERATURES, material, measured, s
 
 import springpot
 from springpot.identification import fit
-from springpot.identification.allowed_shifts import allowed_shifts, refused_in_words
 from springpot.identification.free_factors import FactorRows, factors_of
+from springpot.identification.known_factors import allowed_shifts, refused_in_words
 from springpot.identification.levels_alone import each_alone
 from springpot.registry import plugins
 from springpot.superposition import laws

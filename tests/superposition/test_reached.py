@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from springpot.identification.levels_alone import meeting, reached_from
+from springpot.measurement.independence import meeting, reached_from
 
 
 def test_a_chain_of_overlaps_is_followed_to_its_end_and_not_over_a_gap():

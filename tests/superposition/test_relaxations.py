@@ -10,7 +10,7 @@ import pytest
 import springpot
 from springpot import TimeTest
 from springpot.rheology import Points
-from springpot.rheology.continuum import Compliance, Relaxation
+from springpot.rheology.elements import Compliance, Relaxation
 from springpot.superposition.laws import after_steps
 
 MODEL = springpot.parse_model("fractional-zener")

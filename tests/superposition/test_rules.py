@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from springpot.errors import DataError
-from springpot.format_numbers import number
 from springpot.measurement import Measurement
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
@@ -17,6 +16,7 @@ from springpot.rheology.levels import HELD
 from springpot.superposition import curve, laws, simplicity
 from springpot.superposition import laws as steps
 from springpot.thresholds import SUPERPOSITION, VERDICT
+from springpot.writing import number
 
 DECADE = np.log(10.0)
 ROOM = HELD["temperature"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from springpot.rheology.parameters import Dimension, Parameter
-from springpot.superposition import laws, remarks
+from springpot.superposition import curve, laws
 from springpot.thresholds import SUPERPOSITION
 
 RANGE = SUPERPOSITION.vertical_range
@@ -26,7 +26,7 @@ def test_vertical_factors_are_told_that_range_beyond_density(column, span, told)
     """The last is not told, and does not count."""
     log_b = np.array([0.0, -0.5 * np.log(span), 0.5 * np.log(span), 99.0])
     factors = SimpleNamespace(column=column, log_b=log_b)
-    found = remarks.vertical_range(factors, np.array([True, True, True, False]))
+    found = curve.vertical_range(factors, np.array([True, True, True, False]))
     assert bool(found) is told
     if told:
         assert found[0].startswith(f"the vertical factors range over a factor of {span:.2g}, more")

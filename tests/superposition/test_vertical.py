@@ -8,9 +8,9 @@ from sweeps import LOG_A, TEMPERATURES, material, measured, simple
 
 import springpot
 from springpot.identification import default_objective, fit
-from springpot.identification.expected_factors import Expected
 from springpot.identification.free_factors import FactorRows, superposed_fit
 from springpot.identification.known_factors import FURTHEST
+from springpot.identification.space import Expected
 from springpot.rheology import Continuum, Effect, Layer, Levels, Model, chain, shift
 
 pytestmark = pytest.mark.usefixtures("asked_once")

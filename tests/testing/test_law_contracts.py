@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from springpot.registry import plugins
-from springpot.testing import laws
-from springpot.testing.laws import THETA, _derivatives
+from springpot.testing import effects
+from springpot.testing.effects import THETA, _derivatives
 from springpot.timetests.recording import recorded
 
 
 @pytest.fixture(scope="module")
 def made_up():
-    return laws.tests_in_time()
+    return effects.tests_in_time()
 
 
 def law(made_up):
@@ -27,7 +27,7 @@ def test_the_made_up_tests_hold_the_response_of_their_own_material(made_up):
     kinds = {test.name for test in made_up}
     assert len(kinds) == len(made_up) == 6
     for test in made_up:
-        np.testing.assert_array_equal(test.response, recorded(laws.MODEL, THETA, test).value)
+        np.testing.assert_array_equal(test.response, recorded(effects.MODEL, THETA, test).value)
 
 
 @pytest.mark.parametrize("wrong", [False, True])
@@ -42,7 +42,7 @@ def test_a_derivative_is_held_against_differences(made_up, monkeypatch, wrong):
         slopes[:, 1] *= 1.1
         return record._replace(by_theta=slopes)
 
-    monkeypatch.setattr(laws, "recorded", spoilt)
+    monkeypatch.setattr(effects, "recorded", spoilt)
     found = list(_derivatives(effect, tests))
     assert len(found) == wrong
     assert all("the derivative by k is wrong at" in says for says in found)

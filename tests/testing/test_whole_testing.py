@@ -22,7 +22,7 @@ from springpot.rheology import (
     Parameter,
     Response,
 )
-from springpot.testing import contract, laws, networks, optimisers, readers
+from springpot.testing import contract, effects, networks, optimisers, readers
 from springpot.timetests.recording import Traced
 
 PARAMETERS = (
@@ -64,13 +64,13 @@ def test_files_that_a_reader_is_tried_on(stays, tmp_path):
 
 
 def test_tests_in_time_that_a_law_is_tried_on(stays):
-    stays([[test, laws._theta(effect, test)] for effect, test in of_each_kind()])
+    stays([[test, effects._theta(effect, test)] for effect, test in of_each_kind()])
 
 
 def of_each_kind():
     """Each test in time beside a law of the library that it can have."""
     of_test = [effect for effect in plugins().items("effect") if effect.of_test]
-    for test in laws.tests_in_time():
+    for test in effects.tests_in_time():
         yield next(effect for effect in of_test if effect.applies_to(test)), test
 
 
@@ -258,7 +258,7 @@ def record(monkeypatch):
     test = replace(test, time=times, response=np.linspace(2.0, 4.0, LONG))
 
     def given(function):
-        monkeypatch.setattr(laws, "recorded", function)
+        monkeypatch.setattr(effects, "recorded", function)
         return effect, test
 
     return given
@@ -290,8 +290,8 @@ def test_a_slope_is_wrong_where_it_differs_at_more_than_a_few_samples(record, ro
         return Traced(value, slopes)
 
     effect, test = record(linear)
-    found = list(laws._derivatives(effect, [test]))
-    name = (laws.MODEL + effect).names[2]
+    found = list(effects._derivatives(effect, [test]))
+    name = (effects.MODEL + effect).names[2]
     says = f"in a {test.kind} test the derivative by {name} is wrong at {told} of the samples"
     assert found == [says] * bool(told)
     # First where the slopes are told, then a millionth to both sides, one parameter at a time.
@@ -306,7 +306,7 @@ def test_a_parameter_without_a_part_in_a_test_has_no_wrong_slope(record):
         return Traced(np.ones(LONG), np.ones((LONG, len(theta))))
 
     effect, test = record(still)
-    assert list(laws._derivatives(effect, [test])) == []
+    assert list(effects._derivatives(effect, [test])) == []
 
 
 @pytest.mark.parametrize(
@@ -332,16 +332,16 @@ def test_a_law_changes_a_record_at_its_size_and_nothing_where_it_vanishes(
         return Traced(value, None)
 
     effect, test = record(moved)
-    found = list(laws._vanishes(effect, [test]))
+    found = list(effects._law_vanishes(effect, [test]))
     assert [any(part in says for part in told) for says in found] == [True] * len(told)
-    n = len(laws.THETA)
+    n = len(effects.THETA)
     assert asked[1][n] == pytest.approx(effect.vanishes_at + 1e-9 * abs(asked[0][n]), rel=1e-12)
     np.testing.assert_array_equal(np.delete(asked[0], n), np.delete(asked[1], n))
 
 
 def test_a_record_has_its_shape_and_holds_numbers_after_the_first_sample(record, stays):
     effect, test = next(of_each_kind())
-    wide = len(laws.THETA) + len(effect.element.parameters)
+    wide = len(effects.THETA) + len(effect.element.parameters)
 
     def told(length, columns, hole=None, what="value"):
         def made(model, theta, test):
@@ -351,7 +351,7 @@ def test_a_record_has_its_shape_and_holds_numbers_after_the_first_sample(record,
             return found
 
         law, test = record(made)
-        return list(laws._shapes(law, [test]))
+        return list(effects._shapes(law, [test]))
 
     stays(
         [
@@ -362,8 +362,8 @@ def test_a_record_has_its_shape_and_holds_numbers_after_the_first_sample(record,
             told(LONG, wide, 0, "by_theta"),
             told(LONG, wide, 1),
             told(LONG, wide, 1, "by_theta"),
-            list(laws._suits([])),
-            list(laws._suits([test])),
+            list(effects._suits([])),
+            list(effects._suits([test])),
         ]
     )
 
@@ -378,7 +378,7 @@ def test_a_law_leaves_its_arguments_alone_and_gives_the_same_again(record):
             return Traced(value, None)
 
         law, test = record(made)
-        return list(laws._pure(law, [test, test]))
+        return list(effects._pure(law, [test, test]))
 
     def scaled(part):
         part *= 2.0

@@ -11,8 +11,7 @@ import pytest
 import springpot
 from springpot.errors import DataError
 from springpot.testreport import LoopRecord
-from springpot.testreport.amounts import amount, between, ratio_of_units
-from springpot.testreport.code import read_code
+from springpot.testreport.code import amount, between, ratio_of_units, read_code
 
 CODES = Path(__file__).resolve().parents[2] / "docs" / "codes"
 DAMPING = 20.0 / (20.0 * 2.0 * np.pi)

@@ -10,12 +10,12 @@ from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
 from springpot.testreport import (
-    amounts,
     certifying,
+    code,
     deciding,
     local,
     quantities,
-    sheets,
+    report,
     summary,
 )
 from springpot.testreport.local import Channel
@@ -37,8 +37,8 @@ from springpot.testreport.local import Channel
     ],
 )
 def test_units_are_products_of_powers(written, wanted, ratio):
-    assert amounts.ratio_of_units(written, wanted) == pytest.approx(ratio, rel=1e-12)
-    assert amounts.ratio_of_units(wanted, written) == pytest.approx(1.0 / ratio, rel=1e-12)
+    assert code.ratio_of_units(written, wanted) == pytest.approx(ratio, rel=1e-12)
+    assert code.ratio_of_units(wanted, written) == pytest.approx(1.0 / ratio, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_units_are_products_of_powers(written, wanted, ratio):
 def test_units_of_different_things_have_no_ratio(written, wanted):
     for first, second in ((written, wanted), (wanted, written)):
         with pytest.raises(DataError, match="is no unit of what is in"):
-            amounts.ratio_of_units(first, second)
+            code.ratio_of_units(first, second)
 
 
 def test_a_trend_and_its_error_are_those_of_a_straight_line():
@@ -124,7 +124,7 @@ def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
 
 def test_sheets_of_one_name_are_counted_from_two():
     taken = set()
-    assert [sheets._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
+    assert [report._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
 
 
 @pytest.mark.parametrize(("still", "told"), [(120, 0), (160, 161)])

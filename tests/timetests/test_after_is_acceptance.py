@@ -9,7 +9,7 @@ import pytest
 
 import springpot
 from springpot.measurement.opening import Test
-from springpot.misfit.words import percent
+from springpot.misfit.error import percent
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

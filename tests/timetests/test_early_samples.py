@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.constraints import excluded
-from springpot.diagnosis.actions import of_data
+from springpot.diagnosis.result import of_data
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import Continuum
 from springpot.thresholds import EVIDENCE
 from springpot.timetests import (
     colour,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.actions import leaving_out_the_beginning
 from springpot.diagnosis.evidence import unknown_odds
 from springpot.diagnosis.in_practice import Misfit
+from springpot.diagnosis.result import leaving_out_the_beginning
 from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
 from springpot.thresholds import EVIDENCE, VERDICT

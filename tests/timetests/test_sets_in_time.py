@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from springpot.diagnosis.neighbours import go_on_to_neighbours
+from springpot.diagnosis.asked import go_on_to_neighbours
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import discover, recorded
-from springpot.timetests.sets import FoundSet
+from springpot.timetests.discovery import FoundSet
 
 NAMES = ("force-drift", "thermal-force", "cubic-stiffness", "friction", "asymmetric-stiffness")
 

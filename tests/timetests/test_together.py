@@ -8,7 +8,7 @@ from springpot.registry import parse_model, plugins
 from springpot.timetests import fitting, identify
 from springpot.timetests.material import spectral, with_rates
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.together import Together, is_material_alone
+from springpot.timetests.temperatures import Together, is_material_alone
 
 REFERENCE = 293.15
 RATES = np.geomspace(1e-3, 1e3, 7)

@@ -29,15 +29,13 @@ from springpot.measurement import Loading, TimeTest
 from springpot.registry import plugins
 from springpot.timetests import (
     convex,
-    digits,
     exponentials,
     floor,
-    lines,
     scatter,
     start,
     where,
 )
-from springpot.timetests.left import Left, felt, imposed_noise
+from springpot.timetests.left import Left, felt, imposed_noise, lines_in
 from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.specimen import Scales, runs_against, tries_of
@@ -80,7 +78,7 @@ def test_a_test_as_numbers(name, stays):
         "residual": left,
         "judged": [
             part.neighbours(missed), part.sampled(missed), part.rounded(missed),
-            part.places(missed), list(lines.lines_in(part, missed)),
+            part.places(missed), list(lines_in(part, missed)),
         ],
         "spectrum": convex.lines_of(part),
         "felt": felt(part, model, theta, 293.15),
@@ -90,7 +88,7 @@ def test_a_test_as_numbers(name, stays):
         found |= {
             "against": runs_against(test),
             "apparent": part.apparent and [part.apparent.omega, part.apparent.stiffness],
-            "digit": digits.digit_of(test.response),
+            "digit": scatter.digit_of(test.response),
             "imposed": len(test.loading.value) > 9 and imposed_noise(test.loading.value),
         }
         scales = Scales.of([part])
@@ -196,7 +194,7 @@ def test_scatter_of_a_residual(name, stays):
             ],
             "size": [scatter.times_noise(residual, 1.0), where.rms(residual)],
             "power": scatter.powers(residual),
-            "rounded": digits.digit_of(np.round(residual, 2)),
+            "rounded": scatter.digit_of(np.round(residual, 2)),
         },
         within=1e-3,
     )

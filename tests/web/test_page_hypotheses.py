@@ -15,8 +15,7 @@ import pytest
 from browsing import IN_A_BROWSER, Open
 
 import springpot
-from springpot.diagnosis.meanwhile import unseen
-from springpot.diagnosis.result import silent
+from springpot.diagnosis.result import silent, unseen
 from springpot.errors import SpringpotError
 from springpot.measurement import Measurement
 from springpot.report.text import to_json

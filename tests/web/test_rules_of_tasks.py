@@ -10,7 +10,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
-from springpot.web import launch, leaving, tasks, testing, trying, understanding, watching
+from springpot.web import launch, leaving, tasks, trying, understanding, watching
 from springpot.web.sessions import LONGEST_NAME, State
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
@@ -184,10 +184,10 @@ def test_rows_of_several_tests_leave_by_no_script_and_no_command(
     state = State("x", excluded=excluded)
     if "." not in says:
         with pytest.raises(DataError, match=says):
-            testing.leave_in_time(kind, state, data, (), None)
+            understanding.leave_in_time(kind, state, data, (), None)
         return
     text = {"script": f"reads {sources}", "command": "reads a.csv\n"}[kind]
-    assert testing.leave_in_time(kind, state, data, (), None) == {"name": says, "text": text}
+    assert understanding.leave_in_time(kind, state, data, (), None) == {"name": says, "text": text}
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,6 @@ from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement import Measurement
 from springpot.report.interactive import scene as drawing
-from springpot.report.interactive.bench import modules
 from springpot.report.interactive.scene import (
     MOST_POINTS,
     PageScene,
@@ -30,6 +29,7 @@ from springpot.report.interactive.scene import (
     relative_error,
     rounded,
 )
+from springpot.report.page import modules
 from springpot.report.text import to_json
 from springpot.rheology.nodes import PLANES, Parallel
 from springpot.web import leaving, tasks

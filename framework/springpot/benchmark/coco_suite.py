@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import SpringpotError, StudyError
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from .columns import required
 

@@ -27,8 +27,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.format_numbers import counted
 from springpot.rheology.points import Real
+from springpot.writing import counted
 
 from .plan import stream_of
 from .statistics import (

@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 
 from springpot.errors import OutputError, StudyError
 from springpot.files import write_text, write_with
-from springpot.measurement.csv_safe import csv_text
 from springpot.rheology.points import Real
+from springpot.writing import csv_text
 
 from .coco_suite import NAMES, SUITE
 from .columns import TABLES, required

@@ -18,8 +18,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, TextIO
 
-from springpot.terminal_safe import below, plain
-from springpot.versions import versions
+from springpot.errors import below, plain
+from springpot.registry import versions
 
 from .archive import Archive
 from .beside import rivals_of

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from springpot.errors import StudyError
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from .database import (
     connect,

@@ -46,8 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     try:
         from springpot.limits import own_process
 
-        from .faults import exit_code
-        from .group import run
+        from .group import exit_code, run
     except BaseException:
         if not ctrl_c.pressed:
             raise

@@ -1,10 +1,15 @@
-"""What commands share: options, the choice between text and JSON."""
+"""What commands share: options, the choice between text and JSON, and what the shell completes.
+
+bash and zsh learn to complete names and files behind TAB by
+``eval "$(_SPRINGPOT_COMPLETE=bash_source springpot)"`` (zsh_source), fish by
+``_SPRINGPOT_COMPLETE=fish_source springpot | source``.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -12,9 +17,9 @@ from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
-from . import completion
-from .faults import BAD_INPUT, FAULT, INTERRUPTED, exit_code
+from .group import BAD_INPUT, FAULT, INTERRUPTED, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -23,7 +28,57 @@ if TYPE_CHECKING:
 
     T = TypeVar("T", Measurement, TimeTest, TimeTest | OtherTest)
 
+
 F = TypeVar("F", bound=Callable[..., Any])
+
+Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+
+def names_of(word: str) -> Completer:
+    """Completes the names of one kind of things."""
+
+    def complete(
+        context: click.Context, parameter: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return [CompletionItem(name) for name in _beginning(_names(word), incomplete)]
+
+    return complete
+
+
+def complete_expression(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Completes the last part of an expression: a model, or behind ``+`` an effect."""
+    before, plus, last = incomplete.rpartition("+")
+    if not plus:
+        return [CompletionItem(name) for name in _beginning(_names("model"), last.strip())]
+    # The shell replaces the whole word: what was typed before comes back with each offer.
+    return [
+        CompletionItem(f"{before.strip()} + {name}")
+        for name in _beginning(_names("effect"), last.strip())
+    ]
+
+
+def complete_data(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Completes data sets, and lets the shell complete files."""
+    return [
+        *(CompletionItem(name) for name in _beginning(_names("data set"), incomplete)),
+        CompletionItem(incomplete, type="file"),
+    ]
+
+
+def _names(word: str) -> list[str]:
+    # Only when TAB is pressed: every command imports this module.
+    from springpot.registry import plugins
+
+    return plugins().names(word)
+
+
+def _beginning(names: Iterable[str], start: str) -> list[str]:
+    return sorted(name for name in names if name.startswith(start))
+
 
 NARROWEST, USUAL, WIDEST = 60, 120, 140
 """Columns between which text is laid out: below, tables cannot be read; above, sentences cannot."""
@@ -139,13 +194,11 @@ def print_json(result: Any, indent: int | None = 2) -> None:
 
 def data_argument(command: F) -> F:
     """Add the argument DATA: a file or the name of a registered data set."""
-    return click.argument("data", type=DATA, metavar="DATA", shell_complete=completion.data)(
-        command
-    )
+    return click.argument("data", type=DATA, metavar="DATA", shell_complete=complete_data)(command)
 
 
 MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
-COMPLETED: dict[str, Any] = {"shell_complete": completion.model_expression}
+COMPLETED: dict[str, Any] = {"shell_complete": complete_expression}
 
 
 def model_option(command: F) -> F:
@@ -193,7 +246,7 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
 
 def opened_together(data: Sequence[str], geometry: str | None = None) -> Measurement:
     """All DATA as one measurement, a file each."""
-    from springpot.measurement.joining import joined
+    from springpot.measurement.conversion import joined
 
     measured = [opened(name, geometry) for name in data]
     return joined(measured) if len(measured) > 1 else measured[0]
@@ -208,8 +261,8 @@ def seen_through(test: T, geometry: str | None) -> T:
 
     if isinstance(test, OtherTest):
         raise OptionError(f"{test.name}: a geometry is for stiffness, not for {test.kind}")
+    from springpot.measurement.conversion import through
     from springpot.measurement.geometry import parse_geometry
-    from springpot.measurement.interface import through
 
     return through(test, parse_geometry(geometry))
 
@@ -317,7 +370,7 @@ def known_options(command: F) -> F:
 
 def library_options(command: F) -> F:
     """Add what chooses the effects that may be named."""
-    named: dict[str, Any] = {"shell_complete": completion.names_of("effect"), "multiple": True}
+    named: dict[str, Any] = {"shell_complete": names_of("effect"), "multiple": True}
     for option in (
         click.option("--without", metavar="EFFECT", help="Leave this effect out.", **named),
         click.option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import with_model
+from springpot.writing import with_model
 
 from . import timetests
 from .common import (
@@ -22,8 +22,7 @@ from .common import (
     window,
     with_rows,
 )
-from .onward import suggested
-from .waiting import Waiting
+from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.comparison.result import Comparison

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
-from . import completion, timetests
+from . import timetests
 from .common import (
     DATA,
     accuracy_option,
+    complete_data,
     geometry_option,
     json_option,
     judged_option,
@@ -31,8 +32,7 @@ from .common import (
     window,
     with_rows,
 )
-from .onward import suggested
-from .waiting import Waiting
+from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     "diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell"
 )
 @click.argument(
-    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data
+    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=complete_data
 )
 @judged_option
 @known_options
@@ -134,8 +134,8 @@ def _text(
     model: str | None,
 ) -> None:
     """The answer, and the command that goes on from it."""
-    from springpot.diagnosis.actions import of_data
-    from springpot.measurement.sign import turned
+    from springpot.diagnosis.result import of_data
+    from springpot.measurement.mixed_up import turned
     from springpot.report.told import told
 
     diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, *named, *with_model(model)))

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
-from . import completion, timetests
+from . import timetests
 from .common import (
     DATA,
     FILE,
     accuracy_option,
+    complete_data,
     emit,
     geometry_option,
     is_data,
@@ -25,6 +26,7 @@ from .common import (
     known_options,
     library_from,
     library_options,
+    names_of,
     opened,
     opened_together,
     seed_option,
@@ -32,9 +34,8 @@ from .common import (
     window,
     with_rows,
 )
-from .faults import INTERRUPTED
-from .onward import suggested
-from .waiting import Waiting
+from .group import INTERRUPTED
+from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.ladder import Ladder
@@ -62,7 +63,7 @@ ACCEPT = (
     nargs=-1,
     required=True,
     metavar="DATA... [EFFECT]...",
-    shell_complete=completion.data,
+    shell_complete=complete_data,
 )
 @judged_option
 @click.option(
@@ -70,7 +71,7 @@ ACCEPT = (
     multiple=True,
     metavar="EFFECT",
     help=ACCEPT,
-    shell_complete=completion.names_of("effect"),
+    shell_complete=names_of("effect"),
 )
 @click.option(
     "--split",

@@ -1,16 +1,18 @@
-"""The group of commands, each imported only when it is called.
+"""The group of commands, each imported only when it is called, and what ends one.
 
-The commands: where each lives and its line in ``springpot --help``.
-
-A command is one module with a click command named `command`. Those of the core stand here; a guest
-such as the race brings its own as a table of the same kind, named in the entry-point group
-``springpot.commands``. Nothing is imported from a command until it is called.
+A command is one module with a click command named `command`; the table here says where each lives
+and its line in ``springpot --help``. Those of the core stand here; a guest such as the race brings
+its own as a table of the same kind, named in the entry-point group ``springpot.commands``. Nothing
+is imported from a command until it is called. Every error becomes one line on stderr and an exit
+code.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import signal
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import cache
@@ -21,7 +23,14 @@ from typing import Any, NamedTuple
 import click
 
 from springpot import __version__
-from springpot.errors import PluginError
+from springpot.errors import (
+    LostStream,
+    PluginError,
+    SpringpotError,
+    blamed,
+    described,
+    plain_streams,
+)
 
 GROUP = "springpot.commands"
 
@@ -186,3 +195,97 @@ def _located(context: click.Context) -> Iterator[None]:
         ):
             error.ctx = click.Context(command, context, name)
         raise
+
+
+# The last two as shells have them: 128 and the number of the signal.
+BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
+TRACEBACK = "SPRINGPOT_TRACEBACK"
+
+
+def exit_code(action: Callable[[], int]) -> int:
+    """Run `action`; its exit code, or that of the error it ended in, which is told in one line.
+
+    Nothing that is printed meanwhile can command the terminal.
+    """
+    with plain_streams():
+        code = _exit_code(action)
+    # Some library may have swallowed the KeyboardInterrupt; the handler remembers it.
+    if _was_interrupted():
+        return INTERRUPTED
+    return code
+
+
+def _was_interrupted() -> bool:
+    """Whether Ctrl-C was pressed in this process, as its handler (`springpot.cli.CtrlC`) tells."""
+    return getattr(signal.getsignal(signal.SIGINT), "pressed", False)
+
+
+def _exit_code(action: Callable[[], int]) -> int:
+    try:
+        code = action()
+        # Here, where a reader that has gone is still noticed as such.
+        sys.stdout.flush()
+        return code
+    except SpringpotError as error:
+        return _say(str(error), BAD_INPUT)
+    except click.UsageError as error:
+        return _say(_usage(error), BAD_INPUT)
+    except click.ClickException as error:
+        return _say(error.format_message(), BAD_INPUT)
+    except (KeyboardInterrupt, click.Abort):
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone; without this, Python complains when it flushes stdout on its way out.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return BROKEN_PIPE
+    except LostStream as error:
+        # What is still waiting to be written would fail again on the way out.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return _say(str(error.strerror), BAD_INPUT)
+    # The last net: a user sees a line, never a traceback.
+    except Exception as error:
+        return _fault(error)
+
+
+def _say(text: str, code: int) -> int:
+    # A message of many lines, such as a library's, becomes one.
+    print(f"springpot: {' '.join(text.split())}", file=sys.stderr)
+    return code
+
+
+def _usage(error: click.UsageError) -> str:
+    """Click's message as one line, with the command whose help says more."""
+    command = "springpot"
+    if error.ctx:
+        command = error.ctx.command_path
+    if isinstance(error, click.exceptions.NoArgsIsHelpError) and isinstance(
+        error.ctx.command, click.Group
+    ):
+        return (
+            f"'{command}' needs one of {', '.join(error.ctx.command.commands)} (see '{command}"
+            " --help')"
+        )
+    text = error.format_message().rstrip(".")
+    return f"{text[:1].lower()}{text[1:]} (see '{command} --help')"
+
+
+def _fault(error: Exception) -> int:
+    if _was_interrupted():
+        # What a half-imported library makes of Ctrl-C is no fault to be reported.
+        return INTERRUPTED
+    if os.environ.get(TRACEBACK):
+        # Only for who asks: users see one line.
+        import traceback
+
+        traceback.print_exception(error)
+        return FAULT
+    if told := blamed(error):
+        return _say(
+            f"{told}: leave out what it offers, or uninstall it ({TRACEBACK}=1 shows more)",
+            BAD_INPUT,
+        )
+    return _say(
+        f"a fault in springpot or one of its plugins, not in your input: {described(error)} "
+        f"(please report it with the traceback that {TRACEBACK}=1 shows)",
+        FAULT,
+    )

@@ -7,21 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import with_model
 from springpot.thresholds import INTERVALS
+from springpot.writing import with_model
 
-from . import completion, timetests
+from . import timetests
 from .common import (
     DATA,
     FILE,
     POSITIVE,
     accuracy_option,
+    complete_data,
     emit,
     geometry_option,
     json_option,
     known_from,
     known_options,
     model_option,
+    names_of,
     of_each,
     opened,
     opened_together,
@@ -30,8 +32,7 @@ from .common import (
     verbose_option,
     window,
 )
-from .onward import suggested
-from .waiting import Waiting
+from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
@@ -50,7 +51,7 @@ OPTIMISER = (
     epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png",
 )
 @click.argument(
-    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data
+    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=complete_data
 )
 @model_option
 @known_options
@@ -67,12 +68,8 @@ OPTIMISER = (
 @click.option(
     "--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV."
 )
-@click.option(
-    "--optimiser", metavar="NAME", help=OPTIMISER, shell_complete=completion.names_of("optimiser")
-)
-@click.option(
-    "--objective", metavar="NAME", help=OBJECTIVE, shell_complete=completion.names_of("objective")
-)
+@click.option("--optimiser", metavar="NAME", help=OPTIMISER, shell_complete=names_of("optimiser"))
+@click.option("--objective", metavar="NAME", help=OBJECTIVE, shell_complete=names_of("objective"))
 @click.option(
     "--budget",
     type=POSITIVE,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from .common import FOLDER, INPUT, emit, json_option, quoted
 

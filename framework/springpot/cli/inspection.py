@@ -7,8 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import completion, timetests
-from .common import emit, geometry_option, json_option, of_each, opened, seen_through, window
+from . import timetests
+from .common import (
+    complete_data,
+    emit,
+    geometry_option,
+    json_option,
+    of_each,
+    opened,
+    seen_through,
+    window,
+)
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -18,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @click.command("inspect", epilog="Example: springpot inspect damper.csv")
-@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
+@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=complete_data)
 @geometry_option
 @json_option
 def command(data: tuple[str, ...], geometry: str | None, as_json: bool) -> int:

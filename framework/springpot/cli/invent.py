@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
 from .common import (
     FILE,
@@ -23,8 +23,7 @@ from .common import (
     seed_option,
     window,
 )
-from .onward import kept_by
-from .waiting import Waiting
+from .hints import Waiting, kept_by
 
 if TYPE_CHECKING:
     from springpot.invention.result import Invention

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import completion, timetests
-from .common import DATA, FILE, emit, geometry_option, json_option, opened, window
+from . import timetests
+from .common import DATA, FILE, complete_data, emit, geometry_option, json_option, opened, window
 
 if TYPE_CHECKING:
     from springpot.measurement.opening import Test
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     epilog="Example: springpot mastercurve nist-srm2491 --reference 25degC --figure curve.png",
 )
 @click.argument(
-    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data
+    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=complete_data
 )
 @click.option(
     "--reference",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.identified import no_fit
+from springpot.loading import no_fit
 
 from . import timetests
 from .common import DATA, FILE, INPUT, at_place, emit, geometry_option, json_option, numbers
@@ -124,8 +124,8 @@ def _require_one_question(
 
 def show(predicted: Prediction) -> None:
     """Print the prediction for people."""
-    from springpot.format_numbers import number
     from springpot.report.text import TextTable, with_interval
+    from springpot.writing import number
 
     unit, given = predicted.units.stiffness, predicted.places
     band = f"{100.0 * predicted.level:g} % band"
@@ -163,7 +163,7 @@ def _conditions(predicted: Prediction) -> list[str]:
 
 def table_text(predicted: Prediction) -> str:
     """A CSV table with units in its header, which opens again as a measurement."""
-    from springpot.measurement.csv_safe import csv_text
+    from springpot.writing import csv_text
 
     unit = predicted.units.stiffness
     names = [_clock(predicted), *_conditions(predicted)]

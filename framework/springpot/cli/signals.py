@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from .common import DATA, FILE, POSITIVE, emit, json_option, of_each
 
@@ -115,8 +115,8 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
 
 
 def _show(result: dict[str, Any]) -> None:
-    from springpot.format_numbers import number
     from springpot.report.text import TextTable
+    from springpot.writing import number
 
     units = result["units"]
     headers = (

@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.suggestions import accepting, with_model
+from springpot.writing import accepting, with_model
 
 from .common import emit, note_to_stderr, opened, quoted, seen_through, window
-from .onward import suggested
+from .hints import suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
@@ -77,7 +77,7 @@ def identify(
     """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
     from springpot.api import identify as identified_from
 
-    from .waiting import Waiting
+    from .hints import Waiting
 
     table = options.pop("table")
 
@@ -123,7 +123,7 @@ def compare(
     from springpot.api import compare as compared
     from springpot.report.told import told
 
-    from .waiting import Waiting
+    from .hints import Waiting
 
     with Waiting() as waiting:
         comparison: Any = compared(tests, models or None, progress=waiting.told)
@@ -148,7 +148,7 @@ def diagnose(
     """
     from springpot.api import diagnose as diagnosed
 
-    from .waiting import Waiting
+    from .hints import Waiting
 
     with Waiting() as waiting:
         diagnosis: Any = diagnosed(tests, **arguments, progress=waiting.told)
@@ -162,7 +162,7 @@ def _show_diagnosis(
     model: str | None,
     verbose: bool,
 ) -> None:
-    from springpot.diagnosis.actions import of_data
+    from springpot.diagnosis.result import of_data
     from springpot.report.told import told
 
     judged = with_model(model)
@@ -179,8 +179,8 @@ def _show_diagnosis(
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     """The data, each with its force turned where that seems to count the other way."""
+    from springpot.measurement.mixed_up import turned
     from springpot.measurement.reader import file_and_choice
-    from springpot.measurement.sign import turned
 
     others = [other for test in tests if (other := turned(test.provenance))]
     return [

@@ -16,8 +16,8 @@ from springpot.measurement.replicates import thinned
 from springpot.misfit.floor import STARTS_RESCALED, fitted_to_floor
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.residual_battery import Finding
 from springpot.misfit.residual_causes import column_behind, one_test_of
+from springpot.misfit.residual_tests import Finding
 from springpot.rheology.model import Model
 
 from .result import Comparison, Judgement, best_of

@@ -20,8 +20,8 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
-from springpot.identification.fitting import STARTS
 from springpot.identification.material import is_material
+from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor, is_arithmetic

@@ -11,23 +11,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
-from springpot.drawing import draw, html_of, text_of
-from springpot.format_numbers import NAMED
 from springpot.identification.material import is_material
 from springpot.identification.problem import weighted
 from springpot.identification.value import PartResult, Value, parts_of, values_of
+from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.error import Error
+from springpot.misfit.error import Error, over_floor, percent, times
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known
 from springpot.misfit.refit import Refit
-from springpot.misfit.residual_battery import Battery, Finding, battery
+from springpot.misfit.residual_tests import Battery, Finding, battery
 from springpot.misfit.values import printed
 from springpot.misfit.where import Where, where
-from springpot.misfit.words import over_floor, percent, times
-from springpot.plain_data import alive, jsonable, number, some
+from springpot.plain_data import alive, json_number, jsonable, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import COMPARISON, SUPERPOSITION
+from springpot.writing import NAMED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -217,7 +216,7 @@ class Judgement:
         told = {name: row[name] for name in TOLD if name not in ("error", "delta_bic")}
         told |= {
             "model": parse_model(row["model"]),
-            "chi_square": number(row["chi_square"]),
+            "chi_square": json_number(row["chi_square"]),
             "parameters": values_of(row["parameters"]),
             "notes": tuple(row["notes"]),
             "by_test": parts_of(row["by_test"]),
@@ -225,7 +224,7 @@ class Judgement:
             "findings": tuple(Finding.from_dict(each) for each in row["tests"]),
         }
         error = Error.from_dict(row["error"])
-        return cls.told(None, error, number(row["delta_bic"]), told)
+        return cls.told(None, error, json_number(row["delta_bic"]), told)
 
     @classmethod
     def told(
@@ -338,7 +337,7 @@ class Comparison:
     ) -> Figure | Axes | Path:
         """Data and models in the views that rheologists use, and what is left.
 
-        See `springpot.drawing.draw`.
+        See `springpot.lazy.draw`.
 
         Of a ranking those models are drawn that `shown` names.
         """

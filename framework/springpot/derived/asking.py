@@ -7,10 +7,10 @@ from pathlib import Path
 
 from springpot.api import Data, identify, read
 from springpot.errors import DataError, ModelError
-from springpot.identification.derived.from_data import of_amplitude, of_frequency
-from springpot.identification.derived.of_fit import of_fit, parted, usual
-from springpot.identification.derived.quantity import Quantities
+from springpot.identification.fitted_quantities import of_fit, parted, usual
+from springpot.identification.measured_quantities import of_amplitude, of_frequency
 from springpot.identification.result import Identification
+from springpot.identification.value import Quantities
 from springpot.loading import load
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.model import Model

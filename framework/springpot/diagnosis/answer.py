@@ -11,12 +11,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.derived.quantity import Quantities
-from springpot.identification.value import PartResult, Value, in_floors
+from springpot.identification.value import PartResult, Quantities, Value, in_floors
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.sign import turned
+from springpot.measurement.mixed_up import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
-from springpot.misfit.error import Error
+from springpot.misfit.error import Error, times
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
@@ -29,12 +28,10 @@ from springpot.misfit.residual_causes import (
 )
 from springpot.misfit.values import printed, quantities_of
 from springpot.misfit.where import Where, periodic, where
-from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, VERDICT
 
 from ..numerics import SMALLEST
-from .actions import ToDo, leaving_out, splitting, turning
 from .contest import openness, worth_telling_apart
 from .evidence import Evidence, best_with
 from .experiment import (
@@ -46,7 +43,17 @@ from .experiment import (
 )
 from .grown import Grown, Search
 from .notes import header_notes, notes, unexplained_harmonics
-from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Verdict
+from .result import (
+    Candidate,
+    Diagnosis,
+    EffectVerdict,
+    NextExperiment,
+    ToDo,
+    Verdict,
+    leaving_out,
+    splitting,
+    turning,
+)
 from .scan import Score
 from .search import with_factors
 from .verdict import drifted, leading_names, only_points, sentence

@@ -14,8 +14,8 @@ from typing import Protocol, TypeVar
 import numpy as np
 from scipy.optimize import least_squares
 
+from springpot.misfit.error import plain
 from springpot.misfit.frame import orthonormal
-from springpot.misfit.words import plain
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EXPERIMENT

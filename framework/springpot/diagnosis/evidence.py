@@ -21,7 +21,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
 from ..numerics import ROUNDING, SMALLEST
-from .grown import Grown, Search, SweepDrift, drift_in_place
+from .grown import Grown, Search, SweepDrift, Untold, drift_in_place, untold_in_place
 from .marginal import (
     Unknown,
     fault_beside,
@@ -31,7 +31,6 @@ from .marginal import (
     marginal,
     unknown_marginal,
 )
-from .untold import Untold, untold_in_place
 
 ONE_CASE = 1e-4
 """Chi-square a point, beside exact curves, below which one law is a case of another."""

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.format_numbers import counted
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.measurement.independence import steadied
@@ -39,14 +38,14 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
+from springpot.writing import counted
 
 from .answer import answer, course_instead
-from .case import Case
 from .evidence import Evidence
 from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
-from .meanwhile import Fitted, unseen
-from .result import Diagnosis, Progress, silent
+from .ladder import Case
+from .result import Diagnosis, Fitted, Progress, silent, unseen
 from .search import search_from
 from .verdict import facts_of, rule_for
 

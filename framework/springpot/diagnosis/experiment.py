@@ -20,18 +20,18 @@ from springpot.measurement.independence import distinct_log_omega, moved_along, 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.units import Units
+from springpot.misfit.error import plain
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.misfit.words import plain
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.writing import NAMED
 
-from ..format_numbers import NAMED
 from ..numerics import ALIKE, SMALLEST
 from .contest import TYPED_IN, WAITED_FOR, WORKED_FOR, Contest, Pair, most_telling
+from .grown import COLUMN, Untold
 from .result import NextExperiment
-from .untold import COLUMN, Untold
 
 FARTHER = 10.0
 """Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything.

@@ -1,13 +1,11 @@
 """What a search has in hand: a model, the models grown from it, and what each explains.
 
-What one sweep cannot tell.
-
-A gain that drifts while it is measured looks like a phase that is wrong.
-
-Beside any material a gain that goes as omega^e is a phase of -e pi/2: K omega^e = K (i omega)^e
-exp(-i e pi/2), and K (i omega)^e is a material again. A specimen that stiffens, dries or recovers
-during a sweep from one end of the frequencies to the other so passes for an instrument whose phase
-is off.
+Some of it one sweep cannot tell. Beside any material a gain that goes as omega^e is a phase of
+-e pi/2: K omega^e = K (i omega)^e exp(-i e pi/2), and K (i omega)^e is a material again. So a gain
+that drifts while it is measured, of a specimen that stiffens, dries or recovers from one end of the
+frequencies to the other, looks like a phase that is wrong. And at one amplitude some effects of an
+amplitude, which no column tells, are the curve of one that needs none: dry friction is a constant
+loss, as hysteresis in a structure is.
 """
 
 from __future__ import annotations
@@ -19,19 +17,20 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.allowed_shifts import refused_laws
+from springpot.identification.held_material import is_passive
+from springpot.identification.known_factors import refused_laws
 from springpot.identification.material import is_material
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.residual_battery import Battery
+from springpot.misfit.residual_tests import Battery
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import PRINTED
-from .scan import Scan
+from .scan import PARALLEL, Directions, Scan, applicable, influence
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,3 +288,67 @@ def _drifting(before: Refit) -> tuple[float, float]:
 
 Seek: TypeAlias = Callable[[Refit, Sequence[Effect], np.random.Generator], Search]
 """Looks for what is missing from a fitted model among some effects."""
+
+
+COLUMN = "amplitude"
+
+
+@dataclass(frozen=True)
+class Untold:
+    """Effects in whose place another one is named, as their amplitude is not known.
+
+    Attributes
+    ----------
+    effect : str
+        The one that is named.
+    others : tuple of str
+        Those that may be it as well.
+    """
+
+    effect: str
+    others: tuple[str, ...]
+
+    @property
+    def says(self) -> str:
+        """As the last of a row of names."""
+        names = " or ".join(self.others)
+        return f"{names}, the same curve at one {COLUMN}, which no column tells"
+
+
+def untold_in_place(search: Search, library: Sequence[Effect]) -> Untold | None:
+    """The effect of the best grown model whose curve effects of an untold amplitude have too.
+
+    None where the amplitude is told, or nothing is alike. A part of a material is one whatever the
+    amplitude: nobody looks for a spring that stiffens where a spring is missing.
+
+    Parameters
+    ----------
+    search : Search
+        A finished search.
+    library : sequence of Effect
+        All that may be missing.
+    """
+    base, data = search.base, search.base.fit.measurement
+    if COLUMN in data.conditions or not search.grown:
+        return None
+    held = replace(data, conditions={**data.conditions, COLUMN: np.ones(len(data))})
+    # Of one parameter, its size: a law of more makes nearly any curve.
+    others = [
+        effect
+        for effect in applicable(library, held)
+        if COLUMN in effect.needs and len(effect.element.parameters) == 1
+    ]
+    frame = search.frame
+    for named in [effect for effect in search.grown[0].effects if not is_passive(effect)]:
+        at = influence(base.model, base.theta, base.stiffness, named, data)
+        own = Directions.of(frame, at).unit
+        alike = []
+        # A rarer one is no reason to doubt: a clock is wrong more often than a joint has play.
+        for other in [effect for effect in others if effect.prior >= named.prior]:
+            there = influence(base.model, base.theta, base.stiffness, other, held)
+            unit = Directions.of(frame, there).unit
+            if np.max(own.T @ unit, initial=0.0) > PARALLEL:
+                alike.append(other.name)
+        if alike:
+            return Untold(named.name, tuple(alike))
+    return None

@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import OptionError
-from springpot.misfit.words import percent
+from springpot.misfit.error import percent
 from springpot.rheology.points import Complex, Real
 
 from .result import Candidate, Diagnosis

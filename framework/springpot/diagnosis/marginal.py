@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from springpot.identification.bordered import variance_of
-from springpot.identification.profiles import held_costs
+from springpot.identification.intervals import held_costs
 from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.independence import distinct_log_omega, telling

@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.identification.allowed_shifts import refused_in_words
+from springpot.identification.known_factors import refused_in_words
 from springpot.identification.value import Value
 from springpot.measurement.independence import at_one_frequency, moved_along
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import TIME
+from springpot.measurement.mixed_up import said_of_sign
 from springpot.measurement.replicates import Averaged
-from springpot.measurement.sign import said_of_sign
 from springpot.measurement.units import PRESSURE_UNITS
 from springpot.misfit.drift_search import Course, moves_with_frequency
+from springpot.misfit.error import percent, plain, times
 from springpot.misfit.floor import is_arithmetic, scatter_about
 from springpot.misfit.material import (
     NAME,
@@ -28,16 +29,14 @@ from springpot.misfit.material import (
 )
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import validation
-from springpot.misfit.residual_battery import Finding
 from springpot.misfit.residual_causes import Column, EqualRows, discrepancy, log_shift_of
-from springpot.misfit.words import percent, plain, times
+from springpot.misfit.residual_tests import Finding
 from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import Complex, Real
-from springpot.suggestions import suggested
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
+from springpot.writing import NAMED, suggested
 
-from ..format_numbers import NAMED
 from .evidence import Evidence
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence

@@ -1,29 +1,123 @@
-"""What a diagnosis says, as plain data."""
+"""What a diagnosis says, as plain data: what may be missing, and what a user can do with that.
+
+Each step that a user can take is told with its command and with the error that it leaves.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
-from springpot.drawing import draw, html_of, text_of
-from springpot.identification.derived.quantity import Quantities
-from springpot.identification.value import PartResult, Value, parts_of, values_of
+from springpot.identification.value import PartResult, Quantities, Value, parts_of, values_of
+from springpot.lazy import draw, html_of, text_of
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
-from springpot.plain_data import jsonable, number
+from springpot.plain_data import json_number, jsonable
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
-
-from .actions import ToDo, accepting
+from springpot.writing import in_shell, suggested
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+DATA = "DATA"
+"""Stands in commands for what a user called the data, and for the model that is judged."""
+
+
+@dataclass(frozen=True)
+class ToDo:
+    """One step.
+
+    Attributes
+    ----------
+    says : str
+        What it is.
+    command : str
+        What does it; `DATA` stands for the data, and for the model that is judged.
+    error_after : float
+        The relative error that is foretold, NaN where only the step itself will tell.
+    split : str
+        The column that is split, if that is the step; a file does not hold it.
+    exclude : tuple of int
+        Rows of the data that are left out, the first being 1; a file does not hold them.
+    """
+
+    says: str
+    command: str
+    error_after: float = float("nan")
+    split: str = field(default="", compare=False)
+    exclude: tuple[int, ...] = field(default=(), compare=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schema."""
+        row = {"says": self.says, "command": self.command, "error_after": self.error_after}
+        return dict(jsonable(row))
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> ToDo:
+        """What `to_dict` gave."""
+        return cls(row["says"], row["command"], json_number(row["error_after"]))
+
+
+def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
+    """The steps with the data, and the model that is judged, in their commands.
+
+    Parameters
+    ----------
+    steps : iterable of ToDo
+        Whose commands hold `DATA`.
+    *words : str
+        The data as the user called them, and the options that name the model.
+    """
+    given = f" {' '.join(map(in_shell, words))} "
+    return tuple(replace(step, command=step.command.replace(f" {DATA} ", given)) for step in steps)
+
+
+def turning(spec: str) -> ToDo:
+    """To turn one channel; `spec` opens the data so.
+
+    Of a force that counts the other way every other answer is wrong.
+    """
+    return ToDo("the force counts the other way: turn it", suggested("diagnose", spec))
+
+
+def splitting(
+    column: str, error_after: float = float("nan"), what: str = "what is missing"
+) -> ToDo:
+    """To let each value of a column have a factor of its own, the material being shared."""
+    says = f"{what} goes with {column}: one factor a value, the material shared"
+    return ToDo(says, suggested("discover", DATA, "--split", column), error_after, split=column)
+
+
+def leaving_out(row: int, error_after: float) -> ToDo:
+    """To leave out a point that stands out, as the answer itself has done."""
+    says = f"row {row} stands out: leave it out of every fit too"
+    command = suggested("diagnose", DATA, "--exclude", f"row={row}")
+    return ToDo(says, command, error_after, exclude=(row,))
+
+
+def leaving_out_the_beginning(until: float) -> ToDo:
+    """To leave out what was measured while a step was still being made, up to a time in s."""
+    says = (
+        "the misfit is largest at the beginning, where a step is still made: leave it out, compare"
+    )
+    return ToDo(says, suggested("diagnose", DATA, "--exclude", f"time=..{until:.3g}"))
+
+
+def accepting(effect: str, explains: bool, error_after: float) -> ToDo:
+    """To add an effect, proved or not."""
+    says = f"{effect} helps, which is no proof: accept it"
+    if explains:
+        says = f"{effect} explains it: accept it"
+    return ToDo(says, suggested("discover", DATA, "--accept", effect), error_after)
 
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
@@ -138,16 +232,16 @@ class Candidate:
             alike=tuple(row["class"]),
             probability=row["probability"],
             # What could not be computed was infinite: no evidence at all, no bound at all.
-            delta_bic=number(row["delta_bic"], -inf),
-            score=number(row["score"]),
+            delta_bic=json_number(row["delta_bic"], -inf),
+            score=json_number(row["score"]),
             verdict=row["verdict"],
-            predicted_error=number(row["predicted_error"]),
-            error_after=number(row["error_after"]),
-            over_floor=number(row["over_floor"]),
-            bound=number(row["bound"], inf),
+            predicted_error=json_number(row["predicted_error"]),
+            error_after=json_number(row["error_after"]),
+            over_floor=json_number(row["over_floor"]),
+            bound=json_number(row["bound"], inf),
             parameters=values_of(row["parameters"]),
             says=row["says"],
-            error_beside=number(row.get("error_beside")),
+            error_beside=json_number(row.get("error_beside")),
         )
 
 
@@ -342,7 +436,7 @@ class Diagnosis:
     ) -> Figure | Axes | Path:
         """The error as it is and with each leading effect, beside the floors.
 
-        See `springpot.drawing.draw`.
+        See `springpot.lazy.draw`.
         """
         return draw(self, path, ax)
 
@@ -421,3 +515,29 @@ def silent(stage: str) -> None:
 def within(whole: str, progress: Progress) -> Progress:
     """Stages of a part, told as such: ``step 1: fitting fractional-maxwell``."""
     return lambda stage: progress(f"{whole}: {stage}")
+
+
+class TriedEffect(NamedTuple):
+    """An effect that was fitted by itself, for those who draw it before the answer is there.
+
+    Attributes
+    ----------
+    effect : Effect
+        The effect.
+    model : Model
+        The model with it.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    """
+
+    effect: Effect
+    model: Model
+    theta: Real
+
+
+Fitted: TypeAlias = Callable[[TriedEffect], None]
+"""Called with each effect as its fit comes, and once more where a better one does."""
+
+
+def unseen(tried: TriedEffect) -> None:
+    """For those who wait for the answer."""

@@ -17,6 +17,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.errors import owned
 from springpot.identification.held_material import within_material
 from springpot.identification.starts import Window, settings
 from springpot.measurement.independence import telling
@@ -32,7 +33,6 @@ from springpot.misfit.frame import (
     relative_to,
 )
 from springpot.misfit.refit import Refit
-from springpot.owners import owned
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real

@@ -19,7 +19,7 @@ from springpot.measurement.independence import at_one_frequency, moved_along, te
 from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.residual_battery import battery, repeats_structure
+from springpot.misfit.residual_tests import battery, repeats_structure
 from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
@@ -28,7 +28,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from ..numerics import SMALLEST
 from .asked import AskedSet, beside, in_each_place, once, one_more, two_more
 from .grown import Grown, Search
-from .meanwhile import Fitted, TriedEffect, unseen
+from .result import Fitted, TriedEffect, unseen
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 
 

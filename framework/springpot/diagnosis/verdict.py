@@ -14,6 +14,7 @@ from springpot.distributions import f_quantile
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import frequency_numbers, moved_along
 from springpot.measurement.mixed_tests import sweeps_of
+from springpot.misfit.error import percent, times
 from springpot.misfit.floor import (
     below_floor,
     beyond_floor,
@@ -23,9 +24,8 @@ from springpot.misfit.floor import (
 )
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.misfit.residual_battery import NEIGHBOURS, sets_apart
 from springpot.misfit.residual_causes import Column, EqualRows, column_behind
-from springpot.misfit.words import percent, times
+from springpot.misfit.residual_tests import OF_NEIGHBOURS, sets_apart
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
@@ -351,11 +351,11 @@ def _carried_on(search: Search) -> bool:
     chances = search.repeats.parts
     if not chances:
         return False
-    in_repeats = max(search.repeats.p_value, chances[NEIGHBOURS]) < VERDICT.beyond_doubt
+    in_repeats = max(search.repeats.p_value, chances[OF_NEIGHBOURS]) < VERDICT.beyond_doubt
     # The mean of the repeats holds a part of the same errors, at right angles to what sets them
     # apart: a second witness. Of the product x of two chances that of noise is x - x ln x (Fisher
     # 1932).
-    both = chances[NEIGHBOURS] * search.structure.parts["runs"]
+    both = chances[OF_NEIGHBOURS] * search.structure.parts["runs"]
     in_both = both - both * float(np.log(both)) < VERDICT.beyond_doubt
     # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told
     # in a note.

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .asking import AskingOptimiser as AskingOptimiser
-    from .asking import Enquiry as Enquiry
+    from .fitted import Fit as Fit
     from .fitting import identify as identify
     from .held_material import intervals_beside_material as intervals_beside_material
     from .held_material import is_passive as is_passive
     from .held_material import within_material as within_material
+    from .intervals import bootstrap as bootstrap
+    from .intervals import fit_batch as fit_batch
+    from .intervals import held_costs as held_costs
+    from .intervals import profile as profile
     from .leastsquares import levenberg_marquardt as levenberg_marquardt
     from .material_fit import least_error as least_error
     from .native import (
@@ -20,9 +23,6 @@ if TYPE_CHECKING:
     )
     from .native import (
         Effort as Effort,
-    )
-    from .native import (
-        Fit as Fit,
     )
     from .native import (
         fit as fit,
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     from .problem import (
         weighted as weighted,
     )
-    from .profiles import held_costs as held_costs
-    from .profiles import profile as profile
     from .recorder import (
         BudgetSpent as BudgetSpent,
     )
@@ -68,12 +66,14 @@ if TYPE_CHECKING:
     )
     from .regularisation import regularised as regularised
     from .result import Identification as Identification
+    from .runs import AskingOptimiser as AskingOptimiser
     from .runs import (
         BatchedOptimiser as BatchedOptimiser,
     )
     from .runs import (
         Card as Card,
     )
+    from .runs import Enquiry as Enquiry
     from .runs import (
         Optimiser as Optimiser,
     )
@@ -86,8 +86,6 @@ if TYPE_CHECKING:
     from .runs import (
         run_batch as run_batch,
     )
-    from .simulated import bootstrap as bootstrap
-    from .simulated import fit_batch as fit_batch
     from .space import SearchSpace as SearchSpace
     from .starts import Window as Window
     from .starts import settings as settings
@@ -100,20 +98,21 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "asking": "AskingOptimiser Enquiry",
         "fitting": "identify",
         "held_material": "intervals_beside_material is_passive within_material",
         "leastsquares": "levenberg_marquardt",
         "material_fit": "least_error",
-        "native": "BoundedDescent Effort Fit fit minima_in_box scanned_starts",
+        "fitted": "Fit",
+        "native": "BoundedDescent Effort fit minima_in_box scanned_starts",
         "prediction": "Prediction",
-        "profiles": "held_costs profile",
+        "intervals": "bootstrap fit_batch held_costs profile",
         "problem": "default_objective Objective Problem Searched SpecimenProblem weighted",
         "recorder": "all_points BudgetSpent Recorder RecorderGroup",
         "regularisation": "regularised",
         "result": "Identification",
-        "runs": "BatchedOptimiser Card Optimiser OptimiserFamily run run_batch",
-        "simulated": "bootstrap fit_batch",
+        "runs": (
+            "AskingOptimiser BatchedOptimiser Card Enquiry Optimiser OptimiserFamily run run_batch"
+        ),
         "space": "SearchSpace",
         "starts": "settings shown Window",
         "uncertainty": "Uncertainty",

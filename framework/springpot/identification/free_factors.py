@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import student
+from springpot.distributions import alike, student
+from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
@@ -20,11 +21,11 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, INTERVAL
 
 from ..numerics import ALIKE, ROUNDING
-from .expected_factors import Expected, expectation
-from .levels_alone import alike, meeting, ranges, reached_from, shifted_by
-from .material import is_material
-from .native import Fit, fit
+from .fitted import Fit
+from .material import is_material, shifted_by
+from .native import fit
 from .problem import Objective, weighted
+from .space import Expected, expectation
 
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""

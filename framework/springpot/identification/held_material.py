@@ -14,9 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from springpot.distributions import f_sf, student
+from springpot.distributions import alike, f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
@@ -24,14 +24,12 @@ from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import PRINTED, ROUNDING, SMALLEST
-from .allowed_shifts import laws_of_shift, refused_laws
 from .bordered import RANK
-from .known_factors import ends_of_factors
-from .levels_alone import alike
+from .fitted import Fit
+from .intervals import allowed_cost
+from .known_factors import ends_of_factors, laws_of_shift, refused_laws
 from .material import SpectrumSearch, is_material, own_parameters
-from .native import Fit
 from .problem import weighted
-from .profiles import allowed_cost
 from .uncertainty import Uncertainty
 
 

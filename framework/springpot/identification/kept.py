@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement.joining import LEVELS, levels_in_words
+from springpot.measurement.conversion import LEVELS, levels_in_words
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.units import Units
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import SWEEPS
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import ROOM, Real
 

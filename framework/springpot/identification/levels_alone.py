@@ -8,18 +8,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import LIKENESS, f_sf
+from springpot.distributions import f_sf
 from springpot.measurement.independence import frequency_numbers
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.continuum import Continuum
-from springpot.rheology.effect import Layer
+from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
 from ..numerics import ROUNDING, SMALLEST
-from .material import is_material
+from .material import shifted_by
 from .native import fit
 from .problem import Objective, default_objective, relative_objective
 
@@ -174,34 +173,6 @@ def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
     return np.asarray(np.sqrt(summed / np.maximum(spare, 1.0)))
 
 
-def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
-    """Factor on variances because neighbouring residuals are alike.
-
-    (1 + r) / (1 - r) for their correlation r.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (2n,)
-        In units of its own scatter: the real parts, then the imaginary ones.
-    omega : ndarray, shape (n,)
-        Angular frequencies.
-    number : ndarray of int, shape (n,)
-        Level of each point.
-    """
-    # Level by level, rising in frequency: only so are neighbours neighbours.
-    order = np.lexsort((omega, number))
-    pairs = residual.reshape(2, -1).T[order]
-    same = np.diff(number[order]) == 0
-    product = 0.0
-    # Neighbours of different levels are no neighbours.
-    if np.any(same):
-        product = float(np.mean((pairs[1:] * pairs[:-1])[same]))
-    # A negative correlation would narrow the intervals, on no more than a guess.
-    variance = max(float(np.mean(pairs**2)), SMALLEST)
-    r = float(np.clip(product / variance, 0.0, LIKENESS))
-    return (1.0 + r) / (1.0 - r)
-
-
 class Weighing(NamedTuple):
     """How the points of sweeps at several levels weigh.
 
@@ -238,20 +209,6 @@ class _ByLevel:
         nearest = np.argmin(np.abs(values[:, None] - self.levels), axis=1)
         weights, here = self.objective.weighing(measurement), self.factors[nearest]
         return np.asarray(weights.real * here.real + 1j * weights.imag * here.imag)
-
-
-def shifted_by(model: Model) -> str:
-    """The condition by which a model of any material is shifted; empty of any other model.
-
-    Where the rig or the signals are in the model too, no material follows a level by itself.
-    """
-    columns = sorted(
-        {name for each in model.effects if each.plane == "shift" for name in each.needs}
-    )
-    of_levels = all(each.layer == Layer.TEMPERATURE for each in model.effects)
-    if is_material(model) and of_levels and len(columns) == 1:
-        return columns[0]
-    return ""
 
 
 def usual_objective(
@@ -350,25 +307,3 @@ def _too_large(own: Alone) -> float:
     if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return 0.0
     return float(np.sqrt(dof / max(cost, SMALLEST)))
-
-
-def ranges(number: NDArray[np.int64], values: Real) -> tuple[Real, Real]:
-    """Least and largest value (m,) of each level."""
-    parts = [values[number == i] for i in range(number.max() + 1)]
-    return np.array([part.min() for part in parts]), np.array([part.max() for part in parts])
-
-
-def meeting(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
-    """Which ranges (m, m) meet within room."""
-    return np.asarray(
-        (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
-    )
-
-
-def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Levels (m,) that touch one of them, directly or through others."""
-    reached = np.arange(len(touching)) == reference
-    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
-    for _ in range(len(touching)):
-        reached = touching[reached].any(axis=0)
-    return np.asarray(reached)

@@ -18,17 +18,23 @@ from itertools import chain
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
-from springpot.nonnegative import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.numerics import non_negative
+from springpot.rheology.effect import Layer
+from springpot.rheology.elements import (
+    Continuum,
+    Probe,
+    Tabulated,
+    asked_as_measured,
+    linear_in_material,
+)
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
-from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
-from .coordinates import Coordinates
+from .leastsquares import Solving, Trial, Way
 from .problem import BLOCK, Objective, numbers_of, weighted
-from .trials import Solving, Trial, Way
 
 PER_DECADE = 3
 """Lines a decade of the first lattice.
@@ -538,3 +544,17 @@ class SpectrumSearch:
         # What was expected guides the search; the objective that is told is that of the data.
         cost = trial.cost - float(surprise @ surprise)
         return Spectral(model, theta, cost, self.evaluations, converged)
+
+
+def shifted_by(model: Model) -> str:
+    """The condition by which a model of any material is shifted; empty of any other model.
+
+    Where the rig or the signals are in the model too, no material follows a level by itself.
+    """
+    columns = sorted(
+        {name for each in model.effects if each.plane == "shift" for name in each.needs}
+    )
+    of_levels = all(each.layer == Layer.TEMPERATURE for each in model.effects)
+    if is_material(model) and of_levels and len(columns) == 1:
+        return columns[0]
+    return ""

@@ -19,19 +19,19 @@ from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned as thinned_rows
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
+from springpot.rheology.elements import Continuum
+from springpot.rheology.factors import arrhenius, wlf
 from springpot.rheology.levels import Levels, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
-from springpot.rheology.thermal import arrhenius, wlf
 
 from ..numerics import DECADE, SMALLEST
+from .leastsquares import Trial
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
-from .trials import Trial
 
 NEAR = 0.02
 """Error of a prediction between measured points, in ln|K| and in radian.

@@ -7,31 +7,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from time import perf_counter
 
 import numpy as np
 
 from springpot.errors import DataError, OptionError
-from springpot.format_numbers import counted
 from springpot.measurement.measurement import Measurement
-from springpot.nonnegative import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.numerics import non_negative
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
+from springpot.writing import counted
 
 from ..numerics import ALIKE, NEGLIGIBLE
-from .bordered import LevelSlopes
-from .expected_factors import Expected
+from .fitted import Fit, task_of
 from .leastsquares import FLAT, Solution, levenberg_marquardt
-from .material import STILL, SpectrumSearch, is_material, own_parameters
+from .material import STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
-from .normal import Layout
-from .places import followed_by_places
-from .problem import Objective, Problem, default_objective, numbers_of, weighted
+from .problem import Objective, Problem, default_objective, weighted
 from .recorder import Recorder
-from .space import require_conditions, require_size
+from .space import Expected, require_conditions, require_size
 from .starts import shape_count
 from .task import FLAT_SHAPES, Task
 
@@ -80,135 +76,6 @@ class Effort:
     def of_part(self, share: float) -> Effort:
         """The same for a share of the points."""
         return Effort(self.negligible, self.hopeless * share)
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A model fitted to a measurement.
-
-    Attributes
-    ----------
-    model, measurement, objective
-        What was fitted to what, and how the misfit was measured.
-    theta : ndarray, shape (p,)
-        The parameters.
-    cost : float
-        The objective there: the sum of squared residuals.
-    evaluations : int
-        Model evaluations spent, those of the start scan included.
-    converged : bool
-        Whether the best start came to rest.
-    seconds : float
-        Time taken.
-    confirmed : bool
-        Whether nothing but rounding is left, or at least two starts ended there.
-    expected : Expected, optional
-        What was expected of the effects' parameters beside the data.
-    """
-
-    model: Model
-    measurement: Measurement
-    objective: Objective
-    theta: Real
-    cost: float
-    evaluations: int = 0
-    converged: bool = True
-    seconds: float = 0.0
-    confirmed: bool = True
-    expected: Expected | None = None
-
-    @cached_property
-    def task(self) -> Task:
-        """The data as a batch of one."""
-        return _task(self.model, self.measurement, self.objective)
-
-    @cached_property
-    def dof(self) -> float:
-        """Degrees of freedom.
-
-        The numbers measured less those that the parameters follow, and the places of a spectrum.
-        """
-        left = numbers_of(self.task.weights) - len(self.theta) + self.silent
-        if not is_material(self.model):
-            return left
-        search = SpectrumSearch.of(self.model, self.measurement, self.objective)
-        follows = np.ones(len(self.theta), dtype=bool)
-        follows[: len(self.model.material.parameters)] = self._weights > 0.0
-        placed = followed_by_places(search, self.theta, self.residual, self.jacobian_u[:, follows])
-        # Of exact data the lines stand for numbers, of which no place can take more than there are.
-        return max(left - placed, min(left, 1.0))
-
-    @property
-    def silent(self) -> int:
-        """Weights of a spectrum that the data put at zero: these follow nothing.
-
-        See Meyer and Woodroofe 2000, doi:10.1214/aos/1015956708.
-        """
-        if not is_material(self.model):
-            return 0
-        return int(np.sum(self._weights == 0.0))
-
-    @property
-    def _weights(self) -> Real:
-        return self.theta[: len(self.model.material.parameters)]
-
-    @cached_property
-    def residual(self) -> Real:
-        """Weighted residuals (2n,): those of the real part, then those of the imaginary part."""
-        return _in_parts(self._at_solution[0])
-
-    @cached_property
-    def jacobian_u(self) -> Real:
-        """Derivative of the residuals by the search coordinates, shape (2n, p)."""
-        if self.by_level is not None:
-            return self.by_level.layout.dense(self.by_level.jacobian).T
-        return _in_parts(self._at_solution[1]).T
-
-    @cached_property
-    def by_level(self) -> LevelSlopes | None:
-        """The same by the parameters of the level of each, where levels have their own."""
-        if self.task.levels is None:
-            return None
-        known = self.task.levels.layout
-        layout = Layout(known.places, np.tile(known.number, 2))
-        return LevelSlopes(layout, _in_parts(self._at_solution[1]))
-
-    @cached_property
-    def _at_solution(self) -> tuple[Real, Real]:
-        evaluate = self.task.evaluator(np.zeros(1, dtype=np.intp))
-        with np.errstate(all="ignore"):
-            residual, jacobian = evaluate(self.u[None, :], np.zeros(1, dtype=np.intp))
-        return residual[0], jacobian[0]
-
-    @cached_property
-    def u(self) -> Real:
-        """The solution in search coordinates, shape (p,)."""
-        return self.to_u(self.theta)
-
-    def to_u(self, theta: Real) -> Real:
-        """Search coordinates (..., p) of parameters (..., p)."""
-        return self.task.coordinates.u(theta, self.task.coordinates.size[0])
-
-    def from_u(self, u: Real) -> Real:
-        """Parameters (..., p) of search coordinates (..., p)."""
-        return self.task.coordinates.theta(u, self.task.coordinates.size[0])
-
-
-def _in_parts(interleaved_values: Real) -> Real:
-    """Real parts, then imaginary parts, along the last axis."""
-    return np.concatenate([interleaved_values[..., ::2], interleaved_values[..., 1::2]], axis=-1)
-
-
-def _task(model: Model, measurement: Measurement, objective: Objective) -> Task:
-    weights = objective.weighing(measurement)
-    return Task(
-        model,
-        measurement.points,
-        measurement.stiffness[None],
-        weights[None],
-        objective.logarithmic,
-        turn=objective.turn,
-    )
 
 
 def fit(
@@ -279,7 +146,7 @@ def fit(
         )
     # One data set is a batch of one: single fits and simulated ones by the thousand run through the
     # same code.
-    task = _task(model, measurement, objective)
+    task = task_of(model, measurement, objective)
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
     best = solution.best
@@ -446,7 +313,7 @@ def _released_starts(
     if not starts:
         return []
     free = model.released()
-    known = _task(free, measurement, objective)
+    known = task_of(free, measurement, objective)
     u = known.starts(starts)[1][0]
     best = fit(free, measurement, objective, starts=starts).theta
     full = np.concatenate([known.coordinates.theta(u, known.coordinates.size[0]), best[None]])
@@ -511,7 +378,7 @@ def _agreed(solution: Solution, floor: float, votes: int, slack: float) -> bool:
 
 def scanned_starts(problem: Problem, rng: np.random.Generator) -> Real:
     """Search points (Q, d) of a scan of the model's shapes, with their best gains, best first."""
-    task = _task(problem.model, problem.measurement, problem.objective)
+    task = task_of(problem.model, problem.measurement, problem.objective)
     u = task.starts(shape_count(task.branches), _offset(rng))[1]
     with np.errstate(all="ignore"):
         theta = task.coordinates.theta(u[0], task.coordinates.size[0])

@@ -12,14 +12,14 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
+from springpot.writing import NAMED
 
-from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
-from .allowed_shifts import refused_in_words
 from .bordered import Bordered, variance_of
+from .fitted import Fit
 from .kept import note_on_levels, words_in
-from .native import Fit
-from .specimens import FEWEST, told
+from .known_factors import refused_in_words
+from .population import FEWEST, told
 from .uncertainty import Uncertainty, printed_covariance
 from .value import LOST
 

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
-from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
-from springpot.markup import table, tag
+from springpot.lazy import draw
 from springpot.measurement.covered import Covered, between
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.rows import Moduli
@@ -26,10 +25,9 @@ from springpot.measurement.units import Units
 from springpot.rheology.levels import held, rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Complex, Points, Real
-from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
+from springpot.writing import LISTED, NAMED, listed, suggested, table, tag
 
-from ..format_numbers import LISTED, NAMED, listed
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .bordered import Bordered, Covariance, lost_and_known
 from .kept import called

@@ -22,9 +22,8 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.errors import ModelError, PluginError
+from springpot.errors import ModelError, PluginError, owned
 from springpot.measurement.measurement import Measurement
-from springpot.owners import owned
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
-from springpot.nonnegative import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.numerics import non_negative
+from springpot.rheology.elements import Continuum, Probe
+from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ALIKE
-from .around_material import reduced_range
+from .fitted import Fit
 from .material import BEYOND, is_material
-from .native import Fit
 from .problem import weighted
 
 PER_DECADE = 8
@@ -260,3 +260,12 @@ def _roughness(size: Real, step: float) -> Real:
     # The integral of the squared second derivative, so that finer lines ask for no other weight.
     bent = -2.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)
     return np.concatenate([np.zeros((count, 2)), bent / size / step**1.5], axis=1)
+
+
+def reduced_range(fitted: Model, theta: Real, points: Points) -> tuple[float, float]:
+    """Least and largest logarithm of the reduced frequencies that reach a fitted material."""
+    probe = Probe([])
+    own = theta[len(fitted.material.parameters) :]
+    with np.errstate(all="ignore"):
+        replace(fitted, material=probe).network.respond(own, points)
+    return min(seen[0] for seen in probe.seen), max(seen[1] for seen in probe.seen)

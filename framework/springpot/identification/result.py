@@ -14,22 +14,22 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from springpot.distributions import student
-from springpot.drawing import draw, draw_view, html_of, text_of
 from springpot.errors import ModelError
+from springpot.lazy import draw, draw_view, html_of, text_of
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
-from springpot.plain_data import as_declared, jsonable, number
-from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
+from springpot.plain_data import as_declared, json_number, jsonable
+from springpot.rheology.elements import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
 from .bordered import Bordered, Covariance, carried, matrix_of, told_of
 from .calibration import Calibration
-from .derived.of_fit import in_short
-from .derived.quantity import Quantities
+from .fitted import Fit
+from .fitted_quantities import in_short
 from .kept import (
     bounds_of,
     coordinates_of,
@@ -41,15 +41,13 @@ from .kept import (
     words_in,
 )
 from .material import is_material
-from .native import Fit
 from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
-from .published import search_parameters
 from .regularisation import SmoothSpectrum, regularised
 from .robust import kept_of, objective_again
-from .uncertainty import Uncertainty, slopes_of, tied_values
-from .value import PartResult, Value, all_parameters, parts_of, spare
+from .uncertainty import Uncertainty, search_parameters, slopes_of, tied_values
+from .value import PartResult, Quantities, Value, all_parameters, parts_of, spare
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -90,7 +88,7 @@ class Standing:
         row = answer.get("error")
         standing = None
         if row is not None:
-            floors = [number(row[name]) for name in ("noise_floor", "material_floor")]
+            floors = [json_number(row[name]) for name in ("noise_floor", "material_floor")]
             source, says = row["noise_source"], row["says"]
             standing = as_declared(cls(floors[0], source, floors[1], row["good_enough"], says))
         return lambda fit: standing
@@ -289,7 +287,7 @@ class Identification(Known):
     def identifiable(self) -> dict[str, str]:
         """By parameter ``identifiable``, ``practically not`` or ``not at all``, by its profile.
 
-        Of other intervals nothing is told; see `springpot.identification.profiles.Path.profile`.
+        Of other intervals nothing is told; see `springpot.identification.intervals.Path.profile`.
         """
         return dict(zip(self.model.names, self.verdicts, strict=False))
 
@@ -552,7 +550,7 @@ class Identification(Known):
             spread=covariance,
             units=units,
             reference=float(kept["reference"]),
-            misfit=number(answer["relative_rms"]),
+            misfit=json_number(answer["relative_rms"]),
             dof=spare(tests, theta),
             covered=Covered.read(answer["measured"]),
             words=kept.get("words", {}),

@@ -1,10 +1,8 @@
 """One supervised run of an optimiser, and what came of it according to the ledger.
 
-What an optimiser is: a frozen dataclass of options with a capability card and one method.
-
-Whether the record of a run contradicts itself or the problem.
-
-What another process can still check.
+What an optimiser is: a frozen dataclass of options with a capability card and one method; one that
+is asked for points and told values may have several out at once. Whether the record of a run
+contradicts itself or the problem, as far as another process can still check.
 """
 
 from __future__ import annotations
@@ -457,3 +455,49 @@ def contradiction(run: Run, problem: Searched, budget: int) -> str:
     if not same(run.best, evaluated, size):
         return f"its best point has the objective {evaluated:.6g}, not {run.best:.6g}"
     return ""
+
+
+class Enquiry(ABC):
+    """A search that is asked for points of the unit cube and told their values, in any order."""
+
+    @abstractmethod
+    def ask(self) -> Real:
+        """Next point (d,) to evaluate; others may be out, asked for and not told yet."""
+
+    @abstractmethod
+    def tell(self, u: Real, value: float) -> None:
+        """Take the objective at a point (d,) that was asked for.
+
+        Parameters
+        ----------
+        u : ndarray, shape (d,)
+            The point.
+        value : float
+            Its objective.
+        """
+
+
+class AskingOptimiser(Optimiser):
+    """An optimiser that can be asked: several of its points may be evaluated at the same time."""
+
+    @abstractmethod
+    def enquiry(self, dimension: int, budget: int, rng: np.random.Generator) -> Enquiry:
+        """Begin a search.
+
+        Parameters
+        ----------
+        dimension : int
+            Number of parameters.
+        budget : int
+            Evaluations that will be counted.
+        rng : numpy.random.Generator
+            The only source of randomness.
+        """
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Ask for one point after another until the recorder ends the run."""
+        enquiry = self.enquiry(problem.dimension, budget, rng)
+        width = problem.upper - problem.lower
+        while True:
+            u = enquiry.ask()
+            enquiry.tell(u, problem(problem.lower + u * width))

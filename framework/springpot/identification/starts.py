@@ -23,11 +23,10 @@ from numpy.typing import NDArray
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Chain, Node, Parallel, Renamed, Series, Shift
-from springpot.rheology.parameters import Parameter
+from springpot.rheology.parameters import Coordinates, Parameter
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import SMALLEST
-from .coordinates import Coordinates
 
 LEAST_GAIN = 1e-7
 """Smallest share of the data that a branch is given; a logarithm cannot start at zero."""

@@ -24,9 +24,9 @@ from springpot.measurement.independence import (
     telling,
 )
 from springpot.measurement.measurement import CONDITIONS, Measurement, numbers_of_levels
+from springpot.misfit.error import percent, times
 from springpot.misfit.material import error_of, material_floor
 from springpot.misfit.values import printed
-from springpot.misfit.words import percent, times
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real

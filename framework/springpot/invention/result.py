@@ -15,10 +15,10 @@ from springpot.diagnosis.marginal import harmonic_evidence, marginal
 from springpot.diagnosis.result import NextExperiment
 from springpot.diagnosis.scan import applicable, possible, scan_effects
 from springpot.diagnosis.search import grown_with
-from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
 from springpot.identification.native import Effort
 from springpot.identification.value import Value, values_of
+from springpot.lazy import draw, html_of, text_of
 from springpot.misfit.error import Error
 from springpot.misfit.floor import is_arithmetic
 from springpot.numerics import NEGLIGIBLE
@@ -350,7 +350,7 @@ class Invention:
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
     ) -> Figure | Axes | Path:
-        """Data, model and law; see `springpot.drawing.draw`."""
+        """Data, model and law; see `springpot.lazy.draw`."""
         return draw(self, path, ax)
 
     def _repr_html_(self) -> str:

@@ -30,7 +30,7 @@ from springpot.identification.problem import weighted
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import is_arithmetic
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.residual_battery import battery
+from springpot.misfit.residual_tests import battery
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT

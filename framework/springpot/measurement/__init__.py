@@ -7,46 +7,56 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from springpot.inputs import (
+    from springpot.files import (
+        MOST_CELLS as MOST_CELLS,
+    )
+    from springpot.files import (
+        MOST_COLUMNS as MOST_COLUMNS,
+    )
+    from springpot.files import (
+        MOST_TABLES as MOST_TABLES,
+    )
+    from springpot.files import (
+        Budget as Budget,
+    )
+    from springpot.files import (
+        budget_of as budget_of,
+    )
+    from springpot.files import (
         bytes_of as bytes_of,
     )
-    from springpot.inputs import (
+    from springpot.files import (
         json_of as json_of,
     )
-    from springpot.inputs import (
+    from springpot.files import (
         toml_of as toml_of,
+    )
+    from springpot.files import (
+        within_budget as within_budget,
+    )
+    from springpot.writing import (
+        guarded as guarded,
+    )
+    from springpot.writing import (
+        guarded_line as guarded_line,
+    )
+    from springpot.writing import (
+        unguarded as unguarded,
+    )
+    from springpot.writing import (
+        unguarded_line as unguarded_line,
     )
 
     from . import geometry as geometry
-    from .budget import (
-        MOST_CELLS as MOST_CELLS,
+    from .conversion import (
+        as_modulus as as_modulus,
     )
-    from .budget import (
-        MOST_COLUMNS as MOST_COLUMNS,
+    from .conversion import (
+        as_stiffness as as_stiffness,
     )
-    from .budget import (
-        MOST_TABLES as MOST_TABLES,
-    )
-    from .budget import (
-        Budget as Budget,
-    )
-    from .budget import (
-        budget_of as budget_of,
-    )
-    from .budget import (
-        within_budget as within_budget,
-    )
-    from .csv_safe import (
-        guarded as guarded,
-    )
-    from .csv_safe import (
-        guarded_line as guarded_line,
-    )
-    from .csv_safe import (
-        unguarded as unguarded,
-    )
-    from .csv_safe import (
-        unguarded_line as unguarded_line,
+    from .conversion import joined as joined
+    from .conversion import (
+        through as through,
     )
     from .followed import Record as Record
     from .from_signals import measurement_from_signals as measurement_from_signals
@@ -61,16 +71,6 @@ if TYPE_CHECKING:
     from .independence import (
         steadied as steadied,
     )
-    from .interface import (
-        as_modulus as as_modulus,
-    )
-    from .interface import (
-        as_stiffness as as_stiffness,
-    )
-    from .interface import (
-        through as through,
-    )
-    from .joining import joined as joined
     from .measurement import Measurement as Measurement
     from .measurement import misspelt as misspelt
     from .mixed_tests import (
@@ -188,15 +188,13 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "budget": "Budget budget_of MOST_CELLS MOST_COLUMNS MOST_TABLES within_budget",
-        "csv_safe": "guarded guarded_line unguarded unguarded_line",
+        "springpot.writing": "guarded guarded_line unguarded unguarded_line",
         "followed": "Record",
         "from_signals": "measurement_from_signals",
         "geometry": "geometry parse_geometry",
         "imposed": "Loading",
         "independence": "independent spread_of steadied",
-        "interface": "as_modulus as_stiffness through",
-        "joining": "joined",
+        "conversion": "as_modulus as_stiffness joined through",
         "measurement": "Measurement misspelt",
         "mixed_tests": "settings_of sweeps_of tests_together",
         "opening": (
@@ -208,7 +206,10 @@ __getattr__, __dir__ = offered(
         "scatter": "at_least_rounding with_noise",
         "signals": "harmonics_of Signals",
         "suite": "Measured Suite",
-        "springpot.inputs": "bytes_of json_of toml_of",
+        "springpot.files": (
+            "Budget budget_of bytes_of json_of MOST_CELLS MOST_COLUMNS MOST_TABLES toml_of "
+            "within_budget"
+        ),
         "timenoise": "noise_of",
         "timetest": "TimeTest",
         "units": (

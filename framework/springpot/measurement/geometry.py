@@ -25,12 +25,11 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from springpot.drawing import draw
 from springpot.errors import DataError, OptionError, OutputError
-from springpot.markup import Html, joined, table, tag
+from springpot.lazy import draw
 from springpot.rheology.points import Complex, Real
+from springpot.writing import LISTED, Html, joined, table, tag
 
-from ..format_numbers import LISTED
 from .rows import Rows
 from .units import (
     ANGLE_UNITS,

@@ -394,3 +394,25 @@ def _off_polynomial(x: Real, y: Real) -> Real:
         # No deviation is as good as none: its weight would be endless.
         weight = 1.0 / np.sqrt(np.maximum(np.abs(rest), 1e-3 * WANDER["amplitude"]))
     return np.sort(np.abs(rest))[degree + 1 :]
+
+
+def ranges(number: NDArray[np.int64], values: Real) -> tuple[Real, Real]:
+    """Least and largest value (m,) of each level."""
+    parts = [values[number == i] for i in range(number.max() + 1)]
+    return np.array([part.min() for part in parts]), np.array([part.max() for part in parts])
+
+
+def meeting(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
+    """Which ranges (m, m) meet within room."""
+    return np.asarray(
+        (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
+    )
+
+
+def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Levels (m,) that touch one of them, directly or through others."""
+    reached = np.arange(len(touching)) == reference
+    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
+    for _ in range(len(touching)):
+        reached = touching[reached].any(axis=0)
+    return np.asarray(reached)

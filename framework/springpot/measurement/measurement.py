@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from springpot.drawing import draw
-from springpot.errors import DataError
+from springpot.errors import DataError, plain
+from springpot.lazy import draw
 from springpot.rheology.levels import HELD
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
-from springpot.terminal_safe import plain
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of

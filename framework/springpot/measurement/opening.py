@@ -22,13 +22,10 @@ from itertools import islice
 from pathlib import Path
 from typing import TypeAlias, TypeVar
 
-from springpot.errors import DataError, SpringpotError
-from springpot.files import keep_input
-from springpot.inputs import require_regular
-from springpot.owners import described, owned
-from springpot.suggestions import suggested
+from springpot.errors import DataError, SpringpotError, described, owned
+from springpot.files import keep_input, require_regular, within_budget
+from springpot.writing import suggested
 
-from .budget import within_budget
 from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
 from .mixed_tests import NOTE, runs_together

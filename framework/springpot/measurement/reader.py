@@ -22,8 +22,7 @@ from shlex import quote
 from types import MappingProxyType
 from typing import Literal, Protocol, TypeVar
 
-from springpot.errors import DataError, SpringpotError
-from springpot.owners import described, owned, owner_of
+from springpot.errors import DataError, SpringpotError, described, owned, owner_of
 
 from .measurement import Measurement
 from .signals import Signals

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
+from springpot.writing import LISTED
 
-from ..format_numbers import LISTED
 from ..numerics import ALIKE
 from .units import Units
 

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from functools import cached_property
 
 from springpot.errors import DataError
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from .opening import DataSet
 

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from springpot.errors import DataError
+from springpot.errors import DataError, plain
 from springpot.rheology.points import KELVIN, Real
-from springpot.terminal_safe import plain
 
 from ..numerics import SMALLEST
 from .from_signals import stiffness_unit

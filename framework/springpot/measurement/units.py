@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.rheology.parameters import Dimension, Exponent
 from springpot.rheology.points import KELVIN
-
-from ..format_numbers import LISTED
+from springpot.writing import LISTED
 
 MODULI = {"shear": "G", "young": "E", "bulk": "K"}
 """What users call the moduli, and their letters."""

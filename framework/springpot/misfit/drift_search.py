@@ -22,8 +22,8 @@ from springpot.rheology.points import Real
 from springpot.thresholds import COURSE, VERDICT
 
 from ..numerics import SMALLEST
+from .error import plain
 from .frame import LEAST_SEEN, NoiseFrame, orthonormal
-from .words import plain
 
 SMALL_MOVE = 0.02
 """Relative change that is told as none."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_quantile, f_sf
-from springpot.identification.fitting import STARTS as STARTS_AGAIN
+from springpot.identification.searching import STARTS as STARTS_AGAIN
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats

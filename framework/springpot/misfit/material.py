@@ -19,25 +19,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.format_numbers import number
 from springpot.identification.material import is_material
 from springpot.identification.material_fit import least_error
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
+from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
+from springpot.writing import NAMED, number
 
-from ..format_numbers import NAMED
 from ..numerics import SMALLEST
-from .error import Error
+from .error import Error, percent, times, with_unit
 from .refit import Refit, refit
-from .residual_battery import Battery, battery
+from .residual_tests import Battery, battery
 from .where import where
-from .words import percent, times, with_unit
 
 POINTS_OF_EACH = 6
 """Points of a level from which a free spectrum can fail at it."""

@@ -31,6 +31,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
 from ..numerics import ALIKE, ROUNDING, SMALLEST
+from .error import plain, point_in_words
 from .frame import (
     LEAST_LEFT,
     LEAST_SEEN,
@@ -41,10 +42,9 @@ from .frame import (
     spectrum,
     waves,
 )
-from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
+from .regions import HARMONICS, near_mains
 from .where import Where
-from .words import plain, point_in_words
 
 MOST_TURNS = 10
 """Times that the points which stand out are found anew; nearly all settle in three."""

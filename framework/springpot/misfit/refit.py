@@ -12,10 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.fitting import searched
+from springpot.identification.fitted import Fit
 from springpot.identification.material import is_material, own_parameters
-from springpot.identification.native import Effort, Fit, fit
+from springpot.identification.native import Effort, fit
 from springpot.identification.problem import Objective, weighted
+from springpot.identification.searching import searched
 from springpot.measurement.independence import frequency_numbers, telling
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
@@ -27,8 +28,8 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST
+from .error import times
 from .frame import LEAST_LEFT, Drawn, NoiseFrame, phase_of
-from .words import times
 
 
 @dataclass(frozen=True, eq=False)

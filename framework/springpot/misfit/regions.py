@@ -1,11 +1,9 @@
-"""Blocks of points in which a residual is off to one side.
+"""Where a residual may stand out: blocks of points to one side, and frequencies of the mains.
 
-Along frequency, temperature and amplitude.
-
-The block whose mean is furthest from nothing, in units of its noise, is taken out, then the next
-one (a scan statistic, Kulldorff 1997, doi:10.1080/03610929708831995). How far the furthest may be
-by chance is found from simulated noise on the same grid, so that looking at many blocks invents
-nothing.
+Along frequency, temperature and amplitude the block whose mean is furthest from nothing, in units
+of its noise, is taken out, then the next one (a scan statistic, Kulldorff 1997,
+doi:10.1080/03610929708831995). How far the furthest may be by chance is found from simulated noise
+on the same grid, so that looking at many blocks invents nothing.
 """
 
 from __future__ import annotations
@@ -256,3 +254,30 @@ def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:
     return len(apart) == 1 and (
         apart[0][0][1] == apart[0][1][0] or apart[0][1][1] == apart[0][0][0]
     )
+
+
+MAINS = (50.0, 60.0)
+"""Frequencies of the mains in Hz."""
+HARMONICS = (1.0, 2.0, 3.0)
+"""Multiples of the mains at which one point may be hum and nothing else."""
+MULTIPLES = (1.0 / 3.0, 0.5, *HARMONICS)
+"""At which hum lands at all: there, and at tests one of whose own harmonics is the mains."""
+NEAR = 0.015
+"""Relative distance from a mains multiple at which hum leaks into a sinusoid of ten periods."""
+
+
+def near_mains(frequency: Real, multiples: Sequence[float] = MULTIPLES) -> NDArray[np.bool_]:
+    """Whether frequencies (n,) in Hz are as near to a multiple of the mains as its hum is seen.
+
+    Shape (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from .regions import near_mains
+    >>> near_mains(np.array([25.1, 40.0, 50.2]))
+    array([ True, False,  True])
+    """
+    lines = np.outer(MAINS, multiples).ravel()
+    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR, axis=1)
+    return near

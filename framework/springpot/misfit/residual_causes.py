@@ -35,10 +35,10 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import MOST_STEPS, ROUNDING, SMALLEST
+from .error import percent, plain
 from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal, relative_to
 from .refit import Refit
 from .where import where
-from .words import percent, plain
 
 Rows: TypeAlias = NDArray[np.int64]
 

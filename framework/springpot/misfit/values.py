@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from springpot.identification.derived.of_fit import in_short
-from springpot.identification.derived.quantity import Quantities
+from springpot.identification.fitted_quantities import in_short
 from springpot.identification.held_material import intervals_beside_material
-from springpot.identification.levels_alone import shifted_by
+from springpot.identification.material import shifted_by
 from springpot.identification.result import known_of_sweep
 from springpot.identification.uncertainty import Uncertainty, uses_sd
-from springpot.identification.value import Value
+from springpot.identification.value import Quantities, Value
 from springpot.thresholds import VERDICT
 
 from .refit import Refit

@@ -13,16 +13,16 @@ from springpot.measurement.independence import HELD_ALIKE, frequency_numbers
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
 from springpot.measurement.units import Units
-from springpot.plain_data import jsonable, number
+from springpot.plain_data import json_number, jsonable
 from springpot.rheology.levels import HELD
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
 from ..numerics import SMALLEST
+from .error import plain, with_unit
 from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
-from .words import plain, with_unit
 
 WIDE = 0.7
 """Range of ln omega, a factor of two, from which it is told how a misfit changes along it."""
@@ -102,7 +102,7 @@ class Where:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Where:
         """What `to_dict` gave."""
-        low, high, size = (number(row[name]) for name in ("from", "to", "size"))
+        low, high, size = (json_number(row[name]) for name in ("from", "to", "size"))
         return cls(row["plane"], row["condition"], low, high, size, row["says"])
 
 

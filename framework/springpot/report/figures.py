@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.format_numbers import number
 from springpot.identification.regularisation import SmoothSpectrum
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.points import Real
+from springpot.writing import NAMED, number
 
-from ..format_numbers import NAMED
 from . import views
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .population import draw_populations

@@ -8,19 +8,18 @@ from dataclasses import replace
 from io import StringIO
 from math import hypot, isfinite, log, nan
 
-from springpot.format_numbers import counted, number
+from springpot.identification.intervals import IDENTIFIABLE
 from springpot.identification.kept import note_on_levels
 from springpot.identification.population import specimens_of
-from springpot.identification.profiles import IDENTIFIABLE
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
+from springpot.writing import counted, number
 
 from ..numerics import NEGLIGIBLE
-from .answers import reference_note
+from .answers import quantities_passages, reference_note
 from .figures import beside_floors, in_words
 from .population import population_passages
-from .quantities import quantities_passages
 from .text import (
     OPEN,
     Listing,

@@ -9,17 +9,15 @@ from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
-from springpot.diagnosis.case import Case
-from springpot.diagnosis.ladder import Ladder, Step
+from springpot.diagnosis.ladder import Case, Ladder, Step
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
-from springpot.markup import Html, joined, tag, wide, wide_table
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
-from springpot.versions import versions
+from springpot.registry import versions
+from springpot.writing import LISTED, Html, joined, tag, wide, wide_table
 
-from ..format_numbers import LISTED
 from .answers import (
     absent_text,
     effects_note,
@@ -27,6 +25,7 @@ from .answers import (
     not_shown,
     physics,
     places_failed,
+    quantities_passages,
     ranking,
     reference_note,
     times,
@@ -35,12 +34,11 @@ from .answers import (
 from .canvas import require_matplotlib
 from .fit_text import parameters_table
 from .interactive.answers import drawn, rungs
-from .interactive.bench import PageParts, bench_of
 from .interactive.in_time import TimeScene, drawn_in_time
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
 from .network import network_svg
-from .quantities import quantities_passages
+from .page import PageParts, bench_of, page
 from .residuals import (
     data_and_model,
     framed,
@@ -51,7 +49,6 @@ from .residuals import (
     set_aside,
     with_noise_of,
 )
-from .style import page
 from .text import percent, told_range
 from .timetests import figure_tests, fits_in_time
 from .views import DrawnFit, Scene

@@ -12,13 +12,12 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from springpot.format_numbers import counted, number
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.numerics import NEGLIGIBLE
-from springpot.suggestions import suggested
+from springpot.writing import counted, number, suggested
 
 from .text import TextTable, cut, percent, wrapped
 

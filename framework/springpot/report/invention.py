@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.invention.result import FoundLaw, Invention
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.words import over_floor
+from springpot.misfit.error import over_floor
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex, Real
 

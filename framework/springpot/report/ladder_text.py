@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.comparison.result import Judgement, Ranking
-from springpot.diagnosis.case import Case
-from springpot.diagnosis.ladder import Ladder, Step
-from springpot.format_numbers import number
+from springpot.diagnosis.ladder import Case, Ladder, Step
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.words import over_floor, plain
+from springpot.misfit.error import over_floor, plain
+from springpot.writing import LISTED, listed, number
 
-from ..format_numbers import LISTED, listed
 from ..numerics import NEGLIGIBLE
 from .answers import (
     beside_floor,

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.format_numbers import number
 from springpot.rheology.levels import level_text
 from springpot.rheology.points import KELVIN, Points, Real
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
+from springpot.writing import LISTED, number
 
-from ..format_numbers import LISTED
 from ..thresholds import SUPERPOSITION
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
 from .text import Listing, Passage, Prose, TextTable, percent, seconds, with_interval

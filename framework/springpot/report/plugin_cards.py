@@ -18,7 +18,7 @@ from springpot.rheology.drawing import drawing_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 from springpot.rheology.parameters import Parameter
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from .text import TextTable, indented
 

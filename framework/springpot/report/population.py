@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.format_numbers import number
 from springpot.identification.population import Population, specimens_of
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
+from springpot.writing import number
 
 from .canvas import COLOURS, QUIET, TENFOLD, logarithmic
 from .text import Passage, Prose, TextTable, cut, percent, shown

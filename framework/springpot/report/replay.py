@@ -15,8 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.diagnosis.case import Case
-from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.ladder import Case, Ladder
 from springpot.files import write_with
 from springpot.rheology.points import Complex, Points, Real
 

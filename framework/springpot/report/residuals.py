@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.comparison.result import Comparison
-from springpot.markup import Html, joined, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.measurement.units import Units
 from springpot.misfit.error import Error
 from springpot.rheology.nodes import FULL, PLANES, Composition, Parallel, Response
 from springpot.rheology.points import Complex, Real
+from springpot.writing import Html, joined, tag
 
 from . import views
 from .canvas import COLOURS, QUIET, blank, finished, logarithmic

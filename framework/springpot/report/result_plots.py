@@ -116,7 +116,7 @@ PLACES = "give ax= or a file to plot into, not both: save the figure of the axes
 def drawn(
     result: object, path: str | Path | None = None, axes: Axes | None = None
 ) -> Axes | Figure | Path:
-    """Draw a result; see `springpot.drawing.draw`.
+    """Draw a result; see `springpot.lazy.draw`.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def one_view(
     path: str | Path | None = None,
     axes: Axes | None = None,
 ) -> Axes | Figure | Path:
-    """One view of a fit; see `springpot.drawing.draw_view`.
+    """One view of a fit; see `springpot.lazy.draw_view`.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.joining import levels_in_words
+from springpot.measurement.conversion import levels_in_words
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real

@@ -16,9 +16,9 @@ from typing import IO, TYPE_CHECKING, TypeAlias
 
 from springpot.errors import OutputError
 from springpot.files import write_text, write_with
-from springpot.format_numbers import number as digits
 from springpot.identification.value import Value
-from springpot.measurement.csv_safe import guarded
+from springpot.writing import guarded
+from springpot.writing import number as digits
 
 from .text import halved
 

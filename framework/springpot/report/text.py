@@ -12,11 +12,10 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 from unicodedata import combining, east_asian_width
 
-from springpot.format_numbers import at_place, exponent_of, number
+from springpot.errors import below, plain, plain_json
 from springpot.identification.value import Value
-from springpot.markup import Html, joined, tag, wide_table
 from springpot.plain_data import jsonable
-from springpot.terminal_safe import below, plain, plain_json
+from springpot.writing import Html, at_place, exponent_of, joined, number, tag, wide_table
 
 from ..numerics import NEGLIGIBLE
 

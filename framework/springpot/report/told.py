@@ -8,17 +8,16 @@ from typing import Any
 from springpot.comparison.result import Comparison, Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
-from springpot.identification.derived.quantity import Quantities
 from springpot.identification.result import Identification
+from springpot.identification.value import Quantities
 from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
 
-from .answers import comparison_document, diagnosis_document
+from .answers import comparison_document, diagnosis_document, quantities_document
 from .fit_text import fit_document
 from .invention import invention_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
-from .quantities import quantities_document
 from .text import Passage, Prose, as_html, as_text
 
 USUAL = 120

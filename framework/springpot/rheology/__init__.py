@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .continuum import Continuum as Continuum
     from .drawing import draw as draw
     from .drawing import drawing_of as drawing_of
     from .effect import Answered as Answered
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from .effect import on_clock as on_clock
     from .effect import on_loading as on_loading
     from .effect import on_response as on_response
+    from .elements import Continuum as Continuum
     from .elements import (
         FixedPower as FixedPower,
     )
@@ -44,6 +44,36 @@ if TYPE_CHECKING:
     )
     from .elements import (
         springpot as springpot,
+    )
+    from .factors import (
+        activation_energy as activation_energy,
+    )
+    from .factors import (
+        arrhenius as arrhenius,
+    )
+    from .factors import (
+        delay as delay,
+    )
+    from .factors import (
+        filter_mismatch as filter_mismatch,
+    )
+    from .factors import (
+        gain as gain,
+    )
+    from .factors import (
+        heated as heated,
+    )
+    from .factors import (
+        heating as heating,
+    )
+    from .factors import (
+        steady_dashpot as steady_dashpot,
+    )
+    from .factors import (
+        temperature_power as temperature_power,
+    )
+    from .factors import (
+        wlf as wlf,
     )
     from .grammar import Formula as Formula
     from .hysteresis import smooth_hysteresis as smooth_hysteresis
@@ -196,49 +226,18 @@ if TYPE_CHECKING:
     from .points import (
         power_of_s as power_of_s,
     )
-    from .signal import (
-        delay as delay,
-    )
-    from .signal import (
-        filter_mismatch as filter_mismatch,
-    )
-    from .signal import (
-        gain as gain,
-    )
     from .spectrum import Spectrum as Spectrum
-    from .thermal import (
-        activation_energy as activation_energy,
-    )
-    from .thermal import (
-        arrhenius as arrhenius,
-    )
-    from .thermal import (
-        heated as heated,
-    )
-    from .thermal import (
-        heating as heating,
-    )
-    from .thermal import (
-        steady_dashpot as steady_dashpot,
-    )
-    from .thermal import (
-        temperature_power as temperature_power,
-    )
-    from .thermal import (
-        wlf as wlf,
-    )
     from .typed import law as law
 
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "continuum": "Continuum",
         "drawing": "draw drawing_of",
         "effect": (
             "Answered AppliesTo Effect InstrumentConstant Layer on_clock on_loading on_response "
             "StageLaw"
         ),
-        "elements": ("basset dashpot FixedPower mass  spring springpot"),
+        "elements": "basset Continuum dashpot FixedPower mass spring springpot",
         "grammar": "Formula",
         "hysteresis": "smooth_hysteresis yielding_spring",
         "intime": "Traced",
@@ -259,10 +258,10 @@ __getattr__, __dir__ = offered(
             "SECOND STIFFNESS stiffness TIME_FORM VISCOSITY viscosity"
         ),
         "points": "Complex KELVIN Points power_of_s Real",
-        "signal": "delay filter_mismatch gain",
         "spectrum": "Spectrum",
-        "thermal": (
-            "activation_energy arrhenius heated heating steady_dashpot temperature_power wlf"
+        "factors": (
+            "activation_energy arrhenius delay filter_mismatch gain heated heating "
+            "steady_dashpot temperature_power wlf"
         ),
         "typed": "law",
     },

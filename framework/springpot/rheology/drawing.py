@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from .continuum import Continuum
 from .effect import Stage
+from .elements import Continuum
 from .levels import Own
 from .named import NamedNetwork
 from .nodes import Chain, Composition, Mapped, Node, Parallel, Renamed, Series, Shift

@@ -1,24 +1,467 @@
 """A model: a named network with effects that gives K, its spectrum, and what happens in time.
 
-Families of models that differ in one whole number, such as ``prony-N``.
+In time it is its material, what beside it is not linear, and what the signals went through.
+Families of models differ in one whole number, such as ``prony-N``.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from springpot.markup import tag
+from springpot.errors import ModelError
+from springpot.writing import tag
 
 from ..numerics import ALIKE
 from .drawing import drawing_of
-from .history import InTime
-from .named import NamedNetwork
-from .points import ROOM, Real
-from .spectrum import Spectrum, spectrum_of
+from .effect import Layer
+from .intime import Passive, Traced
+from .named import NamedNetwork, Placed
+from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
+from .points import ROOM, Points, Real
+from .spectrum import Spectrum, blaming, conditions_at, spectrum_of
+
+STEP = 1e-30
+"""Of a derivative by complex step, free of rounding (Squire & Trapp 1998,
+10.1137/S003614459631241X).
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class InTime:
+    """A model with its parameters, ready to be asked for what happens in time; see `Model.in_time`.
+
+    Parameters
+    ----------
+    model : NamedNetwork
+        Any `Model` whose parts have a meaning in time.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    reference_temperature : float
+        In kelvin.
+    temperature : float or ndarray, shape (n,), optional
+        In kelvin, one for all times or one for each sample of a history.
+    tolerance : float
+        Relative error of K for which the spectrum is read.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Model, dashpot, series, spring
+    >>> maxwell = Model("maxwell", series(spring(), dashpot()))
+    >>> value, by_theta = maxwell.in_time([2.0, 8.0]).relaxation([4.0])
+    >>> value.round(3), by_theta.round(3)
+    (array([0.736]), array([[0.   , 0.092]]))
+    """
+
+    model: NamedNetwork
+    theta: Real
+    temperature: float | Real | None
+    reference_temperature: float
+    tolerance: float
+
+    def relaxation(self, t: Real) -> Traced:
+        """Force over displacement (n,) at t >= 0 after a displacement step, and its derivatives."""
+        with self._blaming():
+            passive, own = self._linear("relaxation")
+            return self._padded(passive.relaxation(_after_step(t)), own)
+
+    def creep(self, t: Real) -> Traced:
+        """Displacement over force (n,) at t >= 0 after a force step, and its derivatives."""
+        with self._blaming():
+            passive, own = self._linear("creep")
+            return self._padded(passive.creep(_after_step(t)), own)
+
+    def respond_force(self, t: Real, force: Real) -> Traced:
+        """Displacement (n,) under a force, and its derivatives."""
+        t, force = _history(t, force, "force")
+        with self._blaming():
+            if isinstance(self.temperature, np.ndarray):
+                return self._reduced(self._only_material(), t, force, "force")
+            passive, own = self._linear("the answer to a force")
+            return self._padded(passive.respond_force(t, force), own)
+
+    def _only_material(self) -> list[Placed]:
+        """The effects, where all of them are linear and go by the clock of the material.
+
+        Raises
+        ------
+        ModelError
+            If one stands beside it, or belongs to the signals.
+        """
+        inside, beside, signals = sorted_out(self.model)
+        # What joined after the last shift goes by seconds: under a force both clocks would have to
+        # be followed at once.
+        last = max(
+            (i for i, each in enumerate(inside) if each.effect.composition.kind is Shift),
+            default=-1,
+        )
+        for effect, _, _ in [*inside[last + 1 :], *beside, *signals]:
+            raise ModelError(
+                f"'{effect.name}' is not followed under a force while the temperature moves:"
+                " leave it out"
+            )
+        return inside
+
+    def respond(self, t: Real, displacement: Real) -> Traced:
+        """Force (n,) for a displacement, and its derivatives."""
+        t, x = _history(t, displacement, "displacement")
+        inside, beside, signals = sorted_out(self.model)
+        with self._blaming():
+            traced = self._materials(inside, t, x)
+        return with_laws(traced, beside, signals, self.theta, t, x)
+
+    def by_clock(self, t: Real, imposed: Real, control: str, moves: Real) -> Real:
+        """How the answer changes where the material's clock does.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,)
+            Time by that clock, rising.
+        imposed : ndarray, shape (n,)
+            Displacement or force at each.
+        control : {"displacement", "force"}
+            Which of the two.
+        moves : ndarray, shape (n, q)
+            By how much each of q changes moves the clock at each sample.
+
+        Returns
+        -------
+        ndarray, shape (n, q)
+            Derivatives of the force or displacement, by complex steps.
+
+        Raises
+        ------
+        ModelError
+            If something in the model has no clock of the material: see `on_its_clock`.
+        """
+        with self._blaming():
+            # A step this small leaves the answer itself untouched: only its imaginary part tells of
+            # it.
+            respond = _answer(self.on_its_clock(), control)
+            columns = []
+            for move in moves.T:
+                moved = respond(t + 1j * STEP * move, imposed, slopes=False)
+                columns.append(moved.value.imag / STEP)
+        return np.column_stack(columns)
+
+    def step_rate(self, t: Real, control: str) -> Real:
+        """Derivative (n,) of `relaxation` or `creep` by the time t > 0."""
+        with self._blaming():
+            passive = self.on_its_clock()
+            if control == "displacement":
+                return passive.relaxation_rate(t)
+            return passive.creep_rate(t)
+
+    @property
+    def linear(self) -> bool:
+        """Whether twice the displacement has twice the force."""
+        return not sorted_out(self.model)[1]
+
+    def on_its_clock(self) -> Passive:
+        """The material alone, which may have a clock of its own.
+
+        Raises
+        ------
+        ModelError
+            If there is a mass, or an effect that is not linear or of the signals: these go by the
+            clock on the wall.
+        """
+        passive, _ = self._linear("a clock of the material")
+        # A force on a mass goes by seconds, however fast the material relaxes.
+        if passive.inertial:
+            raise ModelError(
+                f"{self.model.name} has a mass, which does not go by the clock of its material"
+            )
+        return passive
+
+    def _blaming(self) -> AbstractContextManager[None]:
+        temperature = self.temperature
+        # A history has no one temperature to look at: that of reference stands for it.
+        if isinstance(temperature, np.ndarray):
+            temperature = None
+        return blaming(
+            self.model, self.theta, conditions_at(temperature, self.reference_temperature)
+        )
+
+    def _linear(self, what: str) -> tuple[Passive, list[int]]:
+        """The network in time, and where its parameters stand in theta."""
+        _, beside, signals = sorted_out(self.model)
+        # The first that stands in the way is named: one thing to mend at a time.
+        for effect, _, _ in [*beside, *signals]:
+            kind = "belongs to the signals"
+            if beside:
+                kind = "is not linear"
+            raise ModelError(
+                f"{what} has no meaning with '{effect.name}', which {kind}: ask for respond"
+            )
+        if isinstance(self.temperature, np.ndarray):
+            raise ModelError(
+                f"{what} is for one temperature: ask for respond with a history of temperatures"
+            )
+        return self._inside
+
+    @cached_property
+    def _inside(self) -> tuple[Passive, list[int]]:
+        # Kept, as it is asked several things at one theta: each would take it apart anew.
+        network, own = network_of(self.model, sorted_out(self.model)[0])
+        return replace(self._passive(network), theta=self.theta[own]), own
+
+    def _passive(self, network: Node, temperature: float | None = None) -> Passive:
+        if not isinstance(self.temperature, np.ndarray):
+            temperature = self.temperature
+        return Passive(
+            network,
+            self.theta,
+            conditions_at(temperature, self.reference_temperature),
+            self.tolerance,
+        )
+
+    def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
+        if isinstance(self.temperature, np.ndarray):
+            return self._reduced(inside, t, x)
+        passive, own = self._inside
+        return self._padded(passive.respond(t, x), own)
+
+    def _placed(
+        self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement"
+    ) -> Traced:
+        return self._padded(_answer(replace(passive, theta=self.theta[own]), control)(t, x), own)
+
+    def _padded(self, traced: Traced, own: list[int]) -> Traced:
+        # A part knows its own parameters only: their derivatives go back to where they stand in the
+        # whole theta.
+        by_theta = np.zeros((len(traced.value), len(self.theta)), dtype=traced.by_theta.dtype)
+        by_theta[:, own] = traced.by_theta
+        return Traced(traced.value, by_theta)
+
+    def _reduced(
+        self, inside: list[Placed], t: Real, x: Real, control: str = "displacement"
+    ) -> Traced:
+        """What temperature moves, in reduced time (seconds / a_T), and what is beside it, in s."""
+        shifts = [
+            place for place, each in enumerate(inside) if each.effect.composition.kind is Shift
+        ]
+        # What joined before the last shift goes by the clock of the material, what joined later by
+        # that of the test.
+        last = 0
+        if shifts:
+            last = shifts[-1] + 1
+        _refuse_unfollowed(inside, last)
+        temperature = np.asarray(self.temperature, dtype=float)
+        if temperature.shape != t.shape or not np.all(temperature > 0.0):
+            raise ModelError(
+                f"a history of {len(t)} samples needs as many temperatures in kelvin,"
+                " all above zero"
+            )
+        network, own = network_of(self.model, inside[:last])
+        # A shift factor depends on the temperature alone: any frequency will do.
+        at = Points(np.zeros(len(t)), None, temperature, self.reference_temperature)
+        moving = [inside[place] for place in shifts]
+        laws = [
+            (each.own, each.effect.element.respond(self.theta[each.own], at, GRADIENT))
+            for each in moving
+        ]
+        # Factors of several shifts multiply.
+        log_shift = sum((law.value.real for _, law in laws), np.zeros(len(t)))
+        # Where the shifts are one: what they do is all in the reduced time.
+        passive = self._passive(network, self.reference_temperature)
+        if control == "force" and replace(passive, theta=self.theta[own]).inertial:
+            raise ModelError(
+                f"{self.model.name} has a mass, which does not go by the clock of its material"
+            )
+        traced = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
+        for own_law, law in laws:
+            for i, slope in zip(own_law, law.by_theta.real, strict=True):
+                # A complex step: exact to rounding, as nothing is subtracted.
+                turned = _reduced_time(t, log_shift + 1j * STEP * slope)
+                answer = _answer(replace(passive, theta=self.theta[own]), control)
+                moved = answer(turned, x, slopes=False)
+                traced.by_theta[:, i] = moved.value.imag / STEP
+        for effect, _, places in inside[last:]:
+            outer = self._placed(
+                self._passive(effect.element, self.reference_temperature), places, t, x
+            )
+            traced = Traced(traced.value + outer.value, traced.by_theta + outer.by_theta)
+        return traced
+
+
+def _refuse_unfollowed(inside: list[Placed], last: int) -> None:
+    """Tell of an effect that a history of temperatures cannot be followed by, or inside.
+
+    `last` is the number of effects up to the last shift.
+    """
+    for effect, _, _ in inside:
+        if "temperature" in effect.needs and effect.composition.kind is not Shift:
+            raise ModelError(
+                f"a history of temperatures is not followed by '{effect.name}': only shifts are"
+            )
+    for effect, _, _ in inside[last:]:
+        if effect.composition.kind is not Parallel:
+            raise ModelError(
+                f"a history of temperatures is not followed inside '{effect.name}': leave it out"
+            )
+
+
+def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
+    """What answers when the displacement, or the force, is imposed."""
+    if control == "displacement":
+        return passive.respond
+    return passive.respond_force
+
+
+def with_laws(
+    traced: Traced,
+    beside: Sequence[Placed],
+    signals: Sequence[Placed],
+    theta: Real,
+    t: Real,
+    x: Real,
+) -> Traced:
+    """The force (n,) of a material with the forces beside it, as the measurement chain shows it.
+
+    Parameters
+    ----------
+    traced : Traced
+        Force of the material for the displacement, and its derivatives, which are changed.
+    beside, signals : sequence of Placed
+        Effects that are not linear, and those of the measurement chain; see `sorted_out`.
+    theta : ndarray, shape (p,)
+        Parameters of the whole model.
+    t, x : ndarray, shape (n,)
+        Times in s and displacements.
+    """
+    value, by_theta = traced
+    # Laws that are not linear need the speed, which a record does not have.
+    velocity = np.gradient(x, t)
+    for effect, _, own in beside:
+        force, slopes = effect.element.in_time(t, x, velocity, *theta[own])  # type: ignore[attr-defined]
+        value = value + force
+        by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
+    # One table, as what the signals go through acts on the force and on each of its derivatives
+    # alike.
+    columns = np.column_stack([value, by_theta])
+    for effect, _, own in signals:
+        columns, slopes = effect.element.in_time(t, columns, *theta[own])  # type: ignore[attr-defined]
+        columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
+    return Traced(columns[:, 0], columns[:, 1:])
+
+
+def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:
+    """The effects from the material outwards.
+
+    Linear ones, those that are not but stand beside, those of signals.
+
+    Those of sweeps alone are in none of them, nor is what a test did: see `at_stage`.
+
+    Raises
+    ------
+    ModelError
+        If an effect has no meaning in time, or stands where its force cannot be told alone.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.rheology.model import sorted_out
+    >>> groups = sorted_out(springpot.parse_model("kelvin + friction + inertia + gain-error"))
+    >>> [[placed.effect.name for placed in group] for group in groups]
+    [['inertia'], ['friction'], ['gain-error']]
+    """
+    inside: list[Placed] = []
+    beside: list[Placed] = []
+    signals: list[Placed] = []
+    for placed in model.placed():
+        effect = placed.effect
+        if effect.of_test or not effect.in_time:
+            continue
+        law = getattr(effect.element, "in_time", None)
+        linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs
+        if linear and effect.composition.kind in (Parallel, Series, Shift, Chain):
+            # Around a nonlinear effect a linear one would share its displacement: no force follows
+            # from x alone.
+            if beside and effect.composition.kind is not Parallel:
+                inner = beside[0].effect.name
+                raise ModelError(
+                    f"the force of '{inner}' cannot be told alone inside '{effect.name}':"
+                    " leave one out"
+                )
+            inside.append(placed)
+        elif law is None:
+            raise ModelError(
+                f"{model.name} cannot be followed in time: '{effect.name}' has no law there;"
+                " leave it out"
+            )
+        elif effect.layer is Layer.SIGNAL:
+            signals.append(placed)
+        else:
+            beside.append(placed)
+    return inside, beside, signals
+
+
+def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[int]]:
+    """The network of a model with some of its effects only.
+
+    And where its parameters stand in the model's theta.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.rheology.model import network_of, sorted_out
+    >>> model = springpot.parse_model("kelvin + friction + inertia")
+    >>> network, places = network_of(model, sorted_out(model)[0])
+    >>> [model.names[place] for place in places]
+    ['k', 'c', 'inertia.m']
+    """
+    network, own = model.material, list(range(len(model.material.parameters)))
+    for effect, prefix, places in inside:
+        network = effect.composition(network, effect.element.with_prefix(prefix))
+        own += places
+    return network, own
+
+
+def _reduced_time(t: Real, log_shift: Any) -> Any:
+    """Integral of dt / a_T, ln a_T being linear between samples."""
+    from .terms import mean_of_exponential
+
+    # In closed form: the trapezoidal rule errs where a_T changes by decades within a step.
+    pace = mean_of_exponential(-log_shift[:-1], -log_shift[1:])
+    return np.concatenate([[0.0], np.cumsum(np.diff(t) * pace)])
+
+
+def _after_step(t: Real) -> Real:
+    # One time alone is as good as a list of one.
+    t = np.atleast_1d(np.asarray(t, dtype=float))
+    if t.ndim != 1 or not np.all(np.isfinite(t)):
+        raise ModelError("times are a list of numbers in seconds")
+    if np.any(t < 0.0):
+        raise ModelError(f"the step is at t = 0: there is nothing before, at t = {t.min():g} s")
+    return t
+
+
+def _history(t: Real, values: Real, name: str) -> tuple[Real, Real]:
+    t, values = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or t.shape != values.shape or len(t) < 2:
+        raise ModelError(
+            f"a history is two lists of the same length, times and {name}, of two samples or more"
+        )
+    for what, numbers in (("time", t), (name, values)):
+        bad = np.flatnonzero(~np.isfinite(numbers))
+        if len(bad):
+            raise ModelError(
+                f"the {what} of sample {bad[0] + 1} is no number: leave that sample out"
+            )
+    back = np.flatnonzero(np.diff(t) <= 0.0)
+    if len(back):
+        raise ModelError(
+            f"the time does not rise after sample {back[0] + 1} (t = {t[back[0]]:g} s):"
+            " sort the samples"
+        )
+    return t, values
 
 
 # It shows itself as the network below does, which is shorter than all its fields.

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .continuum import Continuum
-from .elements import FixedPower
+from .elements import Continuum, FixedPower
 from .grammar import Formula
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real

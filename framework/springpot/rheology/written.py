@@ -15,13 +15,13 @@ from springpot.errors import ModelError
 
 from ..numerics import ALIKE, NEGLIGIBLE
 from .dimensional import units_of
+from .factors import activation_energy, bounded_shift
 from .grammar import OWN, free_names, names_in, parsed, spread
 from .nodes import VALUE, Response
 from .nonlinear import Compliant
 from .parameters import PURE, Dimension, Parameter, order
 from .points import HALF_PI, LARGEST_SHIFT, ROOM, Complex, Points, Real
 from .terms import LOG_OMEGA, Called, Dual, Joined, Name, Number, Power, Term, inverse, settled
-from .thermal import activation_energy, bounded_shift
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 """A free power: whoever expects a negative one writes its sign, as in X^(-n)."""

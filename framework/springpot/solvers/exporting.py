@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import Known, require_known
-from springpot.identified import fitted, stated
+from springpot.loading import fitted, stated
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.units import (

@@ -15,9 +15,8 @@ from springpot.measurement.units import AMPLITUDE_UNITS, LENGTH_UNITS
 from springpot.rheology.nodes import Parallel
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 
-from .handoff import Handoff
+from .handoff import Handoff, ShiftLaw, shift_law_of
 from .prony import Prony, prony_of, prony_through
-from .shifting import ShiftLaw, shift_law_of
 from .writer import Writer
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
 
+from .answers import RecordSuite
 from .frame import SteadyState
 from .motion import Simulation
-from .suites import RecordSuite
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

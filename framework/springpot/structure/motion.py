@@ -28,8 +28,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
-from .beside import Beside, forces
-from .damper import Damper
+from .damper import Beside, Damper, forces
 from .frame import Frame, Mode, modes_of
 
 SHORT = 16.0

@@ -21,9 +21,9 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..distributions import normal_quantile
+from .damper import axes_of, sizes_of
 from .frame import Frame
 from .motion import GroundMotion, motion_of
-from .unknown import axes_of, sizes_of
 
 WIDE = float(normal_quantile(0.5 * (1.0 + INTERVAL)))
 """Standard deviations of half a band."""

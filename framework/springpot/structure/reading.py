@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError, OptionError
+from springpot.files import toml_in
 from springpot.identification.prediction import Known, require_known
-from springpot.identified import fitted, stated
-from springpot.inputs import toml_in
+from springpot.loading import fitted, stated
 from springpot.measurement.geometry import (
     EXAMPLE,
     Geometry,

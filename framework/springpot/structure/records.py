@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.errors import DataError, SpringpotError
-from springpot.inputs import text_in
+from springpot.files import text_in
 
 from .motion import STRONGEST, GroundMotion, artificial
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from springpot.cli.timetests import WHERE
-from springpot.format_numbers import LISTED, counted, number
 from springpot.report.text import TextTable
+from springpot.writing import LISTED, counted, number
 
 BOUNDS = (
     "bounds, all dampers at the {} of their property modification factors (as in ASCE 7 and 41;"

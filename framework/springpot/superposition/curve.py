@@ -1,4 +1,7 @@
-"""The master curve: free factors, the reduced data, the laws, and whether superposition holds."""
+"""The master curve: free factors, the reduced data, the laws, and whether superposition holds.
+
+Beside it is said which factors are not determined, and what repeats tell.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError
-from springpot.format_numbers import number
-from springpot.identification.allowed_shifts import Allowed, allowed_shifts
+from springpot.identification.fitted import Fit
 from springpot.identification.free_factors import (
     FactorRows,
     Factors,
@@ -22,19 +23,27 @@ from springpot.identification.free_factors import (
     superposed_fit,
     told_by_data,
 )
-from springpot.identification.known_factors import KnownFactors, interval_of, known_factors
-from springpot.identification.levels_alone import Alone, weighing_of
-from springpot.identification.native import Fit
+from springpot.identification.known_factors import (
+    Allowed,
+    KnownFactors,
+    allowed_shifts,
+    interval_of,
+    known_factors,
+)
+from springpot.identification.levels_alone import FEW, Alone, weighing_of
 from springpot.identification.problem import Objective, default_objective
+from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.continuum import Compliance, Continuum
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Compliance, Continuum
 from springpot.rheology.levels import HELD, Levels, level_text
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift
 from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.thresholds import SUPERPOSITION
+from springpot.writing import number
 
 from .laws import Direct, LawFit, after_steps, by_one_number, judged_laws, slower_when_hot, unit_of
 from .simplicity import Simplicity, simplicity
@@ -42,7 +51,82 @@ from .simplicity import Simplicity, simplicity
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-from .remarks import not_told_apart, repeats_in_words, undetermined, vertical_range
+
+
+WHY = {
+    "no overlap": (
+        "the sweeps do not overlap with the rest; their factors are not determined, as many fit"
+        " alike: the interval goes from where they would begin to overlap"
+    ),
+    "flat": (
+        "storage and loss are flat within their scatter, so that there is nothing to shift by:"
+        " any factor a fits"
+    ),
+    "too few points": (
+        f"sweeps of fewer than {FEW} frequencies;"
+        " their factors are known to no better than a decade"
+    ),
+    "at the end of the search": (
+        "the search ended at the end of its range; the factors are not determined"
+    ),
+    "wide": (
+        "the sweeps overlap too little or are too straight;"
+        " their factors are known to no better than a decade"
+    ),
+}
+"""What is said of the levels whose factor is not determined, by its reason."""
+
+
+def undetermined(factors: Factors, known: KnownFactors) -> list[str]:
+    """One sentence for each reason for which factors are not determined."""
+    reasons = np.array(known.reason)
+    notes = []
+    for reason, why in WHY.items():
+        there = factors.levels[reasons == reason].tolist()
+        if there:
+            notes.append(
+                f"{', '.join(level_text(factors.column, value) for value in there)}: {why}"
+            )
+    return notes
+
+
+def not_told_apart(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
+    """A sentence for levels at which a shift does what a vertical factor would do as well."""
+    if np.all(told):
+        return []
+    names = ", ".join(level_text(factors.column, value) for value in factors.levels[~told].tolist())
+    return [
+        f"{names}: a and b cannot be told apart, as the sweeps are nearly straight: b is taken as"
+        " near to 1 as the data allow, and the interval of a holds for such a b"
+    ]
+
+
+def vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
+    """A sentence where the data ask for vertical factors that physics does not explain."""
+    if factors.column != "temperature":
+        return []
+    span = float(np.exp(np.ptp(factors.log_b[told])))
+    if span < SUPERPOSITION.vertical_range:
+        return []
+    return [
+        f"the vertical factors range over a factor of {span:.2g}, more than density and rubber"
+        " elasticity explain: the data contradict smaller ones, as a changed geometry, a slip or a"
+        " failure of superposition would"
+    ]
+
+
+def repeats_in_words(rows: FactorRows, own: Alone) -> list[str]:
+    """A sentence where repeated sweeps differ, which no curve can follow."""
+    scatter = own.repeats
+    far = np.flatnonzero(scatter > SUPERPOSITION.repeats_differ)
+    if not len(far):
+        return []
+    names = ", ".join(rows.named(i) for i in far.tolist())
+    return [
+        f"repeated sweeps differ by up to {100.0 * scatter.max():.2g} % ({names}),"
+        " which no curve can follow"
+    ]
+
 
 SCHEMA = "springpot.mastercurve/1"
 
@@ -215,7 +299,7 @@ class MasterCurve:
         return html_of(self)
 
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
-        """The curve, the factors and what is left; see `springpot.drawing.draw`."""
+        """The curve, the factors and what is left; see `springpot.lazy.draw`."""
         return draw(self, path)
 
     def to_dict(self) -> dict[str, Any]:

@@ -14,22 +14,22 @@ from scipy.optimize import least_squares
 
 from springpot.distributions import chi2_sf, normal_sf, student
 from springpot.errors import DataError, OptionError
-from springpot.identification.allowed_shifts import Allowed
 from springpot.identification.free_factors import Factors, superposed_fit
 from springpot.identification.held_material import intervals_beside_material
+from springpot.identification.known_factors import Allowed
 from springpot.identification.problem import Objective
 from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import TEMPERATURE_UNITS, normal_unit, temperature_in_celsius
-from springpot.rheology.continuum import Compliance, Continuum, Relaxation
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import Compliance, Continuum, Relaxation
+from springpot.rheology.factors import arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.grammar import Formula
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, Complex, Points, Real
-from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
 from springpot.thresholds import INTERVAL, SUPERPOSITION, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST

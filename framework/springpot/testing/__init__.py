@@ -20,12 +20,11 @@ from springpot.lazy import offered
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "contract": "PluginContract check_dataset check_objective check_plugin",
+        "contract": "check_dataset check_objective check_plugin check_writer PluginContract",
         "effects": "check_effect",
         "models": "check_model",
         "optimisers": "check_optimiser",
         "readers": "check_reader",
-        "writers": "check_writer",
     },
 )
 

@@ -1,8 +1,6 @@
 """A plugin as a whole: everything that it offers, each against its contract.
 
-The contract of a data set.
-
-The contract of an objective.
+Those of data sets, objectives and formats for solvers stand here, others in files of their own.
 """
 
 from __future__ import annotations
@@ -19,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.hooks import GROUP
+from springpot.hooks import GROUP, SolverFormat
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet
@@ -42,7 +40,42 @@ from .networks import (
 )
 from .optimisers import check_optimiser
 from .readers import check_reader
-from .writers import check_writer
+
+
+def check_writer(
+    writer: SolverFormat,
+    read: Callable[[str, Real], Complex] | None = None,
+    *,
+    skip: Collection[str] = (),
+) -> list[str]:
+    """What is wrong with a writer, as plain sentences.
+
+    Aspects: ``words``, ``text`` (the same twice, with every line of the heading), ``holds`` (weight
+    and time of every term, the long-term stiffness, a dashpot and Poisson's ratio where the format
+    has them), ``refuses`` (what does not fit, in one line), ``several`` (none of two materials is
+    lost) and ``read-back`` (K of the card is that of the series), for which a reader is needed.
+
+    Parameters
+    ----------
+    writer : Writer
+        The writer.
+    read : callable, optional
+        From the text of a card and angular frequencies (n,) in rad/s to K (n,), of the modulus that
+        was handed over: Young's, or that which the format takes. Not by the writer's own constants.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    aspects = {
+        "words": lambda: name_and_summary(writer.name, writer.summary, writer.aliases),
+        **writer.aspects(read),
+    }
+    return complaints(aspects, skip)
+
 
 KINDS = ("measured", "artificial", "reconstruction")
 LONGEST = 240

@@ -1,4 +1,4 @@
-"""The contract of an effect, which is tried on a model."""
+"""The contract of an effect, and of its law in time on a made-up test of each kind."""
 
 from __future__ import annotations
 
@@ -8,12 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.measurement.imposed import Loading
+from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import CONTROLS, Effect, Layer
+from springpot.rheology.elements import spring, springpot
 from springpot.rheology.model import Model
-from springpot.rheology.points import Points
+from springpot.rheology.nodes import parallel, series
+from springpot.rheology.points import Points, Real
+from springpot.timetests.recording import recorded
+from springpot.timetests.residuals_of_tests import InTimePart
+from springpot.timetests.specimen import Scales, tries_of
 
-from ..numerics import NEGLIGIBLE
-from .laws import law_aspects
+from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE
 from .networks import (
     POINTS,
     SAMPLE,
@@ -25,6 +31,134 @@ from .networks import (
     network_aspects,
     sample,
 )
+
+MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
+THETA = np.array([50.0, 400.0, 60.0, 0.5])
+AGREE = 2e-3
+"""Relative difference from it up to which a derivative is right.
+
+The response itself is good to 1e-6.
+"""
+APART = 0.03
+"""Share of the samples that may lie at a corner, where a difference is no derivative."""
+GONE = 1e-5
+"""Change of the record that is left there, over the largest response."""
+
+
+def tests_in_time() -> list[TimeTest]:
+    """One test of each kind, in N and mm, with the response of a common material."""
+    # Decades for tests by a step, even steps for what moves all the time, as they are recorded.
+    late, even = np.geomspace(0.01, 100.0, 60), np.linspace(0.0, 20.0, 160)
+    wave = np.sin(1.3 * even) * (1.0 + 0.3 * np.sin(0.31 * even))
+    release = Loading(np.array([0.0, 0.0, 7.0, 7.0, 20.0]), np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
+    bare = [
+        TimeTest(late, late, Loading.step(), "displacement", "mm", "N", name="relaxation"),
+        TimeTest(late, late, Loading.step(), "force", "mm", "N", name="creep"),
+        TimeTest(even, even, release, "force", "mm", "N", name="recovery"),
+        TimeTest(even, even, Loading(even, even), "displacement", "mm", "N", name="startup"),
+        TimeTest(even, even, Loading(even, wave), "displacement", "mm", "N", name="history"),
+        TimeTest(even, even, Loading(even, wave), "force", "mm", "N", name="history under a force"),
+    ]
+    return [replace(test, response=recorded(MODEL, THETA, test).value) for test in bare]
+
+
+def law_aspects(effect: Effect) -> dict[str, Aspect]:
+    """The contract of an effect at a stage of a test, beside its words."""
+    tests = [test for test in tests_in_time() if effect.applies_to(test)]
+    return {
+        "suits": lambda: _suits(tests),
+        "shapes": lambda: _shapes(effect, tests),
+        "derivatives": lambda: _derivatives(effect, tests),
+        "pure": lambda: _pure(effect, tests),
+        "vanishes": lambda: _law_vanishes(effect, tests),
+    }
+
+
+def _suits(tests: list[TimeTest]) -> Iterator[str]:
+    if not tests:
+        yield ("no relaxation, creep, recovery, startup or cyclic test can have it: see applies_to")
+
+
+def _theta(effect: Effect, test: TimeTest) -> Real:
+    """Parameters of the material, and those of the effect at one of the places that are tried."""
+    places = tries_of(effect, test, Scales.of([InTimePart(test)]))
+    place = places[int(np.random.default_rng(SEED).integers(len(places)))]
+    return np.concatenate([THETA, place])
+
+
+def _shapes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
+    for test in tests:
+        record = recorded(MODEL + effect, _theta(effect, test), test)
+        expected = (len(test), len(THETA) + len(effect.element.parameters))
+        if record.value.shape != expected[:1] or record.by_theta.shape != expected:
+            yield (
+                f"in a {test.kind} test shapes are {record.value.shape} and"
+                f" {record.by_theta.shape}, not {expected}"
+            )
+        # Without the first sample: at the instant of a step the response may be endless.
+        numbers = np.all(np.isfinite(record.value[1:])) and np.all(np.isfinite(record.by_theta[1:]))
+        if not numbers:
+            yield f"in a {test.kind} test something is no number"
+
+
+def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
+    model = MODEL + effect
+    for test in tests:
+        theta = _theta(effect, test)
+        # Closer than usual, or differences this small would show the tolerance.
+        slopes = recorded(model, theta, test, tolerance=ALIKE).by_theta
+        for i, name in enumerate(model.names):
+            step = DIFFERENCE * max(abs(theta[i]), DIFFERENCE)
+            moved = step * (np.arange(len(theta)) == i)
+            ends = [
+                recorded(model, theta + sign * moved, test, tolerance=ALIKE).value
+                for sign in (1.0, -1.0)
+            ]
+            wanted = (ends[0] - ends[1]) / (2.0 * step)
+            off = np.abs(wanted - slopes[:, i])[1:]
+            size = float(np.abs(wanted[1:]).max())
+            wrong = float(np.mean(off > AGREE * size + ALIKE))
+            # A parameter that does nothing in this kind of test has no derivative to be wrong.
+            if size > 0.0 and wrong > APART:
+                where = f"at {100.0 * wrong:.0f} % of the samples"
+                yield f"in a {test.kind} test the derivative by {name} is wrong {where}"
+
+
+def _pure(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
+    # One test is enough: whether arguments are changed does not depend on what was imposed.
+    for test in tests[:1]:
+        theta = _theta(effect, test)
+        before = theta.copy(), test.loading.value.copy(), test.response.copy()
+        first = recorded(MODEL + effect, theta, test).value
+        again = recorded(MODEL + effect, theta, test).value
+        after = theta, test.loading.value, test.response
+        if not all(np.array_equal(a, b) for a, b in zip(before, after, strict=True)):
+            yield "it changes its arguments"
+        if not np.array_equal(first, again, equal_nan=True):
+            yield "the same parameters do not give the same record"
+
+
+def _law_vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
+    for test in tests:
+        theta, n = _theta(effect, test), len(THETA)
+        # Without the first sample, as above.
+        there = test.response[1:]
+        size = float(np.abs(there).max())
+        if not np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() > 1e-4 * size:
+            yield f"in a {test.kind} test it changes nothing at a size that is tried"
+        tried, null = abs(theta[n]), effect.vanishes_at
+        if np.isinf(null):
+            theta[n] = tried / ALIKE
+        else:
+            theta[n] = null + ALIKE * tried
+        left = np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() / size
+        if not left < GONE:
+            yield (
+                f"in a {test.kind} test {left:.1e} of the record still changes when"
+                f" {effect.element.parameters[0].name}, its first parameter, goes to {null:g};"
+                " put the size first, or give absent_at"
+            )
+
 
 COLUMNS = frozenset({"amplitude", "temperature"})
 NEARLY = 1e-24

@@ -9,8 +9,8 @@ import numpy as np
 
 from springpot.identification.material import is_material
 from springpot.identification.native import fit
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.drawing import drawing_of
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Family, Model
 
 from ..numerics import ROUNDING

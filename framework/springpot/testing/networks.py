@@ -22,8 +22,7 @@ from springpot.identification.space import paper_box
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.processes import Ended, can_copy, elsewhere
-from springpot.rheology.continuum import Continuum
-from springpot.rheology.elements import spring, springpot
+from springpot.rheology.elements import Continuum, spring, springpot
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, parallel, series
 from springpot.rheology.parameters import MAXWELL_FORM, Parameter

@@ -11,12 +11,11 @@ import numpy as np
 
 from springpot.errors import OutputError
 from springpot.files import write_text
-from springpot.format_numbers import number
-from springpot.markup import Html, table, tag, wide_table
+from springpot.registry import versions
+from springpot.report.page import page
 from springpot.report.residuals import framed
-from springpot.report.style import page
 from springpot.report.text import with_interval
-from springpot.versions import versions
+from springpot.writing import Html, number, table, tag, wide_table
 
 from .code import TestCode
 from .deciding import (
@@ -28,8 +27,7 @@ from .deciding import (
     chance,
 )
 from .figures import figure_cycles
-from .report import CycleReport
-from .sheets import Sheet, check_sheets_path, write_sheets
+from .report import CycleReport, Sheet, check_sheets_path, write_sheets
 
 SHOWN = 40
 """Rows of a budget on a page: all are in the workbook."""

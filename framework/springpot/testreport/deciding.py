@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.format_numbers import counted
+from springpot.writing import counted
 
-from .amounts import amount, between
 from .budget import BudgetLine, ErrorBudget, combined
-from .code import PropertyFactor, RequiredTest, Requirement, TestCode, matches
+from .code import PropertyFactor, RequiredTest, Requirement, TestCode, amount, between, matches
 from .summary import EvaluatedTest
 
 CONFORMING, UNDECIDED, FAILING = "conforming", "undecided", "not conforming"

@@ -11,8 +11,7 @@ import numpy as np
 
 from springpot.report.canvas import COLOURS, INK, QUIET, SMOOTH, blank, logarithmic, save
 
-from .summary import EvaluatedTest
-from .velocity import VelocityLaw
+from .summary import EvaluatedTest, VelocityLaw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

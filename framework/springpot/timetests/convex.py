@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.identification.material import PER_DECADE
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.points import Real
 
 from ..numerics import HALVINGS

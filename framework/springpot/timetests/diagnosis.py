@@ -15,8 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.diagnosis.in_practice import Accuracy, in_practice
-from springpot.diagnosis.meanwhile import Fitted, unseen
-from springpot.diagnosis.result import Diagnosis
+from springpot.diagnosis.result import Diagnosis, Fitted, unseen
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -32,7 +31,7 @@ from .experiment import next_test
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left
+from .left import Left, slip_beside
 from .residuals_of_tests import (
     InTimePart,
     Test,
@@ -54,7 +53,6 @@ from .sieve import (
     plain_bic,
     power_of,
 )
-from .slip import slip_beside
 from .specimen import at_rigs, at_tests
 from .tried import Tried
 from .verdict import AskedTests, TimeCase, answer_of, worst_of

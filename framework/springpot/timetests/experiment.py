@@ -22,7 +22,7 @@ from springpot.errors import ModelError
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.words import plain
+from springpot.misfit.error import plain
 from springpot.rheology.intime import Traced
 from springpot.rheology.points import KELVIN, Real
 from springpot.thresholds import EXPERIMENT

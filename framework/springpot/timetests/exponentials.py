@@ -22,9 +22,8 @@ from springpot.errors import ModelError
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.rheology.effect import on_clock, on_loading
-from springpot.rheology.history import network_of, sorted_out, with_laws
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model
+from springpot.rheology.model import Model, network_of, sorted_out, with_laws
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real

@@ -16,16 +16,16 @@ from time import perf_counter
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
+from springpot.identification.fitting import refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.notes import notes_on_specimens
 from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
+from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
-from springpot.rheology.continuum import Continuum
-from springpot.rheology.history import sorted_out
-from springpot.rheology.model import Model
+from springpot.rheology.elements import Continuum
+from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
@@ -44,7 +44,7 @@ from .residuals_of_tests import (
 )
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
-from .together import is_material_alone
+from .temperatures import is_material_alone
 from .where import rms
 
 FASTEST = 10.0

@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE, is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
-from springpot.nonnegative import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.numerics import non_negative
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
 from .convex import ConvexSpectrum, lattice

@@ -10,8 +10,8 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.identification.fitting import RESAMPLES
+from springpot.identification.intervals import Path, Profile
 from springpot.identification.leastsquares import Rows, levenberg_marquardt
-from springpot.identification.profiles import Path, Profile
 from springpot.identification.result import Identification
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL

@@ -17,19 +17,18 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE
-from springpot.nonnegative import non_negative
-from springpot.rheology.continuum import Continuum
+from springpot.numerics import non_negative
+from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, SMALLEST, TWO_DEVIATIONS
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
-from .temperatures import is_law, lawful, seen_by
-from .together import Together
+from .temperatures import Together, is_law, lawful, seen_by
 from .where import rms
 
 STILL = 1e-7

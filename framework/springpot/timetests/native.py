@@ -12,17 +12,17 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import SpringpotError
-from springpot.identification.coordinates import Coordinates
-from springpot.identification.fitting import NATIVE
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
+from springpot.identification.searching import NATIVE
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
-from springpot.measurement.strays import said_of_strays
+from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 

@@ -19,9 +19,8 @@ from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import acting, on_clock, on_loading, on_response
-from springpot.rheology.history import InTime
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model
+from springpot.rheology.model import InTime, Model
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import KELVIN, ROOM, Real

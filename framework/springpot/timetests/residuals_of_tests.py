@@ -22,8 +22,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.strays import strays
-from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter
+from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
@@ -38,9 +37,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
-from .digits import digit_of, roundings
 from .recording import recorded, spread
-from .scatter import FEWEST, ResidualScatter, scatter_of, scatter_of_sweep
+from .scatter import FEWEST, ResidualScatter, digit_of, roundings, scatter_of, scatter_of_sweep
 from .start import apparent
 from .where import places, places_in_sweep, rms
 

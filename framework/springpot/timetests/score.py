@@ -20,18 +20,17 @@ from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect, acting, on_loading, on_response
-from springpot.rheology.history import network_of, sorted_out
-from springpot.rheology.model import Model
+from springpot.rheology.model import Model, network_of, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
-from .promises import TWINS, Atom, Promise
 from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import Scales, stepped, tries_of
+from .tried import TWINS, Atom, Promise
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.diagnosis.meanwhile import Fitted, TriedEffect, unseen
+from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect
@@ -21,12 +21,11 @@ from .exponentials import UnfollowedError
 from .left import Left, delta_bic, independent
 from .material import UntoldError
 from .native import TimeSearch
-from .promises import Promise
 from .residuals_of_tests import Test, TestPart
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .temperatures import is_law
-from .tried import Tried
+from .tried import Promise, Tried
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""

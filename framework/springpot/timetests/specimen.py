@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.identification.space import require_columns, require_effects
-from springpot.measurement.joining import FILE, file_of
+from springpot.measurement.conversion import FILE, file_of
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest

@@ -13,7 +13,7 @@ from springpot.identification.native import fit
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.nonnegative import non_negative
+from springpot.numerics import non_negative
 from springpot.rheology.effect import ALL
 from springpot.rheology.intime import acceleration
 from springpot.rheology.model import Model

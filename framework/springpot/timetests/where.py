@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.drawing import draw
+from springpot.lazy import draw
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -312,7 +312,7 @@ class TestPrediction:
     level: float = INTERVAL
 
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
-        """The prediction with its band beside what was measured; see `springpot.drawing.draw`."""
+        """The prediction with its band beside what was measured; see `springpot.lazy.draw`."""
         return draw(self, path)
 
     @property

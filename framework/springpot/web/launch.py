@@ -200,7 +200,7 @@ class Workbench:
         return f"<Workbench at {self.address}>"
 
     def _repr_html_(self) -> str:
-        from springpot.markup import tag
+        from springpot.writing import tag
 
         return tag(
             "p",

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
-from springpot.errors import DataError
-from springpot.measurement.csv_safe import csv_text
+from springpot.errors import DataError, plain
 from springpot.measurement.measurement import Measurement
-from springpot.report.interactive.hypotheses import grown_by_each
+from springpot.report.interactive.answers import grown_by_each
 from springpot.report.interactive.scene import PageScene, proposed_points
 from springpot.rheology.points import KELVIN
-from springpot.terminal_safe import plain
+from springpot.writing import csv_text
 
 from .sessions import State
 from .specimen import safe_name

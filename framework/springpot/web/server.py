@@ -27,8 +27,8 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from springpot.errors import DataError
-from springpot.inputs import json_of
-from springpot.report.interactive.bench import assets_in, modules
+from springpot.files import json_of
+from springpot.report.page import assets_in, modules
 
 from .desk import Desk, Line
 from .sessions import State

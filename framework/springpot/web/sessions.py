@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 from springpot.constraints import parameters_of
 from springpot.errors import DataError
-from springpot.inputs import bytes_of, json_of
-from springpot.measurement.joining import FILE
-from springpot.measurement.joining import joined as together
+from springpot.files import bytes_of, json_of
+from springpot.measurement.conversion import FILE
+from springpot.measurement.conversion import joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
 from springpot.registry import open_measurement, open_tests, parts_of, plugins

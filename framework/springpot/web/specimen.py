@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.inputs import json_of
+from springpot.files import json_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.registry import open_measurement, open_tests

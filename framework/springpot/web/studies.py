@@ -16,7 +16,7 @@ from springpot.benchmark.standings import Findings, tables_of
 from springpot.benchmark.store import Store
 from springpot.errors import DataError, SpringpotError
 from springpot.report.tables import Table
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 RESULTS = Path("results")
 SHOWN = ("choice", "summary", "ranks", "failures")

@@ -21,13 +21,11 @@ from typing import Any
 
 from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.meanwhile import Fitted, unseen
-from springpot.diagnosis.result import silent
-from springpot.errors import DataError, SpringpotError
-from springpot.inputs import bytes_of
+from springpot.diagnosis.result import Fitted, silent, unseen
+from springpot.errors import DataError, SpringpotError, blamed, described
+from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import OpenQuestion, Part
-from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
@@ -38,8 +36,8 @@ from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
-from springpot.suggestions import suggested
 from springpot.timetests.residuals_of_tests import units_of
+from springpot.writing import suggested
 
 from . import leaving
 from .sessions import (
@@ -56,7 +54,6 @@ from .sessions import (
 )
 from .specimen import Opened, Specimen, safe_name, tests_in
 from .studies import report_of, studies, study
-from .testing import leave_in_time, understood_in_time
 from .trying import (
     Told,
     bound,
@@ -72,7 +69,7 @@ from .trying import (
     tried,
     with_law,
 )
-from .understanding import understood_sweeps
+from .understanding import leave_in_time, understood_in_time, understood_sweeps
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"

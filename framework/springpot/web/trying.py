@@ -17,18 +17,17 @@ from springpot.comparison.comparing import compare
 from springpot.comparison.result import Comparison, Judgement
 from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
-from springpot.diagnosis.meanwhile import Fitted, TriedEffect, unseen
+from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
+from springpot.misfit.error import percent
 from springpot.misfit.refit import Refit
-from springpot.misfit.words import percent
 from springpot.registry import parse_model
-from springpot.report.interactive.answers import drawn_at_once, preview
-from springpot.report.interactive.hypotheses import Preview
+from springpot.report.interactive.answers import Preview, drawn_at_once, preview
 from springpot.report.interactive.in_time import (
     TimeScene,
     drawn_effect,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, SpringpotError
-from springpot.inputs import bytes_of
+from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
 
 from .sessions import data_of, digest_of, joined, joined_anew, measured_in, text_of

@@ -26,7 +26,7 @@ LARGEST = 1 << 30
 """Bytes of a download, since a server may send without end.
 
 A file as large as that is allowed ten times its size of
-memory to be read in (`springpot.measurement.budget`): few machines could use a larger one."""
+memory to be read in (`springpot.files`): few machines could use a larger one."""
 
 
 def missing() -> str:

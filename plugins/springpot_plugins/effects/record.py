@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from springpot.measurement import Record, TimeTest
-from springpot.measurement.strays import strays
+from springpot.measurement.timenoise import strays
 from springpot.rheology import (
     AMPLITUDE,
     FORCE,

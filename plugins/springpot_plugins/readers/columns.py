@@ -26,12 +26,10 @@ from springpot.measurement import (
     misspelt,
     temperature_in_celsius,
 )
-from springpot.measurement.exchange import NOTE as EXCHANGED
-from springpot.measurement.exchange import exchange_note
 from springpot.measurement.mixed_tests import runs_together
+from springpot.measurement.mixed_up import EXCHANGED, SIGN, exchange_note
 from springpot.measurement.replicates import NOTE as AGAIN
 from springpot.measurement.replicates import again_note
-from springpot.measurement.sign import NOTE as SIGN
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of

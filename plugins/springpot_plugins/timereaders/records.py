@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Reader, Signals, TimeReader, TimeTest
-from springpot.measurement.sign import sign_note
+from springpot.measurement.mixed_up import sign_note
 
 from ..readers.grid import is_number
 from ..readers.reptate import first_line

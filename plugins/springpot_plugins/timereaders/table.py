@@ -35,7 +35,7 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.from_signals import stiffness_unit
-from springpot.measurement.sign import sign_note
+from springpot.measurement.mixed_up import sign_note
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 

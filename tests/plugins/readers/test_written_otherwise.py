@@ -8,7 +8,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import MODULUS_UNITS, Measurement, with_noise
-from springpot.measurement.exchange import exchange_note, material_misfit
+from springpot.measurement.mixed_up import exchange_note, material_misfit
 
 from .samples import OMEGA, STIFFNESS, number, rows, table
 

@@ -20,10 +20,9 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, StudyError
-from springpot.files import write_text
-from springpot.inputs import json_of, text_in
+from springpot.files import json_of, text_in, write_text
 from springpot.rheology.points import Real
-from springpot.suggestions import suggested
+from springpot.writing import suggested
 
 from ...numerics import ROUNDING
 from ..statistics import hitting_time, holm, least_mann_whitney, target_value

@@ -18,9 +18,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.format_numbers import number
 from springpot.rheology.points import Real
-from springpot.suggestions import suggested
+from springpot.writing import number, suggested
 
 from ..runner import run_study
 from ..statistics import bands

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from springpot.benchmark.robustness import noise_levels
 from springpot.benchmark.summary import CellSummary
-from springpot.markup import Html, tag
+from springpot.writing import Html, tag
 
 OF_ITS_OWN = {
     "native": (

@@ -11,9 +11,9 @@ from math import ceil, floor, log10
 
 import numpy as np
 
-from springpot.markup import Html, joined, tag
 from springpot.report.canvas import COLOURS, INK, QUIET
 from springpot.rheology.points import Real
+from springpot.writing import Html, joined, tag
 
 from ...numerics import ALIKE
 

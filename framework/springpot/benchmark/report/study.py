@@ -15,13 +15,11 @@ from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, INSIDER, NOISY
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.files import write_text
-from springpot.format_numbers import counted, number
-from springpot.markup import Html, joined, table, tag, wide, wide_table
-from springpot.report.style import page
+from springpot.report.page import page
 from springpot.report.tables import Table, text
 from springpot.report.text import seconds
+from springpot.writing import NAMED, Html, counted, joined, number, table, tag, wide, wide_table
 
-from ...format_numbers import NAMED
 from .fairness import OF_ITS_OWN, fairness
 from .study_plots import (
     Pens,

@@ -13,9 +13,8 @@ from math import ceil, floor
 
 import numpy as np
 
-from springpot.format_numbers import number
-from springpot.markup import Html, joined, tag
 from springpot.rheology.points import Real
+from springpot.writing import Html, joined, number, tag
 
 from ..comparison import OVER_ALL, CellScores, MeanRanks, ProblemRace, profiles
 from ..standings import Findings

@@ -7,15 +7,25 @@ from typing import Any
 
 import click
 
-from springpot.cli import completion
-from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, at_place, emit, json_option, window
+from springpot.cli.common import (
+    COMPLETED,
+    DATA,
+    FILE,
+    MODEL,
+    at_place,
+    complete_data,
+    emit,
+    json_option,
+    names_of,
+    window,
+)
 
 
 @click.command(
     "quantities",
     epilog="Example: springpot quantities sweep.csv --model fractional-zener --frequency 5",
 )
-@click.argument("data", type=DATA, metavar="FIT.json|DATA", shell_complete=completion.data)
+@click.argument("data", type=DATA, metavar="FIT.json|DATA", shell_complete=complete_data)
 @click.option("--model", "-m", metavar="EXPR", help=f"{MODEL} Without it the data.", **COMPLETED)
 @click.option(
     "--frequency",
@@ -31,7 +41,7 @@ from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, at_place, emit, j
     multiple=True,
     metavar="EFFECT",
     help="Leave an effect of the material out; those of the rig are.",
-    shell_complete=completion.names_of("effect"),
+    shell_complete=names_of("effect"),
 )
 @click.option("--csv", "as_csv", is_flag=True, help="Print a table as CSV.")
 @click.option(

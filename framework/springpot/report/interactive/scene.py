@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.value import Value
-from springpot.measurement.joining import FILE
+from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import settings_of, told_apart
 from springpot.measurement.units import Units

@@ -140,11 +140,10 @@ def _many(
     import numpy as np
 
     from springpot.errors import SpringpotError
-    from springpot.structure.answers import described_suite
+    from springpot.structure.answers import RecordSuite, described_suite
     from springpot.structure.motion import Simulation, simulate
     from springpot.structure.reading import read_structure
     from springpot.structure.records import read_record
-    from springpot.structure.suites import RecordSuite
     from springpot.structure.tables import show_suite
 
     draws, seed, further = asked

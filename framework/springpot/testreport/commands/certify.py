@@ -55,9 +55,9 @@ def command(
 def _show(certificate: Certificate, output: Path | None) -> None:
     import numpy as np
 
-    from springpot.format_numbers import number
     from springpot.report.text import TextTable, with_interval
     from springpot.testreport.deciding import chance
+    from springpot.writing import number
 
     print(f"{certificate.code.name}: {certificate.says}")
     print(f"{certificate.standing}\n")

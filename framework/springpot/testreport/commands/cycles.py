@@ -12,8 +12,7 @@ from springpot.cli.common import DATA, FILE, emit, json_option, of_each
 if TYPE_CHECKING:
     from springpot.report.text import TextTable
     from springpot.testreport.report import CycleReport
-    from springpot.testreport.summary import EvaluatedTest
-    from springpot.testreport.velocity import VelocityLaw
+    from springpot.testreport.summary import EvaluatedTest, VelocityLaw
 
 SHOWN = 12
 """Cycles that a table shows beside their mean; all are in files and in JSON."""
@@ -55,8 +54,7 @@ def command(
     """
     from springpot.report.canvas import check_figure_path
     from springpot.testreport.record import read_record
-    from springpot.testreport.report import report_of
-    from springpot.testreport.sheets import check_sheets_path
+    from springpot.testreport.report import check_sheets_path, report_of
     from springpot.testreport.summary import evaluate, range_of
 
     # What cannot be written is told before long records are read.
@@ -98,9 +96,9 @@ def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None
 
 def table_of(test: EvaluatedTest) -> TextTable:
     """Quantities down, the mean and the cycles across: as many numbers as can be read."""
-    from springpot.format_numbers import counted
     from springpot.report.text import TextTable, with_interval
     from springpot.testreport.quantities import BY_NAME
+    from springpot.writing import counted
 
     numbers = [cycle.number for cycle in test.cycles]
     headers = [

@@ -1,24 +1,29 @@
-"""Whether storage and loss stand in each other's place.
-
-Physics knows, since the two are not independent.
+"""Columns that stand in each other's place, and channels that count the other way.
 
 Of a linear passive material K = K_e + i omega c + integral of H(r) i omega / (i omega + r) d ln r
 with H >= 0 (the Kramers-Kronig relations and positive work in one), so that a course of storage has
 its own course of loss. Columns that no such material could have, but one could if they were
-exchanged, were named the wrong way round.
+exchanged, were named the wrong way round. A specimen that gives work away, or pulls when pushed,
+has a channel of the wrong sign.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from shlex import split
+
 import numpy as np
 
-from springpot.nonnegative import non_negative
+from springpot.distributions import samples_of_one
+from springpot.numerics import non_negative
 from springpot.rheology.points import Complex, Real
+from springpot.thresholds import SIGNALS
 
 from .measurement import Measurement
 from .mixed_tests import sweeps_of
+from .timetest import TimeTest
 
-NOTE = "note exchange"
+EXCHANGED = "note exchange"
 """Key of the note in a measurement's provenance."""
 FEWEST_POINTS = 5
 """With fewer points nearly any pair of curves is that of some material."""
@@ -93,7 +98,7 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
     if exchanged > NEAR * as_named:
         return {}
     return {
-        NOTE: (
+        EXCHANGED: (
             f"no material has such storage and loss ({100 * as_named:.0f} % off), but one has them"
             f" the other way round ({100 * exchanged:.1f} %): if the columns are exchanged, open"
             " 'FILE?storage=loss,loss=storage'"
@@ -143,3 +148,81 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
         np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag])
     )
     return float(np.sqrt(left / len(omega)))
+
+
+SIGN = "note sign"
+"""Where the doubt is kept among what is told of a test."""
+
+
+def said_of_sign(provenance: Mapping[str, str]) -> list[str]:
+    """What was noted of the sign when data were opened, as a list of one or none."""
+    return [said for key, said in provenance.items() if key == SIGN]
+
+
+def turned(provenance: Mapping[str, str]) -> str:
+    """The data with one channel turned, where it seems to count the other way; empty for others."""
+    return "".join(split(provenance.get(SIGN, "").partition(", open ")[2]))
+
+
+def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
+    """What to tell of a test in which force and displacement count in opposite directions.
+
+    Nothing of another.
+
+    Parameters
+    ----------
+    test : TimeTest
+        Of any kind.
+    hint : str
+        What to say behind the file's name to turn one channel, such as ``force=-N``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest
+    >>> from springpot.measurement.mixed_up import sign_note
+    >>> t = np.linspace(0.0, 1.0, 200)
+    >>> test = TimeTest.of_history(t, np.sin(20 * t), -3.0 * np.sin(20 * t + 0.4), "mm", "N")
+    >>> sign_note(test, "force=-N")["note sign"][:45]
+    'the specimen gives work away, as if the force'
+    """
+    moved = np.interp(test.time, test.loading.time, test.loading.value)
+    pulled = test.response
+    if test.control == "force":
+        moved, pulled = pulled, moved
+    if test.kind == "history":
+        turned, why = _gives_work(test.time, moved, pulled), "the specimen gives work away"
+    else:
+        # No cycle, over which work is counted: a push is answered by a push.
+        turned, why = (
+            bool(2 * np.sum(moved * pulled < 0.0) > len(pulled)),
+            "force and displacement are opposed",
+        )
+    if not turned:
+        return {}
+    turn = f"if one channel counts the other way, open 'FILE?{hint}'"
+    return {SIGN: f"{why}, as if the force had the wrong sign: {turn}"}
+
+
+def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
+    """Whether the force surely goes against the velocity, and not surely with the displacement.
+
+    Above a resonance the storage is negative, and with a late channel the loss; with the wrong sign
+    no part is left.
+    """
+    if np.any(np.diff(time) <= 0.0):
+        return False
+    columns = np.stack([np.ones_like(moved), moved, np.gradient(moved, time)], axis=1)
+    size = np.abs(columns).max(axis=0)
+    if not np.all(size > 0.0):
+        return False
+    amounts, _, rank, _ = np.linalg.lstsq(columns / size, pulled, rcond=None)
+    if rank < columns.shape[1]:
+        return False
+    rest = pulled - (columns / size) @ amounts
+    # What is left of a record is alike from sample to sample: it holds fewer than it seems.
+    power = float(np.mean(rest**2)) * samples_of_one(rest)
+    inverse = np.linalg.inv((columns / size).T @ (columns / size))
+    sd = np.sqrt(np.diag(inverse) * power)
+    stiffness, damping = amounts[1:] / np.maximum(sd[1:], np.finfo(float).tiny)
+    return bool(damping < -SIGNALS.negative and stiffness < SIGNALS.negative)

@@ -14,8 +14,7 @@ from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..value import Value
-from .quantity import Quantity, energy_unit, in_logarithm, noun
+from .value import Quantity, Value, energy_unit, in_logarithm, noun
 
 AROUND = 9
 """Points through which a parabola goes, and 6 of them tell its scatter."""
