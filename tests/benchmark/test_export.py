@@ -256,7 +256,7 @@ def test_cocopp_writes_its_report(results, tmp_path, algorithms):
     if algorithms == 1:
         for path in [*(tmp_path / "coco" / "walk").rglob("*.*")]:
             path.unlink()
-    command = [sys.executable, "-m", "springpot.benchmark.exporting", "coco", "-o", "report"]
+    command = [sys.executable, "-m", "springpot.benchmark.coco_suite", "coco", "-o", "report"]
     done = subprocess.run(
         command,
         capture_output=True,
@@ -273,7 +273,7 @@ def test_cocopp_writes_its_report(results, tmp_path, algorithms):
 
 @pytest.mark.soak
 def test_a_report_of_no_export_is_one_line(tmp_path):
-    command = [sys.executable, "-m", "springpot.benchmark.exporting", str(tmp_path)]
+    command = [sys.executable, "-m", "springpot.benchmark.coco_suite", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 2
     assert "holds no COCO export" in done.stderr

@@ -168,8 +168,8 @@ def of_call(name, *given):
 
 
 SCENARIOS = {
-    "benchmark/exporting.py:postprocess": of_call(
-        "benchmark/exporting.py:postprocess", Path(), Path("report")
+    "benchmark/coco_suite.py:postprocess": of_call(
+        "benchmark/coco_suite.py:postprocess", Path(), Path("report")
     ),
     "benchmark/gate/baseline.py:read_baseline": of_call(
         "benchmark/gate/baseline.py:read_baseline", Path("none.json")
