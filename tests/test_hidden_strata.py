@@ -17,6 +17,7 @@ STUDIES = ROOT / "studies"
 GENERATOR = ("drawn", "rig", "noise", "several", "wrong_base", "in_time", "time_domain", "__init__")
 sys.path.insert(0, str(STUDIES))
 
+import springpot  # noqa: E402
 from hidden_effects.bases import BASES  # noqa: E402
 from hidden_effects.effects import EFFECTS  # noqa: E402
 from hidden_effects.strata import STRATA, draw, in_time  # noqa: E402
@@ -317,3 +318,12 @@ def test_strata_run_by_themselves_with_their_seeds(tmp_path, monkeypatch, capfd)
         study("--strata", "nonsense")
     assert refused.value.code == 2
     assert "no stratum nonsense; there are time, history" in capfd.readouterr().err
+
+
+def test_a_twin_that_ended_in_another_minimum_of_the_base_stands_beside_its_like(tmp_path):
+    """A dashpot beside a stiff solid is a delay by its curve, wherever its own fit began."""
+    case = draw("noise", 910050)
+    assert case.right == ("parallel-dashpot",)
+    case.to_csv(tmp_path / "case.csv")
+    answer = springpot.diagnose(str(tmp_path / "case.csv"), case.model)
+    assert {"parallel-dashpot", "time-delay"} <= set(answer.classes[0])

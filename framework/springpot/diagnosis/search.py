@@ -68,9 +68,7 @@ def search_from(
         search.grown.append(grown_with(search, score))
         fitted(_single(search.grown[-1]))
     sort_by_evidence(search)
-    search.grown[1 : SEARCH.beam] = [
-        _from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]
-    ]
+    search.grown[1:] = [_from_the_best(search, grown) for grown in search.grown[1:]]
     sort_by_evidence(search)
     if search.grown and search.alarm < SEARCH.look_further:
         search.left = battery(search.best.frame(), rng)
