@@ -148,8 +148,8 @@ BOUNDARIES = {
     "framework/springpot/benchmark/summary.py:load_script": PLUGIN,
     "framework/springpot/benchmark/supervisor.py:_hear": OPTIMISER,
     "framework/springpot/benchmark/trial.py:_built": OPTIMISER,
-    "framework/springpot/benchmark/trial.py:run": OPTIMISER,
-    "framework/springpot/benchmark/fork_server.py:_result": TOP,
+    "framework/springpot/benchmark/trial.py:_tried": OPTIMISER,
+    "framework/springpot/benchmark/fork_server.py:_results": TOP,
     "framework/springpot/benchmark/fork_server.py:of": (
         "what pickle says of a study that cannot be sent"
     ),

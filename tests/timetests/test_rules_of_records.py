@@ -215,8 +215,8 @@ def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
 def test_tests_that_agree_with_a_material_each_alone_are_of_several(alone, agrees, columns, says):
     parts = [SimpleNamespace(conditions={}), SimpleNamespace(conditions=columns)]
     tests = [
-        SimpleNamespace(over_floor_alone=1.0, agrees=True),
-        SimpleNamespace(over_floor_alone=alone, agrees=agrees),
+        SimpleNamespace(points=9, over_floor=1.0, over_floor_alone=1.0, agrees=True),
+        SimpleNamespace(points=9, over_floor=1.2 * alone, over_floor_alone=alone, agrees=agrees),
     ]
     found = verdict._said_apart(parts, tests)
     assert bool(found) is bool(says)
