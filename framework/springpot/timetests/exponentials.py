@@ -23,7 +23,7 @@ from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.rheology.effect import on_clock, on_loading
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model, network_of, sorted_out, with_laws
+from springpot.rheology.model import Model, linear_network, sorted_out, with_laws
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
@@ -240,10 +240,10 @@ class QuickPart(InTimePart):
         # Relative misses need a size of K before any model is known: the record itself gives it,
         # roughly.
         made = part.apparent
+        alike = part.test, part.scale, part.noise, part.worth, part.told
         if made is None:
-            return cls(part.test, part.scale, part.noise, part.worth)
-        by = (made.omega, made.magnitude)
-        return cls(part.test, part.scale, part.noise, part.worth, by)
+            return cls(*alike)
+        return cls(*alike, (made.omega, made.magnitude))
 
     def with_scale(self, scale: float) -> QuickPart:
         """The same with larger noise; what is known already is kept."""
@@ -285,9 +285,9 @@ class QuickPart(InTimePart):
 
     def _recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """The same of a model all of whose effects the test has."""
-        mine = [each for each in model.placed() if each.effect.of_test]
-        inside, beside, signals = sorted_out(model)
-        network, places = network_of(model, inside)
+        mine = [each for each in model.placed if each.effect.of_test]
+        _, beside, signals = sorted_out(model)
+        network, places = linear_network(model)
         # Value and derivatives go through the same two matrices, side by side.
         amounts, slopes = self._amounts(
             network.respond(theta[places], self._points(reference), GRADIENT)
