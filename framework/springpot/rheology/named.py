@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from itertools import compress
+from itertools import chain, compress
 from typing import NamedTuple, Self, TypeVar
 
 import numpy as np
@@ -118,10 +118,8 @@ def _with_some(model: M, which: tuple[bool, ...]) -> tuple[M, list[int]]:
     if all(which):
         return model, list(range(len(model.parameters)))
     mine = list(compress(model.placed, which))
-    places = list(range(len(model.material.parameters)))
-    for each in mine:
-        places += each.own
-    return replace(model, effects=tuple(each.effect for each in mine)), places
+    own = [range(len(model.material.parameters)), *(each.own for each in mine)]
+    return replace(model, effects=tuple(each.effect for each in mine)), list(chain(*own))
 
 
 @dataclass(frozen=True, eq=False)
