@@ -340,15 +340,14 @@ class QuickPart(InTimePart):
             clock = Clock(clocks, values, self.test.start)
             return self.answers_to(clock.turned(load, self.t), clock.at(self.t), amounts)
 
-        alone = mix[:, :1]
+        both, alone = by(loading, theta, mix), mix[:, :1]
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
         for index in indices(mine, on_clock):
             # A clock bends time for all exponentials at once, which has no closed derivative here.
             step = STEP * max(abs(float(theta[index])), STEP)
-            ends = [theta + sign * step * (np.arange(len(theta)) == index) for sign in (1.0, -1.0)]
-            more, less = (by(loading, end, alone)[:, 0] for end in ends)
-            columns.append((more - less) / (2.0 * step))
-        return by(loading, theta, mix), np.column_stack(columns)
+            more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
+            columns.append((more - both[:, 0]) / step)
+        return both, np.column_stack(columns)
 
 
 def quick_parts(parts: Sequence[TestPart]) -> list[TestPart]:
