@@ -272,8 +272,8 @@ def _clock(column: Column) -> Real:
 
 
 def _in_units(
-    timed: Mapping[str, Column], found: Mapping[str, list[Column]]
-) -> tuple[Mapping[str, list[Column]], dict[str, str]]:
+    timed: Mapping[str, Column], found: dict[str, list[Column]]
+) -> tuple[dict[str, list[Column]], dict[str, str]]:
     """The columns with their units, and a note where all but the time are in those of the file.
 
     Raises
