@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import samples_of_one
-from springpot.errors import DataError
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
@@ -27,8 +26,6 @@ from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_s
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
-    MODULUS_UNITS,
-    PRESSURE_UNITS,
     Units,
     one_modulus,
 )
@@ -645,12 +642,7 @@ def _in_units(sweep: Test, units: Units) -> Test:
     """A test in the units of another."""
     if not isinstance(sweep, Measurement):
         return sweep.in_units(units)
-    if (sweep.units.stiffness in PRESSURE_UNITS) != (units.stiffness in PRESSURE_UNITS):
-        raise DataError(
-            f"{sweep.name} is in {sweep.units.stiffness} and the other test in {units.stiffness}: "
-            "a stiffness is no modulus; convert one of them by --geometry"
-        )
-    stiffer = MODULUS_UNITS[sweep.units.stiffness] / MODULUS_UNITS[units.stiffness]
+    stiffer = sweep.units.factor_to(units, sweep.name, "the other test")
     conditions = dict(sweep.conditions)
     if "amplitude" in conditions:
         longer = AMPLITUDE_UNITS[sweep.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
