@@ -32,6 +32,9 @@ DIFFERENCE = 1e-6
 
 MOST_STEPS = 60
 """Of a search that ends by itself, mostly in five to thirty: after these it found nothing."""
+ENOUGH = 2000
+"""Samples of a record that are looked at: more take longer and show no more than is plain already.
+"""
 HALVINGS = 100
 """Of an interval with a root: beyond them only rounding is left of any."""
 
@@ -57,6 +60,20 @@ ROUNDS = 20
 
 A spectrum takes about one.
 """
+
+
+def evenly(count: int, most: int) -> NDArray[np.intp]:
+    """Numbers of at most so many of `count` samples, the first and the last among them.
+
+    Examples
+    --------
+    >>> from springpot.numerics import evenly
+    >>> evenly(9, 3), evenly(2, 3)
+    (array([0, 4, 8]), array([0, 1]))
+    """
+    import numpy as np
+
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
+from springpot.numerics import MOST_STEPS
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -26,8 +27,6 @@ ENDS = 3
 """Points at an end of a sweep whose median tells what storage is there."""
 FITTED = 4.0
 """Falls up to so many times that are fitted: what comes later is another story."""
-STEPS = 60
-"""Steps at most of a search by Newton's rule, which mostly takes five."""
 ROUNDS = 6
 """Times that the points before a fall are chosen by the last fit; they mostly stay from the second.
 """
@@ -85,7 +84,7 @@ def crossings(x: Real, y: Real) -> Iterator[tuple[float, Read]]:
     before, after = sided[:-1], sided[1:]
     for i in before[np.sign(y[before]) * np.sign(y[after]) < 0]:
         place = float(x[i])
-        for _ in range(STEPS):
+        for _ in range(MOST_STEPS):
             curve = read(x, y, place)
             if not curve.slope:
                 break
@@ -185,7 +184,7 @@ def _plateau(x: Real, sweep: OneSweep, data: Measurement) -> Iterator[Quantity]:
     """Storage at the least loss factor, where that is a minimum and no end."""
     damping = sweep.loss - sweep.storage
     place = float(x[np.argmin(damping)])
-    for _ in range(STEPS):
+    for _ in range(MOST_STEPS):
         curve = read(x, damping, place)
         if curve.bend <= 2.0 * np.sqrt(curve.covariance[2, 2]):
             return
@@ -307,7 +306,7 @@ def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, in
     def cost(at: Real) -> float:
         return float(np.sum((y - model(at)[0]) ** 2))
 
-    for _ in range(STEPS):
+    for _ in range(MOST_STEPS):
         value, slopes = model(theta)
         step, *_ = np.linalg.lstsq(slopes, y - value, rcond=None)
         size = 1.0

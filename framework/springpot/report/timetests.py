@@ -17,6 +17,7 @@ from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
+from springpot.numerics import evenly
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import (
@@ -85,7 +86,7 @@ def fits_in_time(behind: Iterable[object]) -> list[Identification]:
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:
     test = part.test
-    shown = np.unique(np.linspace(0, len(test) - 1, min(DRAWN, len(test))).astype(int))
+    shown = evenly(len(test), DRAWN)
     # Computed at times of its own: between samples a curve is smooth where its points are few.
     curves = _curve_times(test)
     for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):

@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, HALVINGS
 from .nodes import FULL, Node
 from .points import HALF_PI, Points, Real
 from .rational import inside, settled
@@ -396,7 +396,7 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
             high[-1] += 1.0
     # In u = ln r rates of any size are equally near, and none becomes negative.
     u = 0.5 * (low + high)
-    for _ in range(200):
+    for _ in range(HALVINGS):
         value, slope = _value(modes, -np.exp(u))
         before = np.sign(value) == sign
         low, high = np.where(before, u, low), np.where(before, high, u)

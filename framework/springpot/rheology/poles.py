@@ -27,7 +27,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics import ALIKE, ROUNDING
+from ..numerics import ALIKE, MOST_STEPS, ROUNDING
 from .elements import FixedPower, KnownMass
 from .nodes import (
     FULL,
@@ -329,7 +329,7 @@ def _poles(branch: Branch, edge: Edge) -> Real:
     # the level then changes its sign at the line alone, and its inverse is zero there.
     level = 0.5 * (edge.value.real[steps] + edge.value.real[steps + 1])
     u = 0.5 * (low + high)
-    for _ in range(60):
+    for _ in range(MOST_STEPS):
         response = branch.respond(u + HALF_PI, FULL)
         value = response.value.real - level
         beyond = value > 0.0

@@ -20,7 +20,7 @@ from springpot.identification.material import PER_DECADE
 from springpot.numerics import non_negative
 from springpot.rheology.points import Real
 
-from ..numerics import HALVINGS
+from ..numerics import ENOUGH, HALVINGS, evenly
 from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
 
@@ -43,8 +43,6 @@ SETTLING = 5
 """Steps by which lines come to rest where they leave least."""
 MOVED = 1e-4
 """Distance in ln tau by which a line is moved for its slope."""
-MOST = 2000
-"""Samples that the lines are read off: more take longer and show no more."""
 
 
 class ConvexSpectrum(NamedTuple):
@@ -178,7 +176,7 @@ def _columns(part: TestPart, logs: Real) -> tuple[Real, Real]:
     if not isinstance(part, InTimePart):
         return _columns_of_sweep(part, logs)
     test = part.test
-    rows = np.unique(np.linspace(0, len(test) - 1, min(len(test), MOST)).astype(int))
+    rows = evenly(len(test), ENOUGH)
     rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
     answers = answers_of(test.loading, test.control, np.exp(logs), test.time[rows])
     # Without the mass, which is no part of such a sum.

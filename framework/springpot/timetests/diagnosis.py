@@ -44,7 +44,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
 from springpot.thresholds import EXPERIMENT
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST, evenly
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
@@ -246,7 +246,7 @@ def _of_step(part: InTimePart) -> Iterator[Planned]:
 
 def _with(part: InTimePart, time: Real, loading: Loading) -> InTimePart:
     """A planned test beside one that was made, as noisy as its middle sample."""
-    rows = np.unique(np.linspace(0, len(time) - 1, min(len(time), SAMPLES)).astype(int))
+    rows = evenly(len(time), SAMPLES)
     test = replace(
         part.test,
         time=time[rows],

@@ -28,7 +28,7 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, ENOUGH, evenly
 from .recording import Clock, at_stage, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Residual, TestPart
 from .start import answers_of
@@ -51,8 +51,6 @@ FOLLOWED = 0.1
 
 What they cannot follow, such as a loss that is not causal or the swing
 of a mass, is left to the exact response."""
-SAMPLES = 2000
-"""Samples of a test that are looked at: more take longer and show no more than is plain already."""
 FAR = 1e30
 """Factor beyond the test's frequencies where dashpot and mass are all that is left.
 
@@ -95,8 +93,7 @@ class QuickPart(InTimePart):
     @cached_property
     def rows(self) -> NDArray[np.intp]:
         """Numbers of the samples that are looked at."""
-        n = len(self.test)
-        return np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).astype(int))
+        return evenly(len(self.test), ENOUGH)
 
     @cached_property
     def t(self) -> Real:

@@ -34,7 +34,7 @@ from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST, evenly
 from .recording import recorded, spread
 from .scatter import FEWEST, ResidualScatter, digit_of, roundings, scatter_of, scatter_of_sweep
 from .start import apparent
@@ -395,7 +395,7 @@ class InTimePart(TestPart):
         if n <= COARSE:
             return np.arange(n)
         if not self.test.after_step:
-            return np.unique(np.linspace(0, n - 1, COARSE).astype(int))
+            return evenly(n, COARSE)
         clock = np.maximum(self.at - self.test.start, SMALLEST)
         # Samples at or before the step have no place on a logarithmic clock.
         positive = clock > SMALLEST

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.errors import SpringpotError
 from springpot.identification.native import fit
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.numerics import non_negative
+from springpot.numerics import evenly, non_negative
 from springpot.rheology.effect import ALL
 from springpot.rheology.intime import acceleration
 from springpot.rheology.model import Model
@@ -68,7 +67,7 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     The response is fitted by non-negative exponentials (Prony in relaxation, Kelvin elements in
     creep), whose complex stiffness is known in closed form.
     """
-    picked = _picked(len(test))
+    picked = evenly(len(test), MOST)
     clock = test.time - test.start
     shortest = max(float(np.min(clock[clock > 0.0], initial=np.inf)), 1e-6 * test.duration, 1e-12)
     longest = max(test.duration, 3.0 * shortest)
@@ -96,10 +95,6 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     return Measurement(
         omega[good], stiffness[good], conditions=conditions, units=test.units, name=test.name
     )
-
-
-def _picked(count: int) -> NDArray[np.intp]:
-    return np.unique(np.linspace(0, count - 1, min(count, MOST)).astype(int))
 
 
 def answers_of(
