@@ -26,6 +26,12 @@ FAR = 300.0
 """Logarithm of a frequency at which a stiffness has come to its limit: 130 decades from one."""
 BEYOND = 1.0
 """Share of a decade by which a band of frequencies reaches beyond the inverse of the times."""
+FEWEST_AT_CORNER = 6
+"""Samples that show a corner of a motion: its own two, and two on either side."""
+SHARP = 8.0
+"""Times as much as the samples beside it a corner bends the motion; at the peaks of a sine of eight
+samples a cycle it would be nearly five.
+"""
 
 
 class Traced(NamedTuple):
@@ -192,10 +198,10 @@ class Passive:
         # Held for ever before the first sample: all but the spring that never relaxes has gone by
         # then.
         resting, resting_slopes = self.limit(-FAR)
-        velocity = np.gradient(displacement, t)
+        moving = velocity(t, displacement)
         pushed = acceleration(t, displacement)
         value = resting * displacement[0] + modes.equilibrium * moved
-        value = value + modes.viscosity * velocity + modes.mass * pushed
+        value = value + modes.viscosity * moving + modes.mass * pushed
         if not slopes:
             alone = modes.weights[:, None]
             return Traced(
@@ -203,7 +209,7 @@ class Passive:
                 np.zeros((len(t), 0)),
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
-        by_theta = by_theta + np.outer(velocity, by.viscosity) + np.outer(pushed, by.mass)
+        by_theta = by_theta + np.outer(moving, by.viscosity) + np.outer(pushed, by.mass)
         # One pass over the samples serves the force and all of its derivatives.
         mix = np.column_stack([modes.weights, by.weights])
         rate_mix = np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])
@@ -425,6 +431,31 @@ def _around(modes: Spectrum, s: Modes) -> tuple[Modes, Modes, Modes, Modes, Mode
 def _times(t: Real) -> tuple[float, float]:
     """Shortest and longest time that a record shows: its finest step over pi, and its length."""
     return float(np.min(np.diff(t))) / np.pi, float(t[-1] - t[0])
+
+
+def velocity(t: Any, x: Any) -> Any:
+    """First derivative (n,) from differences, as a dashpot feels it.
+
+    Where the motion turns sharply between two samples, each has the slope of its own side: the
+    central difference would mix two speeds, neither of which is felt at either sample.
+    """
+    moving = np.gradient(x, t)
+    if len(t) < FEWEST_AT_CORNER:
+        return moving
+    slope = np.diff(x) / np.diff(t)
+    bend = np.diff(slope)
+    # Of each two bends beside each other the least and the sum: those of one corner have one sign.
+    both = np.abs(bend[:-1] + bend[1:])
+    lesser = np.where(
+        np.abs(bend[:-1] - bend[1:]) < both, np.minimum(abs(bend[:-1]), abs(bend[1:])), 0.0
+    )
+    far = np.pad(np.abs(bend), 2)
+    beside = np.max([far[:-5], far[1:-4], far[4:-1], far[5:]], axis=0)
+    corner = np.flatnonzero((lesser > beside) & (both > SHARP * beside))
+    # A corner has a straight way of two slopes on either side of it.
+    corner = corner[(corner >= 1) & (corner + 3 < len(slope))]
+    moving[corner + 1], moving[corner + 2] = slope[corner], slope[corner + 2]
+    return moving
 
 
 def acceleration(t: Any, x: Real) -> Any:
