@@ -436,26 +436,42 @@ def _times(t: Real) -> tuple[float, float]:
 def velocity(t: Any, x: Any) -> Any:
     """First derivative (n,) from differences, as a dashpot feels it.
 
-    Where the motion turns sharply between two samples, each has the slope of its own side: the
-    central difference would mix two speeds, neither of which is felt at either sample.
+    By central differences, freed of their leading error where neighbours agree how the motion bends
+    (van Leer 1974, doi:10.1016/0021-9991(74)90019-9), as that alone is 1 % of a sine of 25 samples
+    a cycle. Where the motion turns sharply between two samples, each has the slope of its own side:
+    a difference across the corner would mix two speeds, neither of which is felt there.
     """
-    moving = np.gradient(x, t)
     if len(t) < FEWEST_AT_CORNER:
-        return moving
-    slope = np.diff(x) / np.diff(t)
+        return np.gradient(x, t)
+    moving, step = np.gradient(x, t, edge_order=2), np.diff(t)
+    slope = np.diff(x) / step
     bend = np.diff(slope)
-    # Of each two bends beside each other the least and the sum: those of one corner have one sign.
-    both = np.abs(bend[:-1] + bend[1:])
-    lesser = np.where(
-        np.abs(bend[:-1] - bend[1:]) < both, np.minimum(abs(bend[:-1]), abs(bend[1:])), 0.0
-    )
-    far = np.pad(np.abs(bend), 2)
-    beside = np.max([far[:-5], far[1:-4], far[4:-1], far[5:]], axis=0)
-    corner = np.flatnonzero((lesser > beside) & (both > SHARP * beside))
-    # A corner has a straight way of two slopes on either side of it.
-    corner = corner[(corner >= 1) & (corner + 3 < len(slope))]
-    moving[corner + 1], moving[corner + 2] = slope[corner], slope[corner + 2]
+    curved = 2.0 * bend / (step[1:] + step[:-1])
+    change = np.diff(curved) / step[1:-1]
+    # At the two samples beside the ends there is one neighbour to ask.
+    before, after = np.pad(change, (1, 0), "edge"), np.pad(change, (0, 1), "edge")
+    alike = (before * after).real > 0.0
+    third = np.zeros_like(before)
+    third[alike] = 2.0 * (before * after)[alike] / (before + after)[alike]
+    moving[1:-1] -= third * step[:-1] * step[1:] / 6.0
+    for corner in _corners(bend):
+        moving[corner], moving[corner + 1] = slope[corner - 1], slope[corner + 1]
     return moving
+
+
+def _corners(bend: Any) -> Any:
+    """Samples (k,) of a motion after which it turns before the next one.
+
+    Of what it bends at each (n - 2,).
+    """
+    # The two bends of one corner have one sign.
+    here, there = bend[:-1].real, bend[1:].real
+    lesser = np.where(here * there > 0.0, np.minimum(np.abs(here), np.abs(there)), 0.0)
+    far = np.pad(np.abs(bend.real), 2)
+    beside = np.max([far[:-5], far[1:-4], far[4:-1], far[5:]], axis=0)
+    sharp = (lesser > beside) & (np.abs(here + there) > SHARP * beside)
+    # It has a straight way of two slopes on either side.
+    return 1 + np.flatnonzero(sharp[1:-1]) + 1
 
 
 def acceleration(t: Any, x: Real) -> Any:

@@ -252,6 +252,9 @@ def answer_of(
     # What no story is likelier than is noise itself, however little a story would leave.
     if not before.doubtful and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
         noise = before.noise
+    # Judged over the noise that errors are told in: by itself what an effect misses at random, as
+    # at corners that noise has moved, is called noise again.
+    tried = [replace(each, left=each.left.beside(noise)) for each in tried]
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
