@@ -70,6 +70,29 @@ def test_another_law_of_the_same_curve_is_named_however_dear_its_parameters(
     assert found.same_curve(("a",)) == [["b"] * named]
 
 
+@pytest.mark.parametrize(("parameters", "named"), [(2, ["b", "c"]), (3, [])])
+def test_several_of_one_curve_stand_in_the_place_of_one_of_as_many_parameters(
+    monkeypatch, parameters, named
+):
+    """At one amplitude a slider is a spring and a loss."""
+    monkeypatch.setattr("springpot.diagnosis.evidence.is_a_limit", lambda search, one: False)
+    monkeypatch.setattr("springpot.diagnosis.evidence.harmonic_evidence", lambda fit: 0.0)
+    monkeypatch.setattr("springpot.diagnosis.evidence._contains", lambda fit, best: False)
+    frame = SimpleNamespace(whiten=lambda k: np.array([k.real, k.imag]))
+    fits = [
+        SimpleNamespace(
+            refit=SimpleNamespace(stiffness=np.array([1.0]), log_likelihood=0.0, own=own),
+            beyond_physics=(),
+            names=names,
+        )
+        for names, own in ((("a",), "12"), (("b", "c"), "123"[:parameters]))
+    ]
+    explained = [SimpleNamespace(names=fit.names, probability=0.0, grown=fit) for fit in fits]
+    found = Evidence(SimpleNamespace(frame=frame), 0.0, 0.0, tuple(explained))
+    assert found.same_curve(("a",), of_any_size=True) == [named]
+    assert found.same_curve(("a",)) == [[]]
+
+
 def test_a_set_that_differs_in_both_places_is_told_where_each_may_stand():
     found = told(("a", "b", 0.5), ("a", "d", 0.2), ("c", "d", 0.2), ("c", "b", 0.1))
     wanted = {"a": {"a": 0.7, "c": 0.3}, "b": {"b": 0.6, "d": 0.4}}

@@ -127,7 +127,7 @@ def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):
     effects = tuple(SimpleNamespace(name=name) for name in "ba")
     found = EffectSet(effects, None, Evidence(None, 0.0, 0.0, tuple(sets)))
     # Beside what is likely, what has the same curve, however unlikely.
-    monkeypatch.setattr(Evidence, "same_curve", lambda self, names: [["d", "f"], []])
+    monkeypatch.setattr(Evidence, "same_curve", lambda self, names, of_any_size: [["d", "f"], []])
     assert found.places() == {"b": ("b", "d", "f"), "a": ("a", "c")}
 
 

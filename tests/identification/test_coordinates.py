@@ -58,7 +58,7 @@ def test_slopes_are_those_of_differences(coordinates, rng):
 
 
 def test_open_ends_are_twelve_decades_off_and_ranges_are_searched_to_both(coordinates):
-    low, high = coordinates.bounds()
+    low, high = coordinates.bounds
     for row in range(2):
         np.testing.assert_allclose(low[row, [0, 1, 3]], -WIDEST)
         np.testing.assert_allclose(high[row, [0, 1, 3]], WIDEST)

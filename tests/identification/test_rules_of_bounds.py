@@ -87,7 +87,9 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
     """A slope of 5, of which others make up for 3: so far as four tell it, that is one here."""
     side = student(2.0 * 0.95 - 1.0, 7)
     fit = SimpleNamespace(
-        theta=np.array([theta, 1.0]), jacobian_u=np.array([[0.0, 2.0], [0.0, 0.0]])
+        theta=np.array([theta, 1.0]),
+        jacobian_u=np.array([[0.0, 2.0], [0.0, 0.0]]),
+        model=SimpleNamespace(box=(np.array([lower]), np.array([upper]))),
     )
     own = SimpleNamespace(
         fit=fit,
@@ -98,7 +100,6 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
         eliminated=None,
     )
     module = "springpot.identification.uncertainty"
-    monkeypatch.setattr(f"{module}._bounds", lambda fit: (np.array([lower]), np.array([upper])))
     monkeypatch.setattr(f"{module}._linear_slope", lambda fit, i: np.array([3.0, 4.0]))
     assert Uncertainty._one_sided(own, 0) == pytest.approx(interval)
     # What others make up for but for rounding tells nothing.

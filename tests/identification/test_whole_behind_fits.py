@@ -137,7 +137,7 @@ def test_branches_and_shapes_of_a_network(name, stays):
     found = {
         "branches": {each.name: getattr(branches, each.name) for each in fields(branches)},
         "leaders": [branches.leaders, branches.free, starts.shape_count(branches)],
-        "coordinates": [unit.bounds(), unit.size, unit.slopes(theta, size), unit.u(theta, size)],
+        "coordinates": [unit.bounds, unit.size, unit.slopes(theta, size), unit.u(theta, size)],
     }
     stays(found)
 

@@ -118,9 +118,9 @@ ERRORS = {
         "frequency,storage [Pa],loss [Pa]\n1,2,3\n",
         r"no unit; .*write frequency \[Hz\] or omega \[rad/s\]",
     ),
-    "no modulus unit": (
-        "frequency [Hz],storage,loss\n1,2,3\n",
-        r"'storage', 'loss' have no unit; if they are Pa, open '.*storage=Pa,loss=Pa'",
+    "no unit of one modulus": (
+        "frequency [Hz],storage [Pa],loss\n1,2,3\n",
+        r"column 'loss': there is no unit; write loss \[N/mm\]",
     ),
     "unknown unit": ("frequency [Hz],storage [kN/mn],loss [Pa]\n1,2,3\n", r"did you mean \[kN/m\]"),
     "omega in hertz": ("omega [Hz],storage [Pa],loss [Pa]\n1,2,3\n", "omega is in rad/s"),

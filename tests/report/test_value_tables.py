@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,9 @@ import pytest
 import springpot
 from springpot.errors import OutputError
 from springpot.identification import Value
+from springpot.measurement import Measurement, Units
+from springpot.registry import parse_model
+from springpot.report.fit_text import many_csv, many_text
 from springpot.report.tables import write_parameters, write_values
 
 ROWS = [
@@ -24,6 +28,26 @@ ROWS = [
 def written(tmp_path: Path, ending: str) -> str:
     path = write_values(tmp_path / f"table{ending}", "maxwell", ("parameter",), ROWS)
     return path.read_text(encoding="utf-8")
+
+
+def test_files_in_several_units_have_a_column_for_each() -> None:
+    """Never a number under the unit of another file; a cell that a file has not is empty."""
+    omega = np.geomspace(0.1, 100.0, 12)
+    stiffness = parse_model("kelvin").stiffness(np.array([3.0, 2.0]), omega)
+    fits = [
+        springpot.identify(
+            Measurement(omega, stiffness, units=Units(unit, "m"), name=name), "kelvin"
+        )
+        for name, unit in (("one", "N/m"), ("two", "kPa"))
+    ]
+    header, _, first, second = many_text(fits).splitlines()
+    for unit in ("k [N/m]", "k [kPa]", "c [N s/m]", "c [kPa s]"):
+        assert unit in header
+    assert first.split()[-4:] == ["3.0000000", "2.0000000", "-", "-"]
+    assert second.split()[-4:] == ["-", "-", "3.0000000", "2.0000000"]
+    rows = list(csv.DictReader(StringIO(many_csv(fits))))
+    assert [float(row["k [N/m]"] or 0) for row in rows] == pytest.approx([3.0, 0.0])
+    assert [float(row["k [kPa]"] or 0) for row in rows] == pytest.approx([0.0, 3.0])
 
 
 def test_people_read_as_many_digits_as_are_known(tmp_path: Path) -> None:

@@ -202,3 +202,22 @@ def test_what_is_open_on_the_page(monkeypatch, stays):
         page_ladder("missing", [first, unsure], [["x", "y"]]),
     ]
     stays([[str(part) for part in html._classes(ladder)] for ladder in ladders])
+
+
+@pytest.mark.parametrize("foretold", [0.0005, 0.9, None, np.inf])
+def test_no_mark_of_a_ladder_lies_beyond_its_axes(foretold):
+    def rung(name, rms, predicted):
+        return SimpleNamespace(
+            model=parse_model(name), accepted=None, relative_rms=rms, predicted_error=predicted,
+            noise_floor=0.01, material_floor=0.02,
+        )  # fmt: skip
+
+    steps = (rung("kelvin", 0.05, None), rung("kelvin + inertia", 0.01, foretold))
+    axes = pyplot.figure().subplots()
+    ladder_text.draw_ladder(axes, SimpleNamespace(steps=steps))
+    low, high = axes.get_ylim()
+    marks = np.concatenate([np.ravel(line.get_ydata()) for line in axes.lines])
+    pyplot.close()
+    told = marks[np.isfinite(marks)]
+    assert low < told.min()
+    assert told.max() < high

@@ -195,7 +195,10 @@ def test_json_has_what_the_schema_says(found):
 @pytest.mark.soak
 def test_a_picture_is_drawn(found, tmp_path):
     assert found.plot(tmp_path / "curve.svg").stat().st_size > 10_000
-    assert "made at 30 degC" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
+    told = (tmp_path / "curve.svg").read_text(encoding="utf-8")
+    # One title over both planes: a second one would be written over it.
+    assert f"off, {found.simplicity.verdict.replace('-', ' ')}" in told
+    assert "made at 30 degC" in told
 
 
 @pytest.mark.soak

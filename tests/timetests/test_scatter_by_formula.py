@@ -77,7 +77,7 @@ def test_a_periodogram_has_the_variance_of_white_noise_whatever_its_mean(rng):
 
 def test_size_and_memory_are_read_from_a_spectrum(rng):
     residual = noise(rng, 4000, 0.4, size=3.0)
-    size, memory = _fitted(*powers(residual))
+    size, memory = _fitted(powers(residual)[0])
     assert (size, memory) == (pytest.approx(3.0, rel=0.05), pytest.approx(0.4, abs=0.05))
     # The likelihood is largest there.
     power, omega = powers(residual)

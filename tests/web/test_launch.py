@@ -96,6 +96,9 @@ def test_a_file_that_only_asks_is_asked_about_on_the_page(
     said = ",".join(asked["answers"][0]["said"] for asked in question["asked"])
     answered = understand(print, question["name"], question["content"], f"?{said}")
     assert answered["scene"]["count"] == 4
+    # No unit is an answer too, and is not asked for again.
+    bare = "?storage=file units,loss=file units"
+    assert understand(print, question["name"], question["content"], bare)["scene"]["count"] == 4
 
 
 def test_ctrl_c_is_heard_even_where_python_would_swallow_it():

@@ -130,7 +130,7 @@ class EffectSet:
         """For each effect of the set, what may stand in its place."""
         names = [effect.name for effect in self.effects]
         chances = self.evidence.stand_ins(names, of_any_size=True)
-        alike = self.evidence.same_curve(names)
+        alike = self.evidence.same_curve(names, of_any_size=True)
         return {
             name: tuple(dict.fromkeys([*credible(own, EVIDENCE.unasked), *others]))
             for name, own, others in zip(names, chances, alike, strict=True)

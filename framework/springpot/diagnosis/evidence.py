@@ -358,26 +358,28 @@ class Evidence:
                 chances[place][other] = chances[place].get(other, 0.0) + one.probability
         return chances
 
-    def same_curve(self, names: Sequence[str]) -> list[list[str]]:
+    def same_curve(self, names: Sequence[str], of_any_size: bool = False) -> list[list[str]]:
         """For each effect of a set, others whose curve in its place is the same for these data.
 
         However much dearer their parameters are, as long as they are what they are called: a law at
-        its limit, or one that contains the other, is the simpler one by another name.
+        its limit, or one that contains the other, is the simpler one by another name. In sets
+        `of_any_size` several may stand in the place of one of as many parameters.
         """
         key = tuple(sorted(names))
         best = next((one.grown.refit for one in self.explanations if one.names == key), None)
         alike: list[list[str]] = [[] for _ in names]
         for one in self.explanations:
-            new = without(one.names, names)
-            if best is None or len(one.names) != len(names) or len(new) != 1:
+            new, place = without(one.names, names), without(names, one.names)
+            if best is None or len(place) != 1 or not new:
                 continue
             other = one.grown.refit
+            if len(new) > 1 and not (of_any_size and len(other.own) <= len(best.own)):
+                continue
             near = distance(self.search.frame, other, best) < EVIDENCE.one_curve
             near = near and _as_good(other, best)
             known = one.grown.beyond_physics or is_a_limit(self.search, one.grown)
             if near and not known and not _contains(other, best):
-                (old,) = without(names, one.names)
-                alike[list(names).index(old)] += new
+                alike[list(names).index(place[0])] += new
         return alike
 
     @property

@@ -93,8 +93,7 @@ def _open_harmonic(refit: Refit, predicted: Complex) -> Real:
     Along each principal direction of what the data tell of them, to the end of their interval.
     """
     fit, points = refit.fit, refit.data.mean.points
-    low = np.array([parameter.lower for parameter in refit.model.parameters])
-    high = np.array([parameter.upper for parameter in refit.model.parameters])
+    low, high = refit.model.box
     _, sharpness, directions = np.linalg.svd(fit.jacobian_u, full_matrices=False)
     # Nobody knows less of a parameter than was known beforehand.
     least = 1.0 / np.sqrt(EVIDENCE.vague)

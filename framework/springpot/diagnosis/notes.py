@@ -354,7 +354,7 @@ def header_notes(candidates: Sequence[Candidate], measurement: Measurement) -> I
         The data, with what its file said of the instrument; nothing is told where they are no
         modulus.
     """
-    if not measurement.units.is_modulus:
+    if measurement.units.stiffness not in PRESSURE_UNITS:
         return
     for candidate in candidates:
         constant = candidate.physics.constant

@@ -216,7 +216,7 @@ class Path:
 
     def _about(self) -> Real:
         """A place on either side: half and twice the parameter, or as far as there is room."""
-        ends = np.array([bound[0, self.i] for bound in self.coordinates.bounds()])
+        ends = np.array([bound[0, self.i] for bound in self.coordinates.bounds])
         start, reach = float(self.u[self.i]), np.log(2.0)
         if not self.coordinates.log[self.i]:
             reach = max(0.5 * abs(start), 0.1)
@@ -239,7 +239,7 @@ class Path:
 
         None if it never does.
         """
-        limit, upper = self.coordinates.bounds()
+        limit, upper = self.coordinates.bounds
         if sign > 0:
             limit = upper
         start = float(self.u[self.i])
@@ -269,9 +269,7 @@ class Path:
 
     def costs(self, places: Real) -> Real:
         """Best objective with the parameter held at each of `places`."""
-        lower, upper = (
-            np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds()
-        )
+        lower, upper = (np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds)
         # Bounds that meet hold a parameter in place without a solver of its own.
         lower[:, self.i] = upper[:, self.i] = places
         # All places begin at the best fit, and are solved side by side.

@@ -29,7 +29,7 @@ from springpot.rheology.elements import (
 )
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
-from springpot.rheology.parameters import Coordinates
+from springpot.rheology.parameters import Coordinates, box_of
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
@@ -164,9 +164,8 @@ class SpectrumSearch:
         log_omega = float(np.mean(self.points.log_omega))
         self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
-        self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
-        self._lower = np.array([parameter.lower for parameter in self.own])
-        self._upper = np.array([parameter.upper for parameter in self.own])
+        self.low, self.high = (bound[0] for bound in self.coordinates.bounds)
+        self._lower, self._upper = box_of(self.own)
         # Then one solution is exact; behind a spring in series K bends with the weights, and it
         # takes a few.
         self.linear = linear_in_material(model.network)

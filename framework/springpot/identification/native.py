@@ -408,9 +408,7 @@ def require_enough(model: Model, measurement: Measurement) -> None:
 
 def within_bounds(model: Model, theta: Real) -> Real:
     """Parameters (..., p) moved to the bounds of the model where they lie beyond them."""
-    lower = np.array([p.lower for p in model.parameters])
-    upper = np.array([p.upper for p in model.parameters])
-    return np.clip(theta, lower, upper)
+    return np.clip(theta, *model.box)
 
 
 class BoundedDescent:

@@ -166,7 +166,7 @@ def _direction(model: Model, theta: Real) -> Real:
     """A step of every parameter, none of them alike and all inside their bounds."""
     share = 1.0 + 0.3 * np.sin(1.0 + np.arange(len(theta)))
     size = np.where(theta == 0.0, 0.01, np.abs(theta))
-    upper = np.array([p.upper for p in model.parameters])
+    upper = model.box[1]
     # From the upper half downwards, as no step may leave the bounds.
     direction: Real = share * size * np.where(np.isfinite(upper) & (theta > 0.5 * upper), -1.0, 1.0)
     return direction

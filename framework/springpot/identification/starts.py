@@ -400,7 +400,7 @@ class Shapes:
 
 def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
     """Range of each search coordinate over which shapes are drawn."""
-    lower, upper = (bound[0] for bound in unit.bounds())
+    lower, upper = (bound[0] for bound in unit.bounds)
     # Half the band on either side of its middle: a time outside of it would not show.
     reach = 0.5 * float(np.ptp(points.log_omega))
     times = [_time_power(parameter) for parameter in unit.parameters]

@@ -421,7 +421,7 @@ class Task:
         """
         count, starts, d = v.shape
         owner = np.repeat(np.arange(count), starts)
-        lower, upper = (bound[:, self.branches.free] for bound in self.coordinates.bounds())
+        lower, upper = (bound[:, self.branches.free] for bound in self.coordinates.bounds)
         return levenberg_marquardt(
             self.shape_evaluator(owner),
             v.reshape(count * starts, d),
@@ -447,7 +447,7 @@ class Task:
         """
         count, starts, p = u.shape
         owner = np.repeat(np.arange(count), starts)
-        lower, upper = self.coordinates.bounds()
+        lower, upper = self.coordinates.bounds
         return levenberg_marquardt(
             self.evaluator(owner),
             u.reshape(-1, p),

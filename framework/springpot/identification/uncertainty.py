@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot.distributions import student
 from springpot.measurement.units import Units
 from springpot.rheology.model import Model
-from springpot.rheology.parameters import WIDEST, SearchForm
+from springpot.rheology.parameters import WIDEST, SearchForm, box_of
 from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL
@@ -114,7 +114,7 @@ class Uncertainty:
     @cached_property
     def at_bound(self) -> NDArray[np.int64]:
         """-1 where a parameter (p,) is at its lower bound or about zero, 1 at its upper, else 0."""
-        low, high = (bound[0] for bound in self.fit.task.coordinates.bounds())
+        low, high = (bound[0] for bound in self.fit.task.coordinates.bounds)
         log, u = self.fit.task.coordinates.log, self.fit.u
         linear = ALIKE * np.where(np.isfinite(high - low), high - low, 1.0)
         # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good
@@ -251,7 +251,7 @@ class Uncertainty:
             invalid="ignore"
         ):  # of a parameter on its bound nothing is known from here
             reach = self.quantile * printed_spread(fit, self.covariance)
-        low, high = ends(fit.theta, reach, coordinates.log, _bounds(fit))
+        low, high = ends(fit.theta, reach, coordinates.log, fit.model.box)
         rest = np.flatnonzero(self.at_bound)
         for i in rest.tolist():
             low[i], high[i] = self._one_sided(i)
@@ -262,7 +262,7 @@ class Uncertainty:
 
         In the parameter itself, as a logarithm has no end there.
         """
-        fit, (lower, upper) = self.fit, _bounds(self.fit)
+        fit, (lower, upper) = self.fit, self.fit.model.box
         slope = _linear_slope(fit, i)
         whole = float(np.linalg.norm(slope))
         # What the others can make up for tells nothing of this one.
@@ -340,11 +340,6 @@ def ends(
         low = np.where(log, value / factor, value - np.where(log, 0.0, reach))
         high = np.where(log, value * factor, value + np.where(log, 0.0, reach))
     return np.maximum(low, bounds[0]), np.minimum(high, bounds[1])
-
-
-def _bounds(fit: Fit) -> tuple[Real, Real]:
-    parameters = fit.model.parameters
-    return np.array([p.lower for p in parameters]), np.array([p.upper for p in parameters])
 
 
 def _printed_slopes(fit: Fit) -> Real:
@@ -476,10 +471,7 @@ def search_parameters(known: Uncertainty, ends_low: Real, ends_high: Real) -> di
         x = form.from_elements(estimate.theta[:q])
         reach = _reach(known, form, x)
         log = np.array([p.scale == "log" for p in form.parameters])
-        bounds = (
-            np.array([p.lower for p in form.parameters]),
-            np.array([p.upper for p in form.parameters]),
-        )
+        bounds = box_of(form.parameters)
         low, high = ends(x, np.where(np.isfinite(reach), reach, np.inf), log, bounds)
         # A slope tells nothing of a step away from a bound: there the ends themselves are carried
         # over.

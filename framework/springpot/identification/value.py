@@ -12,6 +12,7 @@ import numpy as np
 from springpot.lazy import html_of, text_of
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
+    FILE_UNITS,
     LENGTH_UNITS,
     MODULUS_UNITS,
     STRAIN_UNITS,
@@ -432,6 +433,8 @@ def noun(units: Units) -> str:
 def energy_unit(units: Units) -> tuple[float, str]:
     """Factor and unit of the energy that a cycle takes: of a modulus that of a volume."""
     stiffness, amplitude = MODULUS_UNITS[units.stiffness], AMPLITUDE_UNITS[units.amplitude]
+    if units.stiffness == FILE_UNITS:
+        return amplitude**2, FILE_UNITS
     if units.is_modulus and units.amplitude in STRAIN_UNITS:
         return stiffness * amplitude**2, "J/m^3"
     if not units.is_modulus and (units.amplitude in LENGTH_UNITS or "rad" in units.stiffness):

@@ -140,6 +140,9 @@ if TYPE_CHECKING:
         ANGLE_UNITS as ANGLE_UNITS,
     )
     from .units import (
+        FILE_UNITS as FILE_UNITS,
+    )
+    from .units import (
         FORCE_UNITS as FORCE_UNITS,
     )
     from .units import (
@@ -213,7 +216,8 @@ __getattr__, __dir__ = offered(
         "timenoise": "noise_of",
         "timetest": "TimeTest",
         "units": (
-            "AMPLITUDE_UNITS ANGLE_UNITS FORCE_UNITS FREQUENCY_UNITS known_unit LENGTH_UNITS "
+            "AMPLITUDE_UNITS ANGLE_UNITS FILE_UNITS FORCE_UNITS FREQUENCY_UNITS known_unit "
+            "LENGTH_UNITS "
             "MODULUS_UNITS near_units normal_unit PRESSURE_UNITS STIFFNESS_UNITS STRAIN_UNITS "
             "temperature_in_celsius TEMPERATURE_UNITS TIME_UNITS TORQUE_UNITS Units"
         ),

@@ -15,7 +15,7 @@ from springpot.rheology.points import Real
 from .geometry import Geometry
 from .measurement import CONDITIONS, Measurement
 from .timetest import TimeTest
-from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS, one_modulus
+from .units import AMPLITUDE_UNITS, LENGTH_UNITS, STRAIN_UNITS, one_modulus
 
 FILE = "file"
 LEVELS = "levels {}"
@@ -123,7 +123,7 @@ def _known_of_some(measurements: Sequence[Measurement]) -> set[str]:
 
 
 def _factor(other: Measurement, first: Measurement) -> float:
-    return MODULUS_UNITS[other.units.stiffness] / MODULUS_UNITS[first.units.stiffness]
+    return other.units.factor_to(first.units, other.name, first.name)
 
 
 def _column(name: str, measurements: Sequence[Measurement]) -> Real:

@@ -17,6 +17,7 @@ from .signals import Harmonics, harmonics_of
 from .steady import Signals
 from .units import (
     ANGLE_UNITS,
+    FILE_UNITS,
     FORCE_UNITS,
     LENGTH_UNITS,
     PRESSURE_UNITS,
@@ -39,7 +40,8 @@ def stiffness_unit(displacement: str, force: str) -> tuple[float, str]:
     linear = force in FORCE_UNITS and displacement in LENGTH_UNITS
     if linear or (force in TORQUE_UNITS and displacement in ANGLE_UNITS):
         return 1.0, f"{force}/{displacement}"
-    if force in PRESSURE_UNITS and displacement in STRAIN_UNITS:
+    # Of numbers whose units nobody tells the one over the other is no better known.
+    if (force in PRESSURE_UNITS or force == FILE_UNITS) and displacement in STRAIN_UNITS:
         return 1.0 / STRAIN_UNITS[displacement], force
     raise DataError(
         f"[{force}] over [{displacement}] is no stiffness: "

@@ -22,6 +22,7 @@ from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
+    FILE_UNITS,
     FORCE_UNITS,
     LENGTH_UNITS,
     MODULUS_UNITS,
@@ -499,19 +500,12 @@ class TimeTest:
         Raises
         ------
         DataError
-            If one is of a stiffness and the other of a modulus.
+            If one is of a stiffness and the other of a modulus, or in units of its file.
         """
         # The same object: what was worked out of it stays.
         if units == self.units:
             return self
-        # Between the two stands the geometry of a specimen, which no factor of units holds.
-        pressures = {self.units.stiffness in PRESSURE_UNITS, units.stiffness in PRESSURE_UNITS}
-        if len(pressures) > 1:
-            raise DataError(
-                f"{self.name} is in {self.units.stiffness} and the other test in {units.stiffness}:"
-                " a stiffness is no modulus; convert one of them by its geometry"
-            )
-        stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
+        stiffer = self.units.factor_to(units, self.name, "the other test")
         longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
         return self._carried(stiffer, longer, units.stiffness)
 
@@ -568,7 +562,7 @@ def _warm(temperature: float | ArrayLike | None) -> dict[str, Any]:
 
 def _split(unit: str) -> tuple[str, str]:
     """Units of force and displacement of a stiffness, or of stress and strain of a modulus."""
-    if unit in PRESSURE_UNITS:
+    if unit in PRESSURE_UNITS or unit == FILE_UNITS:
         return unit, "-"
     if unit not in MODULUS_UNITS:
         raise DataError(

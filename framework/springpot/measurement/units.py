@@ -102,7 +102,12 @@ FREQUENCY_UNITS = {
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
 TEMPERATURE_UNITS = {"degC": 1.0, "K": 1.0, "degF": 5.0 / 9.0}
 _USUAL = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "lbf/in": STIFFNESS_UNITS["lbf/in"]}
-MODULUS_UNITS = _USUAL | PRESSURE_UNITS | STIFFNESS_UNITS | TORSION_UNITS
+FILE_UNITS = "file units"
+"""Of moduli, stiffnesses, stresses or forces whose unit nobody tells: numbers as a file has them.
+
+Nothing is converted to it or from it.
+"""
+MODULUS_UNITS = _USUAL | PRESSURE_UNITS | STIFFNESS_UNITS | TORSION_UNITS | {FILE_UNITS: 1.0}
 AMPLITUDE_UNITS = LENGTH_UNITS | STRAIN_UNITS | ANGLE_UNITS
 
 _SPELT = {
@@ -329,7 +334,12 @@ class Units:
 
     @property
     def is_modulus(self) -> bool:
-        """Whether stress over strain was measured, rather than force over displacement."""
+        """Whether stress over strain was measured, rather than force over displacement.
+
+        In units of the file what its names say: ``K'`` is a stiffness.
+        """
+        if self.stiffness == FILE_UNITS:
+            return self.letter != "K"
         return self.stiffness in PRESSURE_UNITS
 
     @property
@@ -418,7 +428,36 @@ class Units:
                 words.append(_power(unit, _exponent(power)))
         return factor, " ".join(words) or "-"
 
+    def factor_to(self, other: Units, own: str, others: str) -> float:
+        """By which a stiffness in these units is more in others.
+
+        Parameters
+        ----------
+        other : Units
+            In which it is wanted.
+        own, others : str
+            What comes in the two, for the message.
+
+        Raises
+        ------
+        DataError
+            If one is of a stiffness and the other of a modulus, between which stands the geometry
+            of a specimen, or nobody tells the unit of one of them.
+        """
+        here, there = self.stiffness, other.stiffness
+        if here == there:
+            return 1.0
+        told = f"{own} is in {here} and {others} in {there}"
+        if FILE_UNITS in (here, there):
+            raise DataError(f"{told}: say its unit, as in 'FILE?storage=kPa,loss=kPa'")
+        if self.is_modulus != other.is_modulus:
+            raise DataError(f"{told}: a stiffness is no modulus; convert one of them by --geometry")
+        return MODULUS_UNITS[here] / MODULUS_UNITS[there]
+
     def _mechanical(self, dimension: Dimension) -> tuple[float, str] | None:
+        # Of numbers that may be anything nothing is so many kilograms.
+        if self.stiffness == FILE_UNITS:
+            return None
         powers = (dimension.stiffness, dimension.time, dimension.amplitude)
         stiff = MODULUS_UNITS[self.stiffness]
         # A stiffness times s^2 is a mass, which nobody reads in kN s^2/m.
@@ -489,7 +528,7 @@ class Units:
 
 def _inverse(unit: str) -> str:
     # Without brackets 1/kN/m could be read as a length per force or as its inverse.
-    if "/" in unit:
+    if "/" in unit or " " in unit:
         return f"1/({unit})"
     return f"1/{unit}"
 

@@ -263,36 +263,35 @@ def unused(identified: Identification) -> list[str]:
 
 def many_text(fits: Sequence[Identification]) -> str:
     """One row for each file: error, floor, verdict and the parameters."""
-    names, rows = _columns(fits), []
+    columns, rows = _columns(fits), []
     for fit in fits:
-        cells = [_cell(fit, name) for name in names]
+        cells = [_cell(_in_column(fit, *column)) for column in columns]
         rows.append([fit.name, percent(fit.relative_rms), *_verdict(fit), *cells])
     headers = [
         "data",
         "error",
         "noise floor",
         "good enough",
-        *(_header(fits[0], name) for name in names),
+        *(name if unit == "-" else f"{name} [{unit}]" for name, unit in columns),
     ]
     return TextTable(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
 
 
 def many_csv(fits: Sequence[Identification]) -> str:
     """The same as CSV, with both ends of each interval; units stand in the header."""
-    names, stream = _columns(fits), StringIO()
+    columns, stream = _columns(fits), StringIO()
     write = csv.writer(stream, lineterminator="\n").writerow
     headers = []
-    for name in names:
-        unit = fits[0].parameters[name].unit
+    for name, unit in columns:
         headers += [f"{name} [{unit}]", f"{name}_low [{unit}]", f"{name}_high [{unit}]"]
     write(["data", "model", "relative_rms [-]", "noise_floor [-]", "good_enough", *headers])
     for fit in fits:
         cells = []
-        for name in names:
-            if name in fit.parameters:
-                value = fit.parameters[name]
-                # `repr` keeps every digit: another program reads them.
-                cells += [repr(value.value), repr(value.low), repr(value.high)]
+        for column in columns:
+            value = _in_column(fit, *column)
+            # `repr` keeps every digit: another program reads them.
+            three = (value.value, value.low, value.high) if value else ("",) * 3
+            cells += [each if each == "" else repr(each) for each in three]
         row = [fit.name, fit.model.name, repr(fit.relative_rms), *_judged(fit), *cells]
         write(row)
     return stream.getvalue()
@@ -308,19 +307,23 @@ def _judged(fit: Identification) -> tuple[str, str]:
     return repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
 
 
-def _columns(fits: Sequence[Identification]) -> list[str]:
-    # Of all files: a model of levels may have more parameters in one than in another.
-    return list(dict.fromkeys(name for fit in fits for name in fit.parameters))
+def _columns(fits: Sequence[Identification]) -> list[tuple[str, str]]:
+    """Names and units of the parameters of all files.
+
+    A model of levels may have more in one than in another, and files may be in different units.
+    """
+    return list(
+        dict.fromkeys((name, each.unit) for fit in fits for name, each in fit.parameters.items())
+    )
 
 
-def _header(fit: Identification, name: str) -> str:
-    if name not in fit.parameters or fit.parameters[name].unit == "-":
-        return name
-    return f"{name} [{fit.parameters[name].unit}]"
-
-
-def _cell(fit: Identification, name: str) -> str:
+def _in_column(fit: Identification, name: str, unit: str) -> Value | None:
+    """A parameter of a file, where it is in this unit."""
     value = fit.parameters.get(name)
+    return value if value is not None and value.unit == unit else None
+
+
+def _cell(value: Value | None) -> str:
     if value is None:
         return "-"
     size, interval = shown(value)

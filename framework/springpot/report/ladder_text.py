@@ -344,9 +344,10 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
         beside_mark(axes, (x, error[x]), words)
     _names(axes, steps)
     logarithmic(axes, "y")
-    lines = np.concatenate([floor, material, error])
+    foretold = [100.0 * (step.predicted_error or 0.0) for step in steps]
+    lines = np.concatenate([floor, material, error, foretold])
     # A floor of exact data is zero, which has no place on a logarithmic axis.
-    drawn = lines[lines > 0]
+    drawn = lines[(lines > 0) & np.isfinite(lines)]
     axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
     # Again: which numbers stand at the axis depends on its ends.
     logarithmic(axes, "y")

@@ -211,7 +211,7 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
 
     clock, *names = master.columns
     planes = figure.subplots(1, len(names), sharex=True, squeeze=False)[0]
-    left, right = planes[0], planes[-1]
+    left = planes[0]
     data, levels = master.reduced, master.factors.levels
     measured = master.data.conditions[master.factors.column]
     colour, norm = _colours(master)
@@ -239,13 +239,11 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
         axes.set_ylabel(f"{reduced} [{unit}]")
         axes.set_xlabel({"time": "t / a [s]"}.get(clock, "a ω [rad/s]"))
     named = level_text(master.factors.column, master.reference)
-    title = f"{master.data.name} at {named}: {percent(master.simplicity.error, 2)} off"
+    off = percent(master.simplicity.error, 2)
     verdict = master.simplicity.verdict.replace("-", " ")
+    # Over both planes, as a file's name may be longer than one is wide.
+    title = f"{master.data.name} at {named}: {off} off, {verdict}"
     left.set_title(title.replace("$", r"\$"))
-    if right is left:
-        left.set_title(f"{title}, {verdict}".replace("$", r"\$"))
-    else:
-        right.set_title(verdict)
     bar = figure.colorbar(ScalarMappable(norm, colour), ax=list(planes), pad=0.01, aspect=30)
     bar.set_label(f"{master.factors.column}{_in_unit(master.unit)}")
     # Each level by its number, as long as the numbers do not touch.

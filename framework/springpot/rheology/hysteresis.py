@@ -18,14 +18,15 @@ converge geometrically, to 1e-8 with 24 nodes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log, sqrt
+from itertools import accumulate
+from math import copysign, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.special import betainc, betaln
 
-from ..numerics import MOST_STEPS, ROUNDING
+from ..numerics import MOST_STEPS, ROUNDING, SMALLEST
 from .elements import spring
 from .grammar import Formula
 from .nodes import FULL, VALUE, Node, Response
@@ -344,41 +345,41 @@ def _in_time(
     t: Real, x: Real, v: Real, k: float, force: float, exponent: float
 ) -> tuple[Real, tuple[Real, ...]]:
     """The force z of z' = k (v - sgn(z) |z / F|^(1/a)) from rest, and its derivatives."""
-    power = 1.0 / exponent
-    # The force, and what k, F and a do to it.
-    state = [0.0, 0.0, 0.0, 0.0]
-    answer = np.zeros((len(x), 4))
-    for i, (step, way) in enumerate(zip(np.diff(t).tolist(), np.diff(x).tolist(), strict=True)):
-        begun, rates = state, [0.0, 0.0, 0.0, 0.0]
-        speed, held = way / step, STAGE * step
-        # The second stage ends the step; it stands on the rates of the first.
-        for share in (0.0, (1.0 - STAGE) * step):
-            start = [each + share * rate for each, rate in zip(begun, rates, strict=True)]
-            z = _flowed(start[0] + held * k * speed, held * k, force, power, state[0])
-            flow, slope, bend = _flow(z, force, power)
-            # Of the rate by k, by F and by a, the force being what it is.
-            direct = (speed - flow, k * power * flow / force, k * power**2 * bend)
-            whole = 1.0 + held * k * slope
-            moved = [(start[j + 1] + held * direct[j]) / whole for j in range(3)]
-            rates = [
-                k * (speed - flow),
-                *(each - k * slope * by for each, by in zip(direct, moved, strict=True)),
-            ]
-            state = [z, *moved]
-        answer[i + 1] = state
-    return answer[:, 0], tuple(answer[:, 1:].T)
+    power, steps = 1.0 / exponent, np.diff(t)
+    speed, held, rest = np.diff(x) / steps, STAGE * steps, (1.0 - STAGE) * steps
+    z = _stages(speed, held * k, rest * k, force, power)
+    # How fast each force of a stage flows, and the slopes of that by z and by the power.
+    size = np.abs(z) / force
+    flow = np.sign(z) * size**power
+    slope = k * power * size ** (power - 1.0) / force
+    bend = flow * np.log(np.maximum(size, SMALLEST))
+    # Of the rate by k, by F and by a, the force being what it is.
+    direct = np.stack([speed - flow, k * power * flow / force, k * power**2 * bend])
+    whole = 1.0 + held * slope
+    # The second stage ends the step, and stands on the rates of the first: a line in what was
+    # before.
+    kept = (1.0 - rest * slope[0] / whole[0]) / whole[1]
+    added = (rest * direct[:, 0] / whole[0] + held * direct[:, 1]) / whole[1]
+    moved = [
+        list(accumulate(zip(kept.tolist(), each.tolist(), strict=True), _on_the_line, initial=0.0))
+        for each in added
+    ]
+    return np.append(0.0, z[1]), tuple(np.array(moved))
 
 
-def _flow(z: float, force: float, power: float) -> tuple[float, float, float]:
-    """Speed at which a force z flows, and its slopes by z and by the power 1 / a."""
-    size = abs(z) / force
-    if size == 0.0:
-        return 0.0, 0.0, 0.0
-    speed = size**power
-    slope, bend = power * speed / abs(z), speed * log(size)
-    if z < 0.0:
-        return -speed, slope, -bend
-    return speed, slope, bend
+def _on_the_line(before: float, line: tuple[float, float]) -> float:
+    return line[0] * before + line[1]
+
+
+def _stages(speed: Real, held: Real, rest: Real, force: float, power: float) -> Real:
+    """The force at both stages (2, n) of each step."""
+    z, stages = 0.0, []
+    for v, share, more in zip(speed.tolist(), held.tolist(), rest.tolist(), strict=True):
+        first = _flowed(z + share * v, share, force, power, z)
+        rate = v - copysign((abs(first) / force) ** power, first)
+        z = _flowed(z + more * rate + share * v, share, force, power, first)
+        stages.append((first, z))
+    return np.array(stages).reshape(-1, 2).T
 
 
 def _flowed(free: float, share: float, force: float, power: float, near: float) -> float:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -86,7 +86,7 @@ class InTime:
             passive, own = self._linear("the answer to a force")
             return self._padded(passive.respond_force(t, force), own)
 
-    def _only_material(self) -> list[Placed]:
+    def _only_material(self) -> Sequence[Placed]:
         """The effects, where all of them are linear and go by the clock of the material.
 
         Raises
@@ -209,7 +209,7 @@ class InTime:
     @cached_property
     def _inside(self) -> tuple[Passive, list[int]]:
         # Kept, as it is asked several things at one theta: each would take it apart anew.
-        network, own = network_of(self.model, sorted_out(self.model)[0])
+        network, own = linear_network(self.model)
         return replace(self._passive(network), theta=self.theta[own]), own
 
     def _passive(self, network: Node, temperature: float | None = None) -> Passive:
@@ -222,7 +222,7 @@ class InTime:
             self.tolerance,
         )
 
-    def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
+    def _materials(self, inside: Sequence[Placed], t: Real, x: Real) -> Traced:
         if isinstance(self.temperature, np.ndarray):
             return self._reduced(inside, t, x)
         passive, own = self._inside
@@ -241,7 +241,7 @@ class InTime:
         return Traced(traced.value, by_theta)
 
     def _reduced(
-        self, inside: list[Placed], t: Real, x: Real, control: str = "displacement"
+        self, inside: Sequence[Placed], t: Real, x: Real, control: str = "displacement"
     ) -> Traced:
         """What temperature moves, in reduced time (seconds / a_T), and what is beside it, in s."""
         shifts = [
@@ -291,7 +291,7 @@ class InTime:
         return traced
 
 
-def _refuse_unfollowed(inside: list[Placed], last: int) -> None:
+def _refuse_unfollowed(inside: Sequence[Placed], last: int) -> None:
     """Tell of an effect that a history of temperatures cannot be followed by, or inside.
 
     `last` is the number of effects up to the last shift.
@@ -352,7 +352,10 @@ def with_laws(
     return Traced(columns[:, 0], columns[:, 1:])
 
 
-def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:
+@lru_cache(maxsize=256)
+def sorted_out(
+    model: NamedNetwork,
+) -> tuple[tuple[Placed, ...], tuple[Placed, ...], tuple[Placed, ...]]:
     """The effects from the material outwards.
 
     Linear ones, those that are not but stand beside, those of signals.
@@ -375,7 +378,7 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
     inside: list[Placed] = []
     beside: list[Placed] = []
     signals: list[Placed] = []
-    for placed in model.placed():
+    for placed in model.placed:
         effect = placed.effect
         if effect.of_test or not effect.in_time:
             continue
@@ -400,23 +403,29 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
             signals.append(placed)
         else:
             beside.append(placed)
-    return inside, beside, signals
+    return tuple(inside), tuple(beside), tuple(signals)
 
 
-def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[int]]:
-    """The network of a model with some of its effects only.
+@lru_cache(maxsize=256)
+def linear_network(model: NamedNetwork) -> tuple[Node, list[int]]:
+    """The network of a model with its linear effects only, in time.
 
     And where its parameters stand in the model's theta.
 
     Examples
     --------
     >>> import springpot
-    >>> from springpot.rheology.model import network_of, sorted_out
+    >>> from springpot.rheology.model import linear_network
     >>> model = springpot.parse_model("kelvin + friction + inertia")
-    >>> network, places = network_of(model, sorted_out(model)[0])
+    >>> network, places = linear_network(model)
     >>> [model.names[place] for place in places]
     ['k', 'c', 'inertia.m']
     """
+    return network_of(model, sorted_out(model)[0])
+
+
+def network_of(model: NamedNetwork, inside: Sequence[Placed]) -> tuple[Node, list[int]]:
+    """The same with some of its effects."""
     network, own = model.material, list(range(len(model.material.parameters)))
     for effect, prefix, places in inside:
         network = effect.composition(network, effect.element.with_prefix(prefix))

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import chain, compress
 from typing import NamedTuple, Self, TypeVar
 
 import numpy as np
@@ -97,6 +98,7 @@ def _inside(parameter: Parameter, share: float) -> float:
 
 
 T = TypeVar("T")
+M = TypeVar("M", bound="NamedNetwork")
 
 
 class Placed(NamedTuple):
@@ -105,6 +107,19 @@ class Placed(NamedTuple):
     effect: Effect
     prefix: str
     own: list[int]
+
+
+@lru_cache(maxsize=256)
+def _with_some(model: M, which: tuple[bool, ...]) -> tuple[M, list[int]]:
+    """A model with some of its placed effects, and where its parameters stand in the whole theta.
+
+    One for all fits of a test: what it works out of itself is kept with it.
+    """
+    if all(which):
+        return model, list(range(len(model.parameters)))
+    mine = list(compress(model.placed, which))
+    own = [range(len(model.material.parameters)), *(each.own for each in mine)]
+    return replace(model, effects=tuple(each.effect for each in mine)), list(chain(*own))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +166,7 @@ class NamedNetwork(HasParameters):
         """
         # Of the usual specimen nothing is multiplied: it counts as resized from the start.
         network, resized = self.material, factor == 1.0 and mass == 0.0
-        for effect, prefix, _ in self.placed():
+        for effect, prefix, _ in self.placed:
             # The specimen ends where the first effect of the rig stands: only what lies within is
             # resized.
             if not resized and effect.layer > Layer.SPECIMEN:
@@ -178,14 +193,15 @@ class NamedNetwork(HasParameters):
             named.append((effect, prefix))
         return named
 
-    def placed(self) -> list[Placed]:
+    @cached_property
+    def placed(self) -> tuple[Placed, ...]:
         """The effects from the material outwards, and where their parameters stand in theta."""
         first, placed = len(self.material.parameters), []
         for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
             last = first + len(effect.element.parameters)
             placed.append(Placed(effect, prefix, list(range(first, last))))
             first = last
-        return placed
+        return tuple(placed)
 
     def had_by(self, test: Test) -> tuple[Self, list[int]]:
         """The model that a test has, and where its parameters stand in theta.
@@ -196,14 +212,7 @@ class NamedNetwork(HasParameters):
         if self.own and (level := self.level_of(test)) is not None:
             one, inner = self.of_any_level.had_by(test)
             return one, self.places[level][inner].tolist()
-        placed = self.placed()
-        mine = [each for each in placed if each.effect.applies_to(test)]
-        if len(mine) == len(placed):
-            return self, list(range(len(self.names)))
-        places = list(range(len(self.material.parameters)))
-        for each in mine:
-            places += each.own
-        return replace(self, effects=tuple(each.effect for each in mine)), places
+        return _with_some(self, tuple(each.effect.applies_to(test) for each in self.placed))
 
     def level_of(self, test: Test) -> int | None:
         """Number of the level whose own parameters a test has; None of one at several levels."""
@@ -217,7 +226,7 @@ class NamedNetwork(HasParameters):
     @property
     def of_tests(self) -> tuple[Effect, ...]:
         """What the tests did, in the order of theta."""
-        return tuple(each.effect for each in self.placed() if each.effect.of_test)
+        return tuple(each.effect for each in self.placed if each.effect.of_test)
 
     @property
     def of_specimen(self) -> Self:
@@ -380,7 +389,7 @@ class NamedNetwork(HasParameters):
         found = []
         rows = list(range(len(self.material.parameters)))
         parts: list[tuple[Node, str, list[int]]] = [(self.material, "", rows)]
-        parts += [(each.effect.element, f"{each.prefix}.", each.own) for each in self.placed()]
+        parts += [(each.effect.element, f"{each.prefix}.", each.own) for each in self.placed]
         for node, prefix, rows in parts:
             for each in followers(node, theta[rows]):
                 parameter = each.parameter
@@ -392,7 +401,7 @@ class NamedNetwork(HasParameters):
 
     def started(self, full: Real) -> Real:
         """Parameters (..., p) near those (..., q) of the `released` model."""
-        nodes = [self.material, *(each.effect.element for each in self.placed())]
+        nodes = [self.material, *(each.effect.element for each in self.placed)]
         ends = np.cumsum([0, *(len(node.released.parameters) for node in nodes)])
         parts = [
             started(node, full[..., first:last])
@@ -469,7 +478,7 @@ class NamedNetwork(HasParameters):
     def places(self) -> NDArray[np.intp]:
         """Where the parameters (q,) of each level stand in theta, (levels, q)."""
         first, places = 0, list[NDArray[np.intp]]()
-        nodes = [self.material, *(each.effect.element for each in self.placed())]
+        nodes = [self.material, *(each.effect.element for each in self.placed)]
         levels = max((len(node.places) for node in nodes if isinstance(node, Own)), default=1)
         for node in nodes:
             mine = np.arange(len(node.parameters))[None]
@@ -517,7 +526,7 @@ class NamedNetwork(HasParameters):
     def origins(self) -> tuple[str, ...]:
         """For each parameter its name in the `released` model."""
         names = list(self.material.origins)
-        for effect, prefix, _ in self.placed():
+        for effect, prefix, _ in self.placed:
             names += [f"{prefix}.{name}" for name in effect.element.origins]
         return tuple(names)
 
@@ -533,7 +542,7 @@ class NamedNetwork(HasParameters):
         own = len(self.material.parameters)
         effects = [
             replace(effect, element=Fixed(effect.element, theta[rows]))
-            for effect, _, rows in self.placed()
+            for effect, _, rows in self.placed
         ]
         material = Fixed(self.material, theta[:own])
         return replace(self, material=material, effects=tuple(effects), search=None)
@@ -580,7 +589,7 @@ class NamedNetwork(HasParameters):
         """
         centre = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
         radius = np.zeros(centre.shape)
-        for effect, _, own in self.placed():
+        for effect, _, own in self.placed:
             known, unsure = effect.third_harmonic_range(theta[own], at)
             centre, radius = centre + known, radius + unsure
         first = self.stiffness(theta, at)

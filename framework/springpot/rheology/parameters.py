@@ -134,6 +134,11 @@ class Parameter:
         return replace(self, name=name, unit=unit)
 
 
+def box_of(parameters: Sequence[Parameter]) -> tuple[Real, Real]:
+    """Lower and upper bounds (p,) of parameters."""
+    return np.array([p.lower for p in parameters]), np.array([p.upper for p in parameters])
+
+
 class HasParameters(ABC):
     """What has parameters in a fixed order, which is that of theta.
 
@@ -154,6 +159,11 @@ class HasParameters(ABC):
     def names(self) -> tuple[str, ...]:
         """The parameters' names in the order of theta."""
         return tuple(parameter.name for parameter in self.parameters)
+
+    @cached_property
+    def box(self) -> tuple[Real, Real]:
+        """Lower and upper bounds (p,) of theta."""
+        return box_of(self.parameters)
 
     def vector(self, values: Mapping[str, float]) -> Real:
         """Parameter vector from a mapping of names to values.
@@ -576,13 +586,13 @@ class Coordinates:
         """Derivative of theta by u at one point, shape (p, p)."""
         return self.carry(np.eye(len(theta)), theta, size).T
 
+    @cached_property
     def bounds(self) -> tuple[Real, Real]:
         """Lower and upper u for each data set, shape (B, p).
 
         Half-open ones end twelve decades from the natural size.
         """
-        lower = np.array([p.lower for p in self.parameters]) / self.size
-        upper = np.array([p.upper for p in self.parameters]) / self.size
+        lower, upper = (end / self.size for end in box_of(self.parameters))
         with np.errstate(divide="ignore", invalid="ignore"):
             low = np.where(self.log, np.log(np.maximum(lower, 0.0)), lower)
             high = np.where(self.log, np.log(np.maximum(upper, 0.0)), upper)

@@ -233,7 +233,7 @@ def shift_law_of(model: Model, theta: Real, reference: float) -> ShiftLaw | None
     Told by its shape, whatever effect or formula it is from. None where temperature does more than
     to shift times, or by another law.
     """
-    warm = [placed for placed in model.placed() if "temperature" in placed.effect.needs]
+    warm = [placed for placed in model.placed if "temperature" in placed.effect.needs]
     if not warm or any(placed.effect.composition.kind is not Shift for placed in warm):
         return None
     kelvin = reference + ABOUT

@@ -135,7 +135,7 @@ def split(known: Known, writer: Writer) -> tuple[Known, dict[str, dict[str, floa
     ModelError
         If a part that is not linear stands elsewhere, or is one that the format does not have.
     """
-    placed = known.model.placed()
+    placed = known.model.placed
     own = known.model.names
     sliding: dict[str, dict[str, float]] = {}
     _, _, length = known.units.stiffness.partition("/")

@@ -57,9 +57,7 @@ def moved(model: Model, theta: Real, move: Real) -> Real:
     """Parameters after a move (p,), within their bounds: beyond, they would be no such model."""
     log = _by_factors(model, theta)
     there = np.where(log, theta * np.exp(np.where(log, move, 0.0)), theta + move)
-    lower = np.array([parameter.lower for parameter in model.parameters])
-    upper = np.array([parameter.upper for parameter in model.parameters])
-    return np.clip(there, lower, upper)
+    return np.clip(there, *model.box)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +165,7 @@ class Damper:
                 )
 
     @cached_property
-    def _placed(self) -> list[Placed]:
+    def _placed(self) -> Sequence[Placed]:
         """The effects that are not linear, each with the place of its parameters."""
         return sorted_out(self.model)[1]
 

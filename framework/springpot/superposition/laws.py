@@ -28,7 +28,7 @@ from springpot.rheology.factors import arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.grammar import Formula
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
-from springpot.rheology.parameters import Parameter
+from springpot.rheology.parameters import Parameter, box_of
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION, VERDICT
 
@@ -387,7 +387,7 @@ def _verdict(square: float, spare: int) -> tuple[Verdict, float]:
 def _box(law: Law, kelvin: Real, reference: float) -> tuple[Real, Real]:
     """Bounds of the parameters (k,), the pole below the coldest level."""
     parameters = law.element.parameters
-    low, high = np.array([p.lower for p in parameters]), np.array([p.upper for p in parameters])
+    low, high = box_of(parameters)
     coldest = float(kelvin.min())
     for i, parameter in enumerate(parameters):
         if _is_pole(parameter):

@@ -23,7 +23,7 @@ from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.rheology.effect import on_clock, on_loading
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model, network_of, sorted_out, with_laws
+from springpot.rheology.model import Model, linear_network, sorted_out, with_laws
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
@@ -240,10 +240,10 @@ class QuickPart(InTimePart):
         # Relative misses need a size of K before any model is known: the record itself gives it,
         # roughly.
         made = part.apparent
+        alike = part.test, part.scale, part.noise, part.worth, part.told
         if made is None:
-            return cls(part.test, part.scale, part.noise, part.worth)
-        by = (made.omega, made.magnitude)
-        return cls(part.test, part.scale, part.noise, part.worth, by)
+            return cls(*alike)
+        return cls(*alike, (made.omega, made.magnitude))
 
     def with_scale(self, scale: float) -> QuickPart:
         """The same with larger noise; what is known already is kept."""
@@ -285,9 +285,9 @@ class QuickPart(InTimePart):
 
     def _recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """The same of a model all of whose effects the test has."""
-        mine = [each for each in model.placed() if each.effect.of_test]
-        inside, beside, signals = sorted_out(model)
-        network, places = network_of(model, inside)
+        mine = [each for each in model.placed if each.effect.of_test]
+        _, beside, signals = sorted_out(model)
+        network, places = linear_network(model)
         # Value and derivatives go through the same two matrices, side by side.
         amounts, slopes = self._amounts(
             network.respond(theta[places], self._points(reference), GRADIENT)
@@ -340,15 +340,14 @@ class QuickPart(InTimePart):
             clock = Clock(clocks, values, self.test.start)
             return self.answers_to(clock.turned(load, self.t), clock.at(self.t), amounts)
 
-        alone = mix[:, :1]
+        both, alone = by(loading, theta, mix), mix[:, :1]
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
         for index in indices(mine, on_clock):
             # A clock bends time for all exponentials at once, which has no closed derivative here.
             step = STEP * max(abs(float(theta[index])), STEP)
-            ends = [theta + sign * step * (np.arange(len(theta)) == index) for sign in (1.0, -1.0)]
-            more, less = (by(loading, end, alone)[:, 0] for end in ends)
-            columns.append((more - less) / (2.0 * step))
-        return by(loading, theta, mix), np.column_stack(columns)
+            more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
+            columns.append((more - both[:, 0]) / step)
+        return both, np.column_stack(columns)
 
 
 def quick_parts(parts: Sequence[TestPart]) -> list[TestPart]:

@@ -95,7 +95,7 @@ class _Valley:
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
         quantile = student(INTERVAL, max(len(self.weight) - len(self.u), 1))
-        low, high = self.search.coordinates.bounds()
+        low, high = self.search.coordinates.bounds
         # By fixed exponentials the bottom lies a little aside.
         best = levenberg_marquardt(self.evaluate, self.u[None], low, high)
         u, cost = best.u[0], float(best.cost[0])
@@ -126,7 +126,7 @@ class _Valley:
             value, slopes = self.evaluate(u, rows)
             return value - whole - drawn[rows], slopes
 
-        low, high = self.search.coordinates.bounds()
+        low, high = self.search.coordinates.bounds
         starts = np.tile(self.u, (RESAMPLES, 1))
         shape = starts.shape
         fits = levenberg_marquardt(

@@ -270,7 +270,7 @@ class _Search:
             part.test.control == "displacement" for part in parts if isinstance(part, InTimePart)
         )
         self.coordinates, self.size = coordinates, coordinates.size[0]
-        self.bounds = coordinates.bounds()
+        self.bounds = coordinates.bounds
         if own is None:
             own = self.own(self.natural)
         around = model.parameters[len(model.material.parameters) :]

@@ -192,7 +192,7 @@ class TimeSearch:
 
     def inside(self, u: Real) -> Real:
         """A start away from the ends, where nothing would tell the way back."""
-        low, high = (bound[0] for bound in self.coordinates.bounds())
+        low, high = (bound[0] for bound in self.coordinates.bounds)
         # Read off data, a parameter may have come out as nothing or as endless.
         ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
         width = np.where(np.isfinite(high - low), high - low, 0.0)
@@ -208,12 +208,10 @@ class TimeSearch:
     def theta(self, u: Real) -> Real:
         """Parameters (p,) at u (p,), within their bounds."""
         theta = self.coordinates.theta(u, self.size)
-        lower = np.array([p.lower for p in self.model.parameters])
-        upper = np.array([p.upper for p in self.model.parameters])
-        inside: Real = np.clip(theta, lower, upper)
+        inside: Real = np.clip(theta, *self.model.box)
         # A spectrum has no spring or no dashpot at all: with a trace of a spring a fluid would not
         # creep on and on.
-        gone = u[: self._weights] <= self.coordinates.bounds()[0][0, : self._weights]
+        gone = u[: self._weights] <= self.coordinates.bounds[0][0, : self._weights]
         inside[: self._weights][gone] = 0.0
         return inside
 
@@ -285,7 +283,7 @@ class TimeSearch:
                 [slopes for _, slopes in pairs]
             )
 
-        low, high = self.coordinates.bounds()
+        low, high = self.coordinates.bounds
         shape, flat = starts.shape, FLAT
         if coarse:
             flat = ROUGHLY
@@ -373,9 +371,7 @@ class TimeSearch:
             reach = np.where(log, reach / np.where(log, theta, 1.0), reach)
         # What the tests do not determine reaches anywhere.
         reach = np.where(np.isfinite(reach), reach, np.inf)
-        lower = np.array([p.lower for p in self.model.parameters])
-        upper = np.array([p.upper for p in self.model.parameters])
-        return ends(theta, reach, log, (lower, upper))
+        return ends(theta, reach, log, self.model.box)
 
     def _covariance(self, u: Real, parts: Sequence[TestPart]) -> Real:
         """Of the search coordinates (p, p).

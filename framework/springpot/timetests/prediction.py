@@ -17,8 +17,6 @@ from springpot.identification.uncertainty import spread_of
 from springpot.measurement.opening import Test
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
-    MODULUS_UNITS,
-    PRESSURE_UNITS,
     Units,
     one_modulus,
 )
@@ -127,13 +125,8 @@ def _settings(part: TestPart, rows: NDArray[np.intp], units: Units) -> dict[str,
 def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
     """Parameters and their covariance in the units of a test."""
     own = known.units
-    if (own.stiffness in PRESSURE_UNITS) != (units.stiffness in PRESSURE_UNITS):
-        raise DataError(
-            f"the fit is in {own.stiffness} and the test in {units.stiffness}: a stiffness is no"
-            " modulus; convert one of them by its geometry"
-        )
+    stiffer = own.factor_to(units, "the fit", "the test")
     one_modulus([("the fit", own), ("the test", units)])
-    stiffer = MODULUS_UNITS[own.stiffness] / MODULUS_UNITS[units.stiffness]
     longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
     # Time is in s everywhere: it needs no factor.
     powers = [

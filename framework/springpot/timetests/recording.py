@@ -266,7 +266,7 @@ def _recorded(
     tolerance: float,
 ) -> Traced:
     """The same of a model all of whose effects the test has."""
-    mine = [each for each in model.placed() if each.effect.of_test]
+    mine = [each for each in model.placed if each.effect.of_test]
     if not mine:
         return predicted(model, theta, test, reference, t, tolerance)
     if test.warmth is not None and "temperature" in model.needs:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -185,8 +186,7 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
         worth = max(0.5 * MEDIAN_WORTH * n, worth)
         return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
     power, omega = powers(residual)
-    upper = omega > UPPER * np.pi
-    alone, above = _fitted(power, omega), _fitted(power[upper], omega[upper])
+    alone, above = _fitted(power), _fitted(power, upper=True)
     # Three stories: noise alone at all frequencies, noise above and something smooth below, or
     # noise and one jump. The likeliest one is believed.
     excess = 2.0 * max(_of_what_is_smooth(residual), _of_a_jump(residual))
@@ -240,7 +240,7 @@ def _coloured(
     # White in time as in frequency: with no delay, a misfit stays where it is.
     white = transformed(transformed(residual) / np.sqrt(spectrum), back=True)
     power, omega = powers(residual)
-    first = _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
+    first = _log_likelihood(power, _spectrum(omega, *_fitted(power)))
     # Where a first-order memory makes all of it likelier, that is the story without a misfit.
     alone = max(first - _log_likelihood(power, spectrum), 0.0)
     smooth = _beyond(transformed(residual / rougher(residual)) ** 2 / spectrum)
@@ -348,10 +348,9 @@ def _of_what_is_smooth(residual: Real) -> float:
     """
     # Where the noise is plainly larger its slow part is too.
     power, omega = powers(residual / rougher(residual))
-    upper = omega > UPPER * np.pi
-    noise = _spectrum(omega, *_fitted(power[upper], omega[upper]))
+    noise = _spectrum(omega, *_fitted(power, upper=True))
     likely = _beyond(power / noise) + _log_likelihood(power, noise)
-    return likely - _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
+    return likely - _log_likelihood(power, _spectrum(omega, *_fitted(power)))
 
 
 def _beyond(ratio: Real) -> float:
@@ -398,7 +397,7 @@ def _of_a_jump(residual: Real) -> float:
     likely = []
     for story in (even, taken):
         power, omega = powers(story)
-        likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power, omega))))
+        likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power))))
     return likely[1] - likely[0] - float(np.log(n))
 
 
@@ -543,14 +542,26 @@ def _evened(residual: Real) -> Real:
     return np.asarray(np.clip(even, -limit, limit), dtype=float)
 
 
-def _fitted(power: Real, omega: Real) -> tuple[float, float]:
-    """Size and memory that make the powers likeliest at these frequencies."""
-    # Of each memory the best size is known in closed form, so that a grid of one number is enough.
-    shapes = np.stack([_spectrum(omega, 1.0, memory) for memory in MEMORIES])
-    squares = np.mean(power / shapes, axis=1)
-    cost = np.mean(np.log(shapes), axis=1) + np.log(np.maximum(squares, SMALLEST))
-    best = int(np.argmin(cost))
-    return float(np.sqrt(max(squares[best], SMALLEST))), float(MEMORIES[best])
+def _fitted(power: Real, upper: bool = False) -> tuple[float, float]:
+    """Size and memory that make the powers (n,) likeliest, or the upper part of them."""
+    first, cosines, logs = _of_memories(len(power), upper)
+    # Of each memory the best size is known in closed form, so that a grid of one number is enough;
+    # one over a spectrum is a straight line over the cosine.
+    along = (1.0 + MEMORIES**2) * power[first:].mean() - 2.0 * MEMORIES * np.mean(
+        power[first:] * cosines
+    )
+    squares = np.maximum(along / (1.0 - MEMORIES**2), SMALLEST)
+    best = int(np.argmin(logs + np.log(squares)))
+    return float(np.sqrt(squares[best])), float(MEMORIES[best])
+
+
+@lru_cache(maxsize=64)
+def _of_memories(count: int, upper: bool) -> tuple[int, Real, Real]:
+    """Number of the first frequency, the cosines of all, and each memory's mean log spectrum."""
+    omega = frequencies(count)
+    first = int(np.count_nonzero(omega <= UPPER * np.pi)) if upper else 0
+    logs = [float(np.mean(np.log(_spectrum(omega[first:], 1.0, each)))) for each in MEMORIES]
+    return first, np.cos(omega[first:]), np.array(logs)
 
 
 def _log_likelihood(power: Real, spectrum: Real) -> float:

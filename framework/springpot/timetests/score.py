@@ -21,7 +21,7 @@ from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect, acting, on_loading, on_response
 from springpot.rheology.intime import velocity
-from springpot.rheology.model import Model, network_of, sorted_out
+from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
@@ -74,8 +74,7 @@ class TimeScan:
         # nothing over.
         self.slopes = slopes = np.where(np.isfinite(slopes).all(axis=0), slopes, 0.0)
         # A parameter that its bound holds takes nothing over: it would have to go below.
-        lower = np.array([parameter.lower for parameter in self.model.parameters])
-        held = (self.theta <= lower) & (slopes.T @ self.residual > 0.0)
+        held = (self.theta <= self.model.box[0]) & (slopes.T @ self.residual > 0.0)
         slopes = np.where(held, 0.0, slopes)
         size = np.linalg.norm(slopes, axis=0)
         # A parameter that changes nothing in these tests has a column of nothing.
@@ -374,7 +373,7 @@ class _Change:
 
     def stiffness_in_time(self, at: Points) -> Complex:
         """K with the effect, of what a test in time follows by exponentials."""
-        network, places = network_of(self.whole, sorted_out(self.whole)[0])
+        network, places = linear_network(self.whole)
         return network.respond(self.theta[:, places], at).value
 
 
@@ -385,7 +384,7 @@ def shown_in(model: Model, test: Test) -> tuple[Node, list[int]]:
     have no part in it.
     """
     own, places = model.had_by(test)
-    network, inner = network_of(own, sorted_out(own)[0])
+    network, inner = linear_network(own)
     return network, [places[i] for i in inner]
 
 
@@ -405,7 +404,7 @@ class View:
         self.part, self.base, self.quick = part, base, part
         self.t, self.weight = self.quick.t, self.quick.weight
         # The exact answer once, for what is left; only the changes go by fixed exponentials.
-        answer = recorded(base.model, base.theta, part.test, base.reference, self.t, NEGLIGIBLE)
+        answer = part.answer(base.model, base.theta, base.reference, part.rows)
         seen = self.quick.seen
         self.value = np.where(seen, answer.value, 0.0)
         self.residual = (

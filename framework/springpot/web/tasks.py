@@ -25,7 +25,8 @@ from springpot.diagnosis.result import Fitted, silent, unseen
 from springpot.errors import DataError, SpringpotError, blamed, described
 from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.reader import OpenQuestion, Part
+from springpot.measurement.reader import OpenQuestion, Part, Question
+from springpot.measurement.units import FILE_UNITS, MODULUS_UNITS
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
@@ -231,6 +232,7 @@ def understand(
     told(f"reading {len(raw)} bytes")
     try:
         measurement, parts = measured_in(name, raw, choice)
+        _ask_unit(measurement)
     except OpenQuestion as error:
         return {"question": _asked(error)}
     if onto:
@@ -263,6 +265,8 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
         return understand(told, path.name, content)
     try:
         data, parts = opened(spec)
+        if path.is_file():
+            _ask_unit(data)
         return _understood(data, _relative(spec), parts)
     except OpenQuestion as error:
         # Something is said behind its name already: the page cannot say more.
@@ -276,6 +280,25 @@ def _opens_a_session(path: Path) -> bool:
     """Whether a file begins as a session does; only its head is read, however large it is."""
     with path.open("rb") as file:
         return is_session(file.read(400))
+
+
+def _ask_unit(data: Opened) -> None:
+    """Ask for a unit that nobody told: here a click gives it, where a shell has a note.
+
+    Raises
+    ------
+    OpenQuestion
+        To which the file's own units are an answer as well.
+    """
+    if not isinstance(data, Measurement) or data.units.stiffness != FILE_UNITS:
+        return
+    note = data.provenance.get("note units")
+    # Who has answered so is not asked again.
+    if note is None:
+        return
+    usual = "Pa" if data.units.is_modulus else "N/mm"
+    asked = (Question.of_unit(role, usual, MODULUS_UNITS) for role in ("storage", "loss"))
+    raise OpenQuestion(note, asked)
 
 
 def _asked(error: OpenQuestion) -> dict[str, Any]:

@@ -240,22 +240,31 @@ def as_said(heading_: Heading, meaning: str, words: Vocabulary) -> Heading:
 def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the units that are missing."""
     missing = [heading for heading in headings if heading.role]
+    message = f"{_without_unit(missing)}; {_units_if(missing)}"
+    return OpenQuestion(message, [_unit_of(heading) for heading in missing])
+
+
+def in_units_of_file(headings: Sequence[Heading]) -> str:
+    """The note that moduli are taken in the file's own units, and how to say others."""
+    return f"{_without_unit(headings)}: all is told in the file's units; {_units_if(headings)}"
+
+
+def _without_unit(missing: Sequence[Heading]) -> str:
     names = ", ".join(f"'{heading.title}'" for heading in missing)
+    return f"{names} {'have' if len(missing) > 1 else 'has'} no unit"
+
+
+def _units_if(missing: Sequence[Heading]) -> str:
+    """How the usual units of some columns are said."""
     units = {str(heading.role): usual_unit(str(heading.role), heading.title) for heading in missing}
     given = ",".join(f"{role}={unit}" for role, unit in units.items())
-    have, they_are = "has", "it is"
-    if len(missing) > 1:
-        have, they_are = "have", "they are"
+    they_are = "they are" if len(missing) > 1 else "it is"
     write = f"{missing[0].title} [{units[str(missing[0].role)]}]"
     if any(heading.role == "frequency" for heading in missing):
         # Hz and rad/s differ by 2 pi, and a bare "frequency" may be either: both are offered.
         write = "frequency [Hz] or omega [rad/s]"
     usual = " and ".join(dict.fromkeys(units.values()))
-    message = (
-        f"{names} {have} no unit; if {they_are} {usual}, open 'FILE?{given}', or write {write}"
-        " in it"
-    )
-    return OpenQuestion(message, [_unit_of(heading) for heading in missing])
+    return f"if {they_are} {usual}, open 'FILE?{given}', or write {write} in it"
 
 
 def _unit_of(heading_: Heading) -> Question:

@@ -5,7 +5,7 @@ Which column is what, units, and the checks that a user's slip runs into.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from springpot.errors import DataError
 from springpot.measurement import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
+    FILE_UNITS,
     FREQUENCY_UNITS,
     MODULUS_UNITS,
     PRESSURE_UNITS,
@@ -33,7 +34,7 @@ from springpot.measurement.replicates import again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of
-from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE
+from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, usual_unit
 from .table import Column
 
 ROLES = (
@@ -168,7 +169,16 @@ def _clock(roles: Mapping[str, Column]) -> str:
 def _letter(roles: Mapping[str, Column], unit: str) -> str:
     """The letter of the modulus (G, E, K) or stiffness (K) that the titles tell of."""
     titles = [roles[role].title for role in ("storage", "magnitude") if role in roles]
+    if unit == FILE_UNITS:
+        return _letter_without_unit(titles)
     return letter_of(titles, unit in PRESSURE_UNITS)
+
+
+def _letter_without_unit(titles: Sequence[str]) -> str:
+    """The same by names alone: what they call a stiffness is no modulus."""
+    if any(usual_unit("storage", title) in PRESSURE_UNITS for title in titles):
+        return letter_of(titles, is_modulus=True)
+    return "K"
 
 
 def _modulus(column: Column) -> tuple[Real, str]:

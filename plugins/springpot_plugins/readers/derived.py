@@ -1,4 +1,4 @@
-"""Moduli from what stands for them: complex viscosity, its parts, compliances, damping, work."""
+"""Moduli from what stands for them (viscosity, compliance, damping, work), and units they lack."""
 
 from __future__ import annotations
 
@@ -7,12 +7,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.measurement import LENGTH_UNITS, MODULUS_UNITS, known_unit, normal_unit
+from springpot.errors import DataError
+from springpot.measurement import FILE_UNITS, LENGTH_UNITS, MODULUS_UNITS, known_unit, normal_unit
 from springpot.measurement.from_signals import stiffness_unit
 from springpot.rheology import Real
 
+from .choices import ask_units, in_units_of_file
+from .proposals import unit_proposal
 from .table import Column
-from .titles import COMPLIANCE_UNITS, DAMPING_UNITS, RECEPTANCE_UNITS, UNITS, VISCOSITY_UNITS
+from .titles import (
+    COMPLIANCE_UNITS,
+    DAMPING_UNITS,
+    RECEPTANCE_UNITS,
+    UNITS,
+    VISCOSITY_UNITS,
+    Heading,
+)
+
+RATIOS = ("loss_factor", "damping_ratio")
+"""Plain numbers, which need no unit."""
 
 VISCOSITIES = ("dynamic_viscosity", "out_of_phase_viscosity")
 COMPLIANCES = ("storage_compliance", "loss_compliance")
@@ -130,3 +143,46 @@ def _column(like: Column, name: str, values: Real, unit: str = "Pa") -> Column:
     return replace(
         like, name=name, unit=unit, cells=list(map(write, values.tolist())), decimal_comma=False
     )
+
+
+def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str, str]]:
+    """The columns with their units, and a note where moduli are in those of the file alone.
+
+    Raises
+    ------
+    DataError
+        If a unit is unknown.
+    OpenQuestion
+        If units are missing that must be known: all that are missing are asked for at once.
+    """
+    bare = [
+        Heading(column.title, column.title, role, None)
+        for role, column in roles.items()
+        if column.unit is None and role in UNITS and role not in (*RATIOS, "storage_sd", "loss_sd")
+    ]
+    moduli = roles.keys() & {"storage", "loss", "magnitude"}
+    # What has to be asked anyway is asked at once.
+    if bare and {each.role for each in bare} != moduli:
+        raise ask_units(bare)
+    _require_known(roles)
+    if not bare:
+        return dict(roles), {}
+    taken = {role: replace(roles[role], unit=FILE_UNITS) for role in moduli}
+    return {**roles, **taken}, {"note units": in_units_of_file(bare)}
+
+
+def _require_known(roles: Mapping[str, Column]) -> None:
+    for role, column in roles.items():
+        if column.unit is None or role not in UNITS:
+            continue
+        try:
+            known_unit(column.unit, UNITS[role], role)
+        except DataError as error:
+            # All that are in it are said at once: storage alone would only lead to the same
+            # question for the loss.
+            alike = [
+                each for each, other in roles.items() if other.unit == column.unit and each in UNITS
+            ]
+            raise column.error(
+                f"{error}; {unit_proposal(alike, column.title, column.unit)}"
+            ) from None

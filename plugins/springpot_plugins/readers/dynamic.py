@@ -15,27 +15,34 @@ from typing import TypeAlias
 
 from springpot.errors import DataError
 from springpot.measurement import (
+    FILE_UNITS,
     Choice,
     Measurement,
     OpenQuestion,
     Part,
     Reader,
-    known_unit,
     normal_unit,
 )
 from springpot.rheology import Real
 
 from .blocks import Block, lacking
-from .choices import CURVES, Chosen, ask_base, ask_meaning, ask_units, doubt, with_choice
+from .choices import (
+    CURVES,
+    Chosen,
+    ask_base,
+    ask_meaning,
+    doubt,
+    with_choice,
+)
 from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
 from .columns import measurement_of, sign_note
-from .derived import COMPLIANCES, VISCOSITIES, with_moduli
+from .derived import COMPLIANCES, RATIOS, VISCOSITIES, with_moduli, with_units
 from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
 from .names import FREQUENCIES
 from .peaks import says_whole_swing, without_peak
-from .proposals import condition_name, offers, unit_proposal
+from .proposals import condition_name, offers
 from .table import Column
 from .titles import UNITS, Heading, heading, is_dynamic
 from .written import as_measured, value_of
@@ -66,8 +73,6 @@ COLUMNS_AGREE = 0.01
 
 Much more than
 rows of one column, which come from one instrument."""
-RATIOS = ("loss_factor", "damping_ratio")
-"""Plain numbers, which need no unit."""
 _MEANT = {*UNITS, "repeat"} - {"time", "relaxation", "compliance"}
 SWINGING = ("amplitude", "force_amplitude")
 """What may be counted either way."""
@@ -145,17 +150,22 @@ def _opened(
     DataError
         If none can be used: the reason of the first.
     """
-    parts: list[Measurement] = []
+    parts: dict[str, Measurement] = {}
     refused: dict[str, DataError] = {}
     for block in blocks:
         try:
-            parts.append(_measurement(block, choice, provenance, further))
+            parts[block.name] = _measurement(block, choice, provenance, further)
         except DataError as error:
             # One part that cannot be used must not keep the others from opening.
             refused[block.name] = error
     if not parts:
         raise next(iter(refused.values()))
-    return parts, {name: str(error) for name, error in refused.items()}
+    left_out = {name: str(error) for name, error in refused.items()}
+    bare = {name for name, part in parts.items() if part.units.stiffness == FILE_UNITS}
+    if len(bare) < len(parts):
+        # Beside others whose units are known.
+        left_out |= {name: parts.pop(name).provenance["note units"] for name in bare}
+    return list(parts.values()), left_out
 
 
 def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
@@ -322,7 +332,7 @@ def _measurement(
     _require_one_clock(columns)
     roles = _roles(columns)
     chosen_roles = dict(roles)
-    _require_units(roles)
+    roles, unstated = with_units(roles)
     used = {column.title for column in roles.values()}
     others = [
         c
@@ -331,6 +341,7 @@ def _measurement(
     ]
     # Gaps before sums: what is not there in a row gives no modulus there.
     roles, others, notes = cleaned(roles, others)
+    notes |= unstated
     own = dict(roles)
     roles = with_moduli(roles)
     flags = flags_in(_named(others, STATUS), *_moduli(roles), chosen.keeps_flagged)
@@ -511,31 +522,6 @@ def _is_kept(column: Column, further: bool) -> bool:
     return (
         bool(column.name) and (further or column.name in (*KEPT, STATUS)) and not is_blank(column)
     )
-
-
-def _require_units(roles: Mapping[str, Column]) -> None:
-    """Ask for all units that are missing at once."""
-    bare = [
-        Heading(column.title, column.title, role, None)
-        for role, column in roles.items()
-        if column.unit is None and role in UNITS and role not in (*RATIOS, "storage_sd", "loss_sd")
-    ]
-    if bare:
-        raise ask_units(bare)
-    for role, column in roles.items():
-        if column.unit is None or role not in UNITS:
-            continue
-        try:
-            known_unit(column.unit, UNITS[role], role)
-        except DataError as error:
-            # All that are in it are said at once: storage alone would only lead to the same
-            # question for the loss.
-            alike = [
-                each for each, other in roles.items() if other.unit == column.unit and each in UNITS
-            ]
-            raise column.error(
-                f"{error}; {unit_proposal(alike, column.title, column.unit)}"
-            ) from None
 
 
 def counts_whole_swing(heading: Heading) -> bool:

@@ -22,7 +22,7 @@ from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
 from .grid import COMMENT, Grid, grid_of, head_grid, holds_number, is_number
 from .header_facts import facts_of, pairs_in
-from .headings import headings_of
+from .headings import headings_of, units_in
 from .names import FREQUENCIES, MODULI
 from .pairs import with_pairs_apart
 from .proposals import proposal
@@ -149,13 +149,13 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     block = without_names(grid)
     if choice.columns:
         return block
-    titles = [each.title for each in block.headings]
+    width = len(block.headings)
     # With names the question can show them; without, only the number of the columns is known.
-    if block.headings == numbered(len(titles)):
-        raise ask_columns(len(titles))
+    if block.headings == numbered(width):
+        raise ask_columns(width)
     if any(each.role == "flow" for each in block.headings) and not block.roles & FREQUENCIES:
         raise DataError(block.holds())
-    raise _ask_which(titles)
+    raise _ask_which(block.headings)
 
 
 def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
@@ -187,7 +187,11 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
     above = [[cell.strip() for cell in row] for row, _ in kept[:start]]
     headings = numbered(width)
     if above and len(above[-1]) == width:
-        headings = headings_of(above.pop(), [], width, words)
+        units = []
+        # A row of units alone belongs to the names above it, whatever these mean.
+        if units_in(above[-1]) and len(above) > 1 and _names(above[-2], width):
+            units = [above.pop()]
+        headings = headings_of(above.pop(), units, width, words)
     return Block("", headings, rows, lines, above, words=words)
 
 
@@ -197,17 +201,16 @@ def _names(row: Sequence[str], width: int) -> bool:
     return len(row) == width and filled and not any(map(holds_number, row))
 
 
-def _ask_which(names: Sequence[str]) -> OpenQuestion:
+def _ask_which(headings: Sequence[Heading]) -> OpenQuestion:
     """The question for columns with names of which too few are known."""
-    shown = ", ".join(dict.fromkeys(cell.strip() for cell in names))
-    headings = headings_of(names, [], len(names))
+    shown = ", ".join(dict.fromkeys(each.title for each in headings))
     hint = proposal(headings) or "say which, such as 'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
     roles = {str(heading.role) for heading in headings if heading.role}
     lacks = "no frequency, storage and loss"
     if roles:
         lacks = lacking(roles)
     says = f"{lacks} among the columns {shown:.120}; {hint}"
-    unknown = {i: name.strip() for i, name in enumerate(names, 1) if headings[i - 1].role is None}
+    unknown = {i: each.title for i, each in enumerate(headings, 1) if each.role is None}
     return OpenQuestion(says, ask_each(unknown))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from springpot.measurement import (
     ANGLE_UNITS,
+    FILE_UNITS,
     LENGTH_UNITS,
     PRESSURE_UNITS,
     STIFFNESS_UNITS,
@@ -19,7 +20,14 @@ from springpot.measurement import (
 )
 from springpot.rheology import Complex
 
-_ALIKE = (PRESSURE_UNITS, STIFFNESS_UNITS, LENGTH_UNITS, STRAIN_UNITS, ANGLE_UNITS)
+_ALIKE = (
+    PRESSURE_UNITS,
+    STIFFNESS_UNITS,
+    LENGTH_UNITS,
+    STRAIN_UNITS,
+    ANGLE_UNITS,
+    {FILE_UNITS: 1.0},
+)
 """Units that can be converted into each other."""
 
 

@@ -210,6 +210,7 @@ _WORDS = {
     """,
     "relaxation": """
         relaxation erelax grelax relaxationmodulus relaxationstiffness relaxationfunction
+        shearrelaxationmodulus stressrelaxationmodulus tensilerelaxationmodulus
         relaxationsmodul modulederelaxation g(t) e(t) k(t) gt
     """,
     "compliance": """
@@ -353,13 +354,14 @@ def role_of(name: str) -> str | None:
     # "Storage modulus G'" says it twice, "Frequency (f)" explains its symbol.
     if " " in name and len(name) < 100:
         words, _, last = name.rpartition(" ")
+        symbol = last.strip("(),")
+        # "Relaxation modulus G(t)" has brackets of its own.
+        symbol += ")" * symbol.count("(")
         if fold(words) in _NEUTRAL:
             # "Stiffness K'": the symbol says which.
-            return _ROLE_OF.get(fold(last.strip("(),")))
+            return _ROLE_OF.get(fold(symbol))
         first = _ROLE_OF.get(fold(words))
-        if first is not None and first == (
-            EXACT.get(last.strip("(),")) or _ROLE_OF.get(fold(last.strip("(),")))
-        ):
+        if first is not None and first == (EXACT.get(symbol) or _ROLE_OF.get(fold(symbol))):
             return first
     return None
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import (
+    FILE_UNITS,
     STRAIN_UNITS,
     TEMPERATURE_UNITS,
     TIME_UNITS,
@@ -55,6 +56,13 @@ from .tables import holds_sweep, in_seconds, recognises, tables_of, without_ties
 
 ANSWERS = ("relaxation", "compliance", "force")
 """Columns whose titles tell which modulus it is of."""
+OF_FILE = {
+    **dict.fromkeys(("relaxation", "compliance", "force"), FILE_UNITS),
+    "displacement": "-",
+}
+"""Units of columns that tell none; a displacement is what the force is over."""
+WITHOUT_UNIT = ({"relaxation"}, {"compliance"}, {"displacement", "force"})
+"""What needs none."""
 STEADY = 0.5
 """Kelvin by which a temperature may wander and still be one."""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
@@ -181,9 +189,9 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
         origin["part"] = block.name
     columns = [each for each in columns_of(block, chosen) if not is_blank(each)]
     warm = [each for each in columns if each.name == "temperature"][:1]
-    used = _used(columns, block, manner)
+    used, unstated = _used(columns, block, manner)
     roles, others, notes = cleaned(dict(used), warm)
-    origin |= notes | spare_note(used, columns, block.words.values)
+    origin |= notes | unstated | spare_note(used, columns, block.words.values)
     clock = _clock(roles.pop("time"))
     kept = without_ties(clock, origin)
     temperature: float | Real | None = manner.temperature
@@ -198,11 +206,14 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
         hint = f"force={'-' * (not turned)}{roles['force'].unit}"
         test = replace(test, provenance={**test.provenance, **sign_note(test, hint)})
     titles = [column.title for role, column in roles.items() if role in ANSWERS]
-    return replace(test, letter=letter_of(titles, test.units.is_modulus))
+    letter = letter_of(titles, test.units.is_modulus)
+    return replace(test, letter=letter or "K" * (bool(unstated) and "force" in roles))
 
 
-def _used(columns: Sequence[Column], block: Block, manner: Manner) -> dict[str, Column]:
-    """The columns by role that a test is made of.
+def _used(
+    columns: Sequence[Column], block: Block, manner: Manner
+) -> tuple[dict[str, Column], dict[str, str]]:
+    """The columns by role that a test is made of, and a note where units are those of the file.
 
     The record before a modulus that was computed from it: it has the real ramp.
     """
@@ -210,15 +221,15 @@ def _used(columns: Sequence[Column], block: Block, manner: Manner) -> dict[str, 
     timed: dict[str, Column] = {}
     if found["time"]:
         timed["time"] = in_seconds(found["time"][0])
-    _require_units(timed, found)
+    found, notes = _in_units(timed, found)
     if timed and (pair := _pair(found["displacement"], found["force"])) is not None:
-        return {**timed, "displacement": pair[0], "force": pair[1]}
+        return {**timed, "displacement": pair[0], "force": pair[1]}, notes
     for role in ("relaxation", "compliance"):
         if timed and found[role]:
-            return {**timed, role: found[role][0]}
+            return {**timed, role: found[role][0]}, notes
     alone = [*found["displacement"], *found["force"]]
     if timed and manner.planned and len(alone) == 1:
-        return {**timed, "planned": alone[0]}
+        return {**timed, "planned": alone[0]}, notes
     raise lacking(block, columns)
 
 
@@ -260,22 +271,37 @@ def _clock(column: Column) -> Real:
     return column.numbers() * TIME_UNITS[unit]
 
 
-def _require_units(timed: Mapping[str, Column], found: Mapping[str, Sequence[Column]]) -> None:
-    """Ask for all units that are missing at once."""
-    wanted = [*timed.values()]
+def _in_units(
+    timed: Mapping[str, Column], found: dict[str, list[Column]]
+) -> tuple[dict[str, list[Column]], dict[str, str]]:
+    """The columns with their units, and a note where all but the time are in those of the file.
+
+    Raises
+    ------
+    DataError
+        If units are missing that must be known: all that are missing are asked for at once.
+    """
+    wanted = []
     if _pair(found["displacement"], found["force"]) is None:
         # Displacement and force are of no use beside a modulus, unless their units make one.
         moduli = [*found["relaxation"][:1], *found["compliance"][:1]]
-        wanted += moduli or [*found["displacement"], *found["force"]]
-    bare = [each for each in wanted if each.unit is None]
+        wanted = moduli or [*found["displacement"], *found["force"]]
+    bare = [each for each in (*timed.values(), *wanted) if each.unit is None]
     if not bare:
-        return
+        return found, {}
     names = ", ".join(f"'{each.title}'" for each in bare)
     spec = ",".join(f"{each.name}={EXAMPLES[each.name]}" for each in bare)
-    raise DataError(
-        f"column {names}: there is no unit; write {bare[0].title}"
-        f" [{EXAMPLES[bare[0].name]}], or say it by 'FILE?{spec}'"
-    )
+    mend = f"write {bare[0].title} [{EXAMPLES[bare[0].name]}], or say it by 'FILE?{spec}'"
+    if bare != wanted or {each.name for each in bare} not in WITHOUT_UNIT:
+        raise DataError(f"column {names}: there is no unit; {mend}")
+    taken = {
+        role: [replace(each, unit=OF_FILE[role]) for each in columns if each in bare]
+        for role, columns in found.items()
+        if role in OF_FILE
+    }
+    return {**found, **taken}, {
+        "note units": f"{names}: there is no unit, and all is told in the file's units; {mend}"
+    }
 
 
 def _pair(moved: Sequence[Column], pulled: Sequence[Column]) -> tuple[Column, Column] | None:
@@ -295,6 +321,8 @@ def _pair(moved: Sequence[Column], pulled: Sequence[Column]) -> tuple[Column, Co
 
 def _inverse(unit: str) -> str:
     """The stiffness that a compliance in this unit is one over: ``Pa`` of ``1/Pa``."""
+    if unit == FILE_UNITS:
+        return unit
     known = known_unit(unit, COMPLIANCE_UNITS, "a compliance")
     over, _, under = known.partition("/")
     if not under:

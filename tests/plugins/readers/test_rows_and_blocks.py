@@ -97,8 +97,9 @@ def test_conditions_of_rows_are_kept_and_what_differs_within_a_point_is_told(fol
 
 def test_units_of_values_in_rows_are_asked_for_by_a_command_that_works(folder):
     text = "omega,quantity,value\n" + in_rows()
-    asked = re.search(r"data\.txt(\?[^']+)'", folder.complaint(text))
-    assert asked, folder.complaint(text)
+    note = folder.open(text).provenance["note units"]
+    asked = re.search(r"data\.txt(\?[^']+)'", note)
+    assert asked, note
     is_sweep(folder.open(text, asked[1]))
 
 

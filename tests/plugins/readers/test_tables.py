@@ -182,7 +182,6 @@ QUESTIONS = {
         "frequency=Hz",
         r"or omega \[rad/s\] in it",
     ),
-    "moduli": ("omega,G',G''", "storage=Pa,loss=Pa", "have no unit"),
     "everything": (
         "f,E_stor,E_loss",
         "frequency=Hz,storage=Pa,loss=Pa",

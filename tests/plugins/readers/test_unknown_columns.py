@@ -269,8 +269,8 @@ def test_a_symbol_with_primes_says_which_part_of_a_dynamic_stiffness(folder, tit
         ("f [Hz];my storage;my loss", "Pa"),
         ("clock [Hz];G1 [kPa];G2 [kPa]", "kPa"),
         ("f [Hz];K' [kN/m];K2", "kN/m"),
+        ("f;E1;E2\nHz;MPa;MPa", "MPa"),
         ("f [Hz];part one [MPa];part two [MPa]", "MPa"),
-        ("f [Hz];dyn. stiffness K';K''", "N/mm"),
     ],
 )
 def test_a_hint_for_moduli_is_a_whole_command_that_says_what_it_assumes(folder, head, unit):

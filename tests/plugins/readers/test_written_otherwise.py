@@ -69,10 +69,10 @@ def test_what_opposes_the_modulus_has_its_own_sign(folder, title, values):
     assert_holds(folder.open("\n".join([f"omega [rad/s],{title}", *lines])))
 
 
-def test_a_complex_column_without_a_unit_is_asked_for_it(folder):
+def test_a_complex_column_without_a_unit_says_how_to_tell_it(folder):
     lines = [f"{number(w)},{COMPLEX['python'](k)}" for w, k in zip(OMEGA, STIFFNESS, strict=True)]
     text = "\n".join(["omega [rad/s],G*", *lines])
-    assert "?storage=Pa,loss=Pa'" in folder.complaint(text)
+    assert "?storage=Pa,loss=Pa'" in folder.open(text).provenance["note units"]
     assert_holds(folder.open(text, "?storage=Pa,loss=Pa"))
 
 

@@ -1,0 +1,112 @@
+"""Names without units: an answer in the file's units, with that word and a hint, no refusal."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import DataError
+from springpot.measurement import FILE_UNITS, Measurement, TimeTest, Units
+from springpot_plugins.readers.springpot_csv import write_csv
+
+OMEGA = np.geomspace(0.1, 100.0, 8)
+K = 50.0 + 20.0 * (1j * OMEGA) ** 0.5
+TIMES = np.geomspace(0.1, 100.0, 30)
+
+
+def table(tmp_path, head, *columns):
+    rows = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True)]
+    path = tmp_path / "mine.csv"
+    path.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("head", "modulus", "letter"),
+    [
+        ("omega [rad/s],G',G''", True, "G"),
+        ("omega,storage,loss", True, ""),
+        ("omega [rad/s],K',K''", False, "K"),
+        ("omega [rad/s],storage stiffness,loss stiffness", False, "K"),
+    ],
+)
+def test_moduli_or_stiffnesses_by_their_names(tmp_path, head, modulus, letter):
+    data = springpot.read(table(tmp_path, head, OMEGA, K.real, K.imag))
+    assert isinstance(data, Measurement)
+    assert data.units.stiffness == FILE_UNITS
+    assert (data.units.is_modulus, data.units.letter) == (modulus, letter)
+    np.testing.assert_allclose(data.stiffness, K, rtol=1e-7)
+    usual = "Pa" if modulus else "N/mm"
+    note = data.provenance["note units"]
+    assert "in the file's units" in note
+    assert f"mine.csv?storage={usual},loss={usual}'" in note
+
+
+def test_results_are_told_in_them_and_a_mass_is_in_none_that_nobody_knows(tmp_path):
+    data = table(tmp_path, "omega,storage,loss", OMEGA, (K - 1e-3 * OMEGA**2).real, K.imag)
+    fit = springpot.identify(data, "fractional-kelvin + inertia")
+    units = {name: value.unit for name, value in fit.parameters.items()}
+    assert units["k"] == FILE_UNITS
+    assert units["c"] == f"{FILE_UNITS} s^alpha"
+    assert units["inertia.m"] == f"{FILE_UNITS} s^2"
+    assert fit.parameters["inertia.m"].value == pytest.approx(1e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("head", "value", "kind"),
+    [
+        ("time [s],relaxation modulus G(t)", 100.0 / TIMES**0.1, "relaxation"),
+        ("time [s],creep compliance J(t)", TIMES**0.1, "creep"),
+    ],
+)
+def test_steps(tmp_path, head, value, kind):
+    test = springpot.read(table(tmp_path, head, TIMES, value))
+    assert isinstance(test, TimeTest)
+    assert (test.kind, test.units.stiffness) == (kind, FILE_UNITS)
+    np.testing.assert_allclose(test.response, value, rtol=1e-7)
+    assert "the file's units" in test.provenance["note units"]
+
+
+def test_a_record_of_displacement_and_force_is_a_stiffness(tmp_path):
+    clock = np.arange(200) / 100.0
+    moved = np.sin(2 * np.pi * clock)
+    test = springpot.read(table(tmp_path, "time [s],displacement,force", clock, moved, 3 * moved))
+    assert isinstance(test, TimeTest)
+    assert (test.units.stiffness, test.units.is_modulus) == (FILE_UNITS, False)
+    fit = springpot.identify(test, "kelvin")
+    assert fit.parameters["k"].value == pytest.approx(3.0, rel=1e-3)
+
+
+def test_what_must_be_known_is_asked_for_with_all_that_lacks(tmp_path):
+    path = table(tmp_path, "frequency,storage,loss", OMEGA, K.real, K.imag)
+    with pytest.raises(DataError, match=r"frequency=Hz,storage=Pa,loss=Pa"):
+        springpot.read(path)
+    path = table(tmp_path, "time,relaxation", TIMES, 1.0 / TIMES)
+    with pytest.raises(DataError, match=r"time=s,relaxation=Pa"):
+        springpot.read(path)
+
+
+def test_nothing_is_converted_to_them_or_from_them(tmp_path):
+    bare = springpot.read(table(tmp_path, "omega,storage,loss", OMEGA, K.real, K.imag))
+    relaxation = TimeTest.of_relaxation(TIMES, 90.0 / TIMES**0.1, "kPa", name="step")
+    with pytest.raises(DataError, match=r"file units and .* kPa: say its unit"):
+        springpot.identify([bare, relaxation], "kelvin")
+    assert Units(FILE_UNITS).factor_to(Units(FILE_UNITS), "one", "other") == 1.0
+    assert Units("kN/m").factor_to(Units("N/mm"), "one", "other") == 1.0
+    assert Units("MPa").factor_to(Units("kPa"), "one", "other") == pytest.approx(1e3)
+    with pytest.raises(DataError, match="a stiffness is no modulus"):
+        Units("kN/m").factor_to(Units("kPa"), "one", "other")
+
+
+def test_they_are_kept_in_a_table_and_in_json(tmp_path):
+    bare = springpot.read(table(tmp_path, "omega,storage,loss", OMEGA, K.real, K.imag))
+    write_csv(bare, tmp_path / "again.csv")
+    again = springpot.read(tmp_path / "again.csv")
+    assert again.units == bare.units
+    np.testing.assert_allclose(again.stiffness, bare.stiffness)
+    fit = springpot.identify(bare, "fractional-kelvin")
+    (tmp_path / "fit.json").write_text(json.dumps(fit.to_dict()), encoding="utf-8")
+    assert springpot.load(tmp_path / "fit.json").parameters["k"].unit == FILE_UNITS
