@@ -19,8 +19,8 @@ from pathlib import Path
 
 from springpot import plugins
 from springpot.benchmark import Study, save_table
-from springpot.benchmark.cases import problem_of
 from springpot.benchmark.expensive import MARKS, PacedRun, Site, expensive_table, paced_run
+from springpot.benchmark.plan import problem_of
 from springpot.errors import ModelError
 
 SUITE = "springpot-60"

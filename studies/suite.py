@@ -21,7 +21,6 @@ import numpy as np
 from paper.draw import COLOURS, INK, MARKERS, can_draw, legend_above, sheet
 from springpot import plugins
 from springpot.benchmark import Study
-from springpot.benchmark.cases import problem_of, reference_of
 from springpot.benchmark.features import (
     Features,
     descents,
@@ -29,7 +28,7 @@ from springpot.benchmark.features import (
     parts_of,
     uniform,
 )
-from springpot.benchmark.plan import Plan, RaceCase
+from springpot.benchmark.plan import Plan, RaceCase, problem_of, reference_of
 from springpot.identification.native import BoundedDescent
 from springpot.identification.problem import Problem, SpecimenProblem
 from springpot.identification.recorder import Recorder

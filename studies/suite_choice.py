@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.benchmark import Table, save_table
-from springpot.benchmark.cases import problem_of, reference_of
+from springpot.benchmark.plan import problem_of, reference_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.identification.problem import Problem
 from springpot.identification.recorder import Recorder

@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot import plugins
 from springpot.benchmark import Findings, Study, Table, save_table
-from springpot.benchmark.beside import opened
+from springpot.benchmark.archive import opened
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
 from springpot.benchmark.statistics import wilson
 from springpot.report.tables import Entry

@@ -12,8 +12,7 @@ import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
 from springpot.benchmark import Findings, Store, archive, run_study
-from springpot.benchmark.archive import Archive, write_archive
-from springpot.benchmark.beside import opened, study_of
+from springpot.benchmark.archive import Archive, opened, study_of, write_archive
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
 from springpot.benchmark.traces import pack

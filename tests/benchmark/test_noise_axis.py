@@ -10,10 +10,9 @@ from benchmark_fakes import Walk, artificial, small_study
 
 from springpot import plugins
 from springpot.benchmark import Findings, Store, run_study
-from springpot.benchmark.cases import drawn
 from springpot.benchmark.columns import trial_columns
 from springpot.benchmark.gate.baseline import baseline_of
-from springpot.benchmark.plan import WorkOrder
+from springpot.benchmark.plan import WorkOrder, drawn
 from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.supervisor import Audit

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from benchmark_fakes import OMEGA, TRUTH, Moody, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import cases, fork_server, runner, summary, traces, trial
+from springpot.benchmark import fork_server, runner, summary, traces, trial
+from springpot.benchmark import plan as plans
 from springpot.benchmark import study as studies
 from springpot.benchmark.engine import ExecutorEngine
 from springpot.benchmark.fork_server import Parcel
@@ -334,7 +335,7 @@ def test_progress_is_measured_from_the_centre_or_from_no_answer():
         np.zeros(len(OMEGA), dtype=complex), problem.measurement, problem.weights
     )
     assert plain <= nothing or plain > 0.0
-    assert cases.reference_of(problem) == pytest.approx(min(centre, float(plain)))
+    assert plans.reference_of(problem) == pytest.approx(min(centre, float(plain)))
 
 
 def test_a_script_is_loaded_once_and_its_faults_are_told_by_line(tmp_path):
@@ -428,6 +429,6 @@ def test_an_optimum_is_certain_to_a_hundredth_of_the_target(
         lower=np.zeros(1), upper=np.ones(1),
     )  # fmt: skip
     best = SimpleNamespace(theta=np.zeros(1), cost=1.0)
-    monkeypatch.setattr(cases, "fit", lambda *given: best)
-    monkeypatch.setattr(cases, "minima_in_box", lambda problem: np.array(minima))
-    assert cases._optimum(problem, 3.0, known, 5e-4) == optimum
+    monkeypatch.setattr(plans, "fit", lambda *given: best)
+    monkeypatch.setattr(plans, "minima_in_box", lambda problem: np.array(minima))
+    assert plans._optimum(problem, 3.0, known, 5e-4) == optimum

@@ -241,7 +241,7 @@ def test_where_the_optimum_is_outside_of_the_box_trials_race_for_the_best_inside
 
 def test_no_trial_stops_where_descents_do_not_agree_on_the_optimum(tight, monkeypatch):
     monkeypatch.setattr(
-        "springpot.benchmark.cases.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32)
+        "springpot.benchmark.plan.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32)
     )
     plan = small_study(datasets=[tight], stop_at_target=True, models=["fractional-kelvin"]).plan()
     assert plan.cases[0].optimum is None

@@ -21,8 +21,7 @@ from typing import Any, TextIO
 from springpot.errors import below, plain
 from springpot.registry import versions
 
-from .archive import Archive
-from .beside import rivals_of
+from .archive import Archive, rivals_of
 from .engine import check_engine, make_engine
 from .plan import Plan
 from .standings import write_tables

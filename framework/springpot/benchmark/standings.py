@@ -15,7 +15,7 @@ import numpy as np
 from springpot.errors import StudyError
 from springpot.report.tables import FORMATS, Entry, Table, save_table
 
-from .beside import opened
+from .archive import opened
 from .comparison import (
     OVER_ALL,
     CellScores,

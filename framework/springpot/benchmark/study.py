@@ -25,8 +25,19 @@ from springpot.measurement.opening import DataSet, Test
 from springpot.measurement.other_test import OtherTest
 from springpot.registry import open_measurement, parse_model, plugins
 
-from .cases import case_of, with_noise_axis
-from .plan import ASKED, COMMON, Cell, Entrant, Plan, RaceCase, Source, cell_digest, digest_of
+from .plan import (
+    ASKED,
+    COMMON,
+    Cell,
+    Entrant,
+    Plan,
+    RaceCase,
+    Source,
+    case_of,
+    cell_digest,
+    digest_of,
+    with_noise_axis,
+)
 
 
 def main(study: object, arguments: Sequence[str] | None = None) -> None:

@@ -29,9 +29,8 @@ from springpot.identification.runs import miscounted, mistraced, same
 from springpot.processes import end_group
 
 from ..numerics import ALIKE
-from .cases import drawn
 from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel, answer
-from .plan import Plan, WorkOrder
+from .plan import Plan, WorkOrder, drawn
 from .traces import unpack
 from .trial import Status, TrialResult, TwinProblem, failure
 

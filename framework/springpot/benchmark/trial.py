@@ -27,8 +27,7 @@ from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from .cases import drawn, noise_free, noisy, problem_of, truth_fits
-from .plan import Cell, Plan, RaceCase, WorkOrder
+from .plan import Cell, Plan, RaceCase, WorkOrder, drawn, noise_free, noisy, problem_of, truth_fits
 from .traces import improvements, pack, pack_values
 
 BUDGET = 4

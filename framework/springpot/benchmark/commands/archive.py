@@ -38,8 +38,7 @@ def command(
     FILE --optimiser NAME. An archive grows by what was raced beside it: springpot archive
     NAME-beside --beside NAME.zip -o NAME-2.zip
     """
-    from springpot.benchmark.archive import write_archive
-    from springpot.benchmark.beside import opened
+    from springpot.benchmark.archive import opened, write_archive
     from springpot.benchmark.summary import store_path
 
     store = store_path(study, out)

@@ -72,7 +72,7 @@ def command(
     of STUDY.py gives the problems, and its trials are the rivals: springpot run published.zip
     --optimiser mine
     """
-    from springpot.benchmark.beside import study_of
+    from springpot.benchmark.archive import study_of
     from springpot.benchmark.report.study import write_study_report
     from springpot.benchmark.runner import run_study
 

@@ -117,7 +117,7 @@ def _written(
 
 
 def _chosen(study: str, wanted: str | None, out: Path, beside: Path | None) -> dict[str, Table]:
-    from springpot.benchmark.beside import opened
+    from springpot.benchmark.archive import opened
     from springpot.benchmark.standings import study_tables, table_names
     from springpot.benchmark.summary import store_path
     from springpot.errors import StudyError

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.benchmark.beside import opened
+from springpot.benchmark.archive import opened
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
 from springpot.benchmark.plan import ASKED
 from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, INSIDER, NOISY, PLAIN, Findings
