@@ -1,5 +1,7 @@
 """What noise alone would leave of data that were written with few digits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,9 +33,15 @@ def test_draws_of_written_values_are_of_the_size_of_what_was_left(noise, rng):
 
 
 def test_a_draw_is_what_would_have_been_written_less_what_is_exact(rng):
-    frame = frame_of(0.01)
+    frame = replace(frame_of(0.01), jacobian=np.zeros((0, 40), dtype=complex))
     draws = frame._as_written(frame._steps, 3, rng)
     weights = np.concatenate([frame.weights.real, frame.weights.imag])
     exact = np.concatenate([frame.model_stiffness.real, frame.model_stiffness.imag])
     steps = (exact + draws / weights) / STEP
     assert steps == pytest.approx(np.round(steps), abs=1e-3)
+
+
+def test_exact_values_lie_where_the_parameters_let_them_and_are_not_rounded_alike(rng):
+    draws = frame_of(0.0)._as_written(frame_of(0.0)._steps, 400, rng)
+    alike = np.mean(np.mean(draws, axis=0) ** 2) / np.mean(draws**2)
+    assert alike < 0.7

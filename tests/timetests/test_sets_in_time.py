@@ -73,6 +73,29 @@ def test_a_search_ends_where_neither_more_nor_others_help():
     assert toys.likeliest()[0].key == ("c", "d")
 
 
+class Imitated(Toys):
+    """Sets of which all with an imitator are better than any other, but for the hidden one."""
+
+    def likeliest(self):
+        def misses(key):
+            return {*key} != self.hidden, "m" not in key, len(self.hidden ^ {*key}), key
+
+        return [Toy(key) for key in sorted(self.known, key=misses)]
+
+    def open(self, near):
+        self.known |= {tuple(sorted({*one.key, new})) for one in near for new in "abcdefgm"}
+
+    def exchange(self, best):
+        pass
+
+
+def test_what_one_effect_imitates_is_asked_though_it_is_in_all_of_the_likeliest():
+    toys = Imitated("abc", "m")
+    toys.known |= {("a",), ("b",)}
+    go_on_to_neighbours(toys)
+    assert toys.likeliest()[0].key == ("a", "b", "c")
+
+
 def test_what_may_stand_in_a_place_stands_beside_the_same_others():
     drift, stiff = plugins().effect("force-drift"), plugins().effect("cubic-stiffness")
     rivals = (

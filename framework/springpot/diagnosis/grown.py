@@ -613,6 +613,9 @@ class Sets(Protocol[S]):
 def go_on_to_neighbours(sets: Sets[S]) -> None:
     """Go on to sets that are neighbours of the best, until none is better.
 
+    Nor a neighbour of the likeliest that lacks one of its effects: one that imitates several is in
+    all of the likeliest, and what it stands for would never be asked.
+
     Parameters
     ----------
     sets : Sets
@@ -620,13 +623,22 @@ def go_on_to_neighbours(sets: Sets[S]) -> None:
     """
     opened: set[tuple[str, ...]] = set()
     exchanged: set[tuple[str, ...]] = set()
-    while near := sets.likeliest()[: SEARCH.beam]:
-        if near[0].key not in opened:
-            new = [one for one in near if one.key not in opened]
-            opened.update(one.key for one in new)
-            sets.open(new)
-        elif near[0].key not in exchanged:
-            exchanged.add(near[0].key)
-            sets.exchange(near[0])
-        else:
+    while ranked := sets.likeliest():
+        best = ranked[0]
+        near = ranked[: SEARCH.beam]
+        if best.key in opened and best.key not in exchanged:
+            exchanged.add(best.key)
+            sets.exchange(best)
+            continue
+        if best.key in exchanged:
+            near = [one for name in best.key for one in _lacking_it(ranked, name)]
+        new = list({one.key: one for one in near if one.key not in opened}.values())
+        if not new:
             break
+        opened.update(one.key for one in new)
+        sets.open(new)
+
+
+def _lacking_it(ranked: Sequence[S], name: str) -> list[S]:
+    """The likeliest set without an effect, if there is one."""
+    return [one for one in ranked if name not in one.key][:1]

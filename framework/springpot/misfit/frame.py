@@ -343,7 +343,8 @@ class NoiseFrame:
         Written with as few digits as the data.
 
         Values that change little from point to point are all rounded the same way: that is no
-        structure.
+        structure. Where within its step a value lay, the fit tells as well as its parameters are
+        known and no better.
         """
         step = np.concatenate([steps.real, steps.imag])
         exact = np.concatenate([self.model_stiffness.real, self.model_stiffness.imag])
@@ -352,10 +353,14 @@ class NoiseFrame:
         # Storage and loss each have their own: the same for both would make one of them too still.
         levels = [self._own_level(np.arange(n) + k, step, weights) for k in (0, n)]
         own = np.concatenate([level * np.abs(self.model_stiffness) for level in levels])
-        values = exact + own * rng.standard_normal((count, self.size))
+        # About one fit alone, exact values would be rounded alike in every draw, as in the data.
+        absorbed = self.absorbed
+        followed = rng.standard_normal((count, absorbed.shape[1])) @ absorbed.T
+        told = exact + followed / weights
+        values = told + own * rng.standard_normal((count, self.size))
         coarse = np.flatnonzero(step)
         values[:, coarse] = np.round(values[:, coarse] / step[coarse]) * step[coarse]
-        return np.asarray((values - exact) * weights, dtype=DRAWN)
+        return np.asarray((values - told) * weights, dtype=DRAWN)
 
     def _own_level(self, rows: NDArray[np.int64], step: Real, weights: Real) -> float:
         """Noise over |K| of some rows beside uniform errors of rounding.

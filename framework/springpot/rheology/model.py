@@ -21,7 +21,7 @@ from springpot.writing import tag
 from ..numerics import ALIKE
 from .drawing import drawing_of
 from .effect import Layer
-from .intime import Passive, Traced
+from .intime import Passive, Traced, velocity
 from .named import NamedNetwork, Placed
 from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
 from .points import ROOM, Points, Real
@@ -338,9 +338,9 @@ def with_laws(
     """
     value, by_theta = traced
     # Laws that are not linear need the speed, which a record does not have.
-    velocity = np.gradient(x, t)
+    moving = velocity(t, x)
     for effect, _, own in beside:
-        force, slopes = effect.element.in_time(t, x, velocity, *theta[own])  # type: ignore[attr-defined]
+        force, slopes = effect.element.in_time(t, x, moving, *theta[own])  # type: ignore[attr-defined]
         value = value + force
         by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
     # One table, as what the signals go through acts on the force and on each of its derivatives

@@ -20,6 +20,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect, acting, on_loading, on_response
+from springpot.rheology.intime import velocity
 from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
@@ -488,10 +489,8 @@ class View:
             raise SpringpotError(f"{effect.name} has no law here")
         if of_signal:
             return np.asarray(law(self.t, self.value[:, None], *values)[1][0] * self.weight)
-        velocity = np.gradient(self.quick.record.imposed, self.t)
-        return np.asarray(
-            law(self.t, self.quick.record.imposed, velocity, *values)[0] * self.weight
-        )
+        x = self.quick.record.imposed
+        return np.asarray(law(self.t, x, velocity(self.t, x), *values)[0] * self.weight)
 
     def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
         """An effect's column at the stage of the record, and whether it goes as its size."""

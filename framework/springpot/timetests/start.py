@@ -14,7 +14,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import evenly, non_negative
 from springpot.rheology.effect import ALL
-from springpot.rheology.intime import acceleration
+from springpot.rheology.intime import acceleration, velocity
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.terms import Modes, driven
@@ -130,7 +130,7 @@ def answers_of(
             mean = 0.5 * (imposed[1:] + imposed[:-1])
             moving += np.concatenate([[0.0], np.cumsum(mean * steps[1:])])[place]
         else:
-            moving += np.gradient(imposed, grid)[place]
+            moving += velocity(grid, imposed)[place]
             pushed += acceleration(grid, imposed)[place]
     modes = faded
     # A Kelvin element under a force has moved by what its Maxwell twin has forgotten.

@@ -249,9 +249,7 @@ def answer_of(
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
     of_slip = slip.delta(before, noise)
-    # What no story is likelier than is noise itself, however little a story would leave.
-    if not before.doubtful and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
-        noise = before.noise
+    noise, tried = _over_one_noise(before, tried, noise, of_slip)
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
@@ -288,6 +286,18 @@ def answer_of(
     )
     fit = _going_on_from(base, tried, alike[:1])
     return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))
+
+
+def _over_one_noise(
+    before: Left, tried: Sequence[Tried], noise: Sequence[ResidualScatter], of_slip: float
+) -> tuple[Sequence[ResidualScatter], list[Tried]]:
+    """The noise that errors are told in, and what was tried as it is judged over that noise."""
+    # What no story is likelier than is noise itself, however little a story would leave.
+    if not before.doubtful and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
+        noise = before.noise
+    # By itself what an effect misses at random, as at corners that noise has moved, is called noise
+    # again.
+    return noise, [replace(each, left=each.left.beside(noise)) for each in tried]
 
 
 def _going_on_from(
