@@ -62,6 +62,9 @@ class Toys:
     def open(self, near):
         self.known |= {tuple(sorted({*one.key, new})) for one in near for new in "abd"}
 
+    def extend(self, near):
+        self.open(near)
+
     def exchange(self, best):
         for old in best.key:
             self.known |= {tuple(sorted({*best.key, new} - {old})) for new in "abcd"}

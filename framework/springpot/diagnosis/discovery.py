@@ -81,6 +81,10 @@ class GrownSets:
             asked += _neighbours(self.search, grown, self.effects)
         fit_new(self.search, asked)
 
+    def extend(self, near: Sequence[Grown]) -> None:
+        """Fit sets with one effect more than some."""
+        fit_new(self.search, [each for one in near for each in _extended(one, self.effects)])
+
     def exchange(self, best: Grown) -> None:
         """Fit the best set with another effect in each place."""
         fit_new(self.search, list(in_each_place(self.search, best, self.effects)))
@@ -88,8 +92,13 @@ class GrownSets:
 
 def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
     """Sets that differ from one by an effect, or by two in the place of one."""
-    yield from one_more(grown.effects, scanned_beside(grown.effects, grown.refit, effects))
+    yield from _extended(grown, effects)
     yield from one_or_two_for_one(search, grown, effects)
+
+
+def _extended(grown: Grown, effects: Sequence[Effect]) -> list[AskedSet]:
+    """Sets with one effect more than one."""
+    return one_more(grown.effects, scanned_beside(grown.effects, grown.refit, effects))
 
 
 def _likeliest(search: Search) -> list[Grown]:

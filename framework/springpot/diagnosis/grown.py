@@ -13,7 +13,7 @@ astray. A set has neighbours: one effect more, one less, another one or two in t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol, TypeAlias, TypeVar
@@ -605,6 +605,10 @@ class Sets(Protocol[S]):
         """Fit the neighbours of some sets."""
         ...
 
+    def extend(self, near: Sequence[S]) -> None:
+        """Fit sets with one effect more than some."""
+        ...
+
     def exchange(self, best: S) -> None:
         """Fit whatever may stand in a place of the best set."""
         ...
@@ -613,7 +617,7 @@ class Sets(Protocol[S]):
 def go_on_to_neighbours(sets: Sets[S]) -> None:
     """Go on to sets that are neighbours of the best, until none is better.
 
-    Nor a neighbour of the likeliest that lacks one of its effects: one that imitates several is in
+    Nor the likeliest that lacks one of its effects, with another: one that imitates several is in
     all of the likeliest, and what it stands for would never be asked.
 
     Parameters
@@ -622,23 +626,26 @@ def go_on_to_neighbours(sets: Sets[S]) -> None:
         With those to begin with.
     """
     opened: set[tuple[str, ...]] = set()
+    extended: set[tuple[str, ...]] = set()
     exchanged: set[tuple[str, ...]] = set()
-    while ranked := sets.likeliest():
-        best = ranked[0]
-        near = ranked[: SEARCH.beam]
-        if best.key in opened and best.key not in exchanged:
+    while near := sets.likeliest()[: SEARCH.beam]:
+        best = near[0]
+        if best.key not in opened:
+            new = [one for one in near if one.key not in opened]
+            opened.update(one.key for one in new)
+            sets.open(new)
+        elif best.key not in exchanged:
             exchanged.add(best.key)
             sets.exchange(best)
-            continue
-        if best.key in exchanged:
-            near = [one for name in best.key for one in _lacking_it(ranked, name)]
-        new = list({one.key: one for one in near if one.key not in opened}.values())
-        if not new:
+        elif without := _likeliest_without_each(sets, opened | extended):
+            extended.update(one.key for one in without)
+            sets.extend(without)
+        else:
             break
-        opened.update(one.key for one in new)
-        sets.open(new)
 
 
-def _lacking_it(ranked: Sequence[S], name: str) -> list[S]:
-    """The likeliest set without an effect, if there is one."""
-    return [one for one in ranked if name not in one.key][:1]
+def _likeliest_without_each(sets: Sets[S], known: Container[tuple[str, ...]]) -> list[S]:
+    """For each effect of the best set the likeliest one without it, where that is not known."""
+    best, *others = sets.likeliest()
+    lacking = (next((one for one in others if name not in one.key), None) for name in best.key)
+    return list({one.key: one for one in lacking if one and one.key not in known}.values())

@@ -98,6 +98,9 @@ class TimeSets:
             if one.left.doubtful:
                 self._extend(one, SEARCH.seconds)
 
+    extend = open
+    """Sets with an effect more are all the neighbours that are fitted."""
+
     def exchange(self, best: TimeSet) -> None:
         """Fit sets with another effect in each place of the best one."""
         for effect in best.effects:
