@@ -348,23 +348,28 @@ def _in_time(
     power, steps = 1.0 / exponent, np.diff(t)
     speed, held, rest = np.diff(x) / steps, STAGE * steps, (1.0 - STAGE) * steps
     z = _stages(speed, held * k, rest * k, force, power)
-    # How fast each force of a stage flows, and the slopes of that by z and by the power.
-    size = np.abs(z) / force
-    flow = np.sign(z) * size**power
-    slope = k * power * size ** (power - 1.0) / force
-    bend = flow * np.log(np.maximum(size, SMALLEST))
+    flow, slope, bend = _flow(z, force, power)
     # Of the rate by k, by F and by a, the force being what it is.
     direct = np.stack([speed - flow, k * power * flow / force, k * power**2 * bend])
-    whole = 1.0 + held * slope
+    whole = 1.0 + held * k * slope
     # The second stage ends the step, and stands on the rates of the first: a line in what was
     # before.
-    kept = (1.0 - rest * slope[0] / whole[0]) / whole[1]
+    kept = (1.0 - rest * k * slope[0] / whole[0]) / whole[1]
     added = (rest * direct[:, 0] / whole[0] + held * direct[:, 1]) / whole[1]
     moved = [
         list(accumulate(zip(kept.tolist(), each.tolist(), strict=True), _on_the_line, initial=0.0))
         for each in added
     ]
     return np.append(0.0, z[1]), tuple(np.array(moved))
+
+
+def _flow(z: Real, force: float, power: float) -> tuple[Real, Real, Real]:
+    """Speeds at which forces z flow, and their slopes by z and by the power 1 / a."""
+    size = np.abs(z) / force
+    speed = np.sign(z) * size**power
+    # Of no force at all the speed is nothing, whatever the power.
+    bend = speed * np.log(np.maximum(size, SMALLEST))
+    return speed, power * size ** (power - 1.0) / force, bend
 
 
 def _on_the_line(before: float, line: tuple[float, float]) -> float:
