@@ -1,4 +1,4 @@
-"""Thirty-five optimisers, and the choice among them, on the sixty problems of springpot-60.
+"""Forty-three optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
 a trial of them costs are COBYQA, Py-BOBYQA, SHGO and NGOpt; NL-SHADE-RSP and LSRTDE have no name
@@ -28,6 +28,8 @@ RIVALS = (
     *("minion-agsk", "minion-bipop-acma-es", "minion-spso-2011", "minion-dms-pso"),
     *("minion-j2020", "ipop-cma-es", "optimagic-scipy-truncated-newton"),
     *("optimagic-nlopt-ccsaq", "nlopt-direct-l", "scipy-direct"),
+    *("nevergrad-tbpsa", "nevergrad-two-points-de", "nevergrad-one-plus-one"),
+    *("pymoo-de", "pymoo-es", "pymoo-g3pcx", "pymoo-ga", "pymoo-pso"),
 )
 PARTS = {
     "easy half": ("easy",),
