@@ -1,7 +1,5 @@
 """The pair that is tried first is the one whose directions together take most of the misfit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
@@ -38,7 +36,6 @@ def test_each_two_effects_by_their_best_two_directions(scanned):
                 sizes = size[i, len(one) + j], size[len(one) + j, i]
                 wanted[first, second] = between[i, j], (one[i], two[j]), sizes
     assert len(pairs) == len(wanted) > 0
-    # Of one parameter each, by their gain alone.
     assert [pair.gain for pair in pairs] == sorted((pair.gain for pair in pairs), reverse=True)
     for pair in pairs:
         gain, rows, sizes = wanted[pair.first, pair.second]
@@ -54,19 +51,3 @@ def test_no_more_than_are_asked_for(scanned):
     base, scores = scanned
     assert len(best_pairs(base.frame(), scores, base.model, base.theta, 1)) == 1
     assert best_pairs(base.frame(), [], base.model, base.theta, 1) == []
-
-
-def test_by_what_they_gain_less_the_price_of_their_parameters(scanned):
-    """A pair of one parameter each comes before one that gains a little more by one more."""
-    base, scores = scanned
-    frame = base.frame()
-    (*_, last) = before = best_pairs(frame, scores, base.model, base.theta, 10)
-    # As if what is in the best pair, and not in the last, had so many parameters more.
-    (rich,) = {before[0].first, before[0].second} - {last.first, last.second}
-    least = np.ceil((before[0].gain - last.gain) / np.log(frame.size))
-    for more, first in ((0, before[0]), (int(least), last)):
-        added = (*rich.influence.added, *(f"further{i}" for i in range(more)))
-        dear = replace(rich, influence=replace(rich.influence, added=added))
-        again = [dear if score is rich else score for score in scores]
-        best = best_pairs(frame, again, base.model, base.theta, 1)[0]
-        assert best.gain == pytest.approx(first.gain)

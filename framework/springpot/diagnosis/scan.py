@@ -428,10 +428,7 @@ class Pair:
 def best_pairs(
     frame: NoiseFrame, scores: Sequence[Score], model: Model, theta: Real, count: int
 ) -> list[Pair]:
-    """The pairs of effects that should explain most for their parameters, best first.
-
-    By what they gain less the price of their parameters (Schwarz 1978, doi:10.1214/aos/1176344136):
-    by the gain alone no pair of one parameter each came before those with an effect of many.
+    """The pairs of effects that should leave least, best first.
 
     Parameters
     ----------
@@ -461,12 +458,12 @@ def best_pairs(
     np.maximum.at(best, (owner[:, None], owner[None, :]), gain)
     pairs = []
     rows = np.concatenate(chosen)
-    price = np.log(frame.size) * np.array([len(score.influence.added) for score in seen])
     # Of two different effects, each pair once; what is needed twice is sought one by one.
-    a_pair = np.triu(best > 0.0, 1)
-    worth = np.where(a_pair, best - price[:, None] - price, -np.inf)
-    for flat in np.argsort(worth.ravel())[::-1][: min(count, int(a_pair.sum()))]:
+    upper = np.where(np.triu(np.ones_like(best), 1) > 0, best, -np.inf)
+    for flat in np.argsort(upper.ravel())[::-1][:count]:
         a, b = divmod(int(flat), len(seen))
+        if upper[a, b] <= 0.0:
+            break
         inside = np.where((owner[:, None] == a) & (owner[None, :] == b), gain, -np.inf)
         i, j = np.unravel_index(int(np.argmax(inside)), inside.shape)
         sizes = float(first[i, j]), float(first[j, i])
