@@ -374,6 +374,7 @@ def test_a_name_without_end_is_cut_before_a_button_is(page: Open, damper: bytes)
     assert here.page.locator("header").bounding_box()["height"] == usual
 
 
+@pytest.mark.soak
 def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(page: Open):
     here = page()
     rng, frequency = np.random.default_rng(5), np.geomspace(0.1, 100.0, 10_000)

@@ -346,6 +346,7 @@ def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: by
     here.page.locator("#facts:has-text('1 left out')").wait_for()
 
 
+@pytest.mark.soak
 def test_whatever_a_finger_can_choose_is_as_wide_and_high_as_one(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True)
     here.page.locator("#model-body #judge").wait_for()
