@@ -449,7 +449,7 @@ class Units:
             return 1.0
         told = f"{own} is in {here} and {others} in {there}"
         if FILE_UNITS in (here, there):
-            raise DataError(f"{told}: say its unit, as in 'FILE?storage=kPa,loss=kPa'")
+            raise DataError(f"{told}: say its unit by the command in the note on it")
         if self.is_modulus != other.is_modulus:
             raise DataError(f"{told}: a stiffness is no modulus; convert one of them by --geometry")
         return MODULUS_UNITS[here] / MODULUS_UNITS[there]

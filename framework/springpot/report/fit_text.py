@@ -289,9 +289,12 @@ def many_csv(fits: Sequence[Identification]) -> str:
         cells = []
         for column in columns:
             value = _in_column(fit, *column)
-            # `repr` keeps every digit: another program reads them.
-            three = (value.value, value.low, value.high) if value else ("",) * 3
-            cells += [each if each == "" else repr(each) for each in three]
+            if value is None:
+                # Empty, so that what follows stays under its own header.
+                cells += [""] * 3
+            else:
+                # `repr` keeps every digit: another program reads them.
+                cells += [repr(each) for each in (value.value, value.low, value.high)]
         row = [fit.name, fit.model.name, repr(fit.relative_rms), *_judged(fit), *cells]
         write(row)
     return stream.getvalue()

@@ -207,7 +207,10 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
         test = replace(test, provenance={**test.provenance, **sign_note(test, hint)})
     titles = [column.title for role, column in roles.items() if role in ANSWERS]
     letter = letter_of(titles, test.units.is_modulus)
-    return replace(test, letter=letter or "K" * (bool(unstated) and "force" in roles))
+    if unstated and "force" in roles and not letter:
+        # By its name a force is no stress.
+        letter = "K"
+    return replace(test, letter=letter)
 
 
 def _used(
@@ -292,16 +295,13 @@ def _in_units(
     names = ", ".join(f"'{each.title}'" for each in bare)
     spec = ",".join(f"{each.name}={EXAMPLES[each.name]}" for each in bare)
     mend = f"write {bare[0].title} [{EXAMPLES[bare[0].name]}], or say it by 'FILE?{spec}'"
-    if bare != wanted or {each.name for each in bare} not in WITHOUT_UNIT:
+    roles = {each.name for each in bare}
+    # A time must have its unit, and so must the other of what is measured together.
+    if roles not in WITHOUT_UNIT or len(bare) < len(wanted):
         raise DataError(f"column {names}: there is no unit; {mend}")
-    taken = {
-        role: [replace(each, unit=OF_FILE[role]) for each in columns if each in bare]
-        for role, columns in found.items()
-        if role in OF_FILE
-    }
-    return {**found, **taken}, {
-        "note units": f"{names}: there is no unit, and all is told in the file's units; {mend}"
-    }
+    taken = {role: [replace(each, unit=OF_FILE[role]) for each in found[role]] for role in roles}
+    note = f"{names}: there is no unit, and all is told in the file's units; {mend}"
+    return {**found, **taken}, {"note units": note}
 
 
 def _pair(moved: Sequence[Column], pulled: Sequence[Column]) -> tuple[Column, Column] | None:
