@@ -37,6 +37,11 @@ from .titles import apart_from_sign, require_word
 
 _IGNORED = ("ignore", "none")
 """What a user says (``?3=ignore``) of a column that is to be left alone."""
+STRESSES = (
+    *("stress", "shear stress", "sigma", "σ", "τ", "tau", "tau_yx", "contrainte", "spannung"),
+    *("schubspannung", "tension", "esfuerzo", "sforzo"),
+)
+"""Names of what is no force but one over an area."""
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
         *("time", "t", "temps", "zeit", "tiempo", "tempo", "elapsed time", "laufzeit"),
@@ -68,9 +73,8 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force"),
         *("effort", "kraft", "last", "kolbenkraft", "standardkraft", "prüfkraft", "fuerza"),
         *("force standard", "standard force", "forza standard", "fuerza estándar"),
-        *("carga", "forza", "carico", "forca", "stress", "shear stress", "sigma", "σ", "τ"),
-        *("tau", "tau_yx", "contrainte", "spannung", "schubspannung", "tension", "esfuerzo"),
-        *("sforzo", "torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
+        *("carga", "forza", "carico", "forca", *STRESSES),
+        *("torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
     ),
 }
 NAMES = {channel: (*names, *CHANNELS[channel]) for channel, names in NAMES.items()}

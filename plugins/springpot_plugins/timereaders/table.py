@@ -41,6 +41,7 @@ from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 
 from ..readers.blocks import Block
+from ..readers.channels import STRESSES, channel_of
 from ..readers.choices import ask_base, with_choice
 from ..readers.cleaning import cleaned, is_blank
 from ..readers.clock import sample_rate
@@ -207,8 +208,8 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
         test = replace(test, provenance={**test.provenance, **sign_note(test, hint)})
     titles = [column.title for role, column in roles.items() if role in ANSWERS]
     letter = letter_of(titles, test.units.is_modulus)
-    if unstated and "force" in roles and not letter:
-        # By its name a force is no stress.
+    if unstated and "force" in roles and channel_of(titles[0])[2].casefold() not in STRESSES:
+        # Without units a name tells whether it is a force, over a displacement, or a stress.
         letter = "K"
     return replace(test, letter=letter)
 

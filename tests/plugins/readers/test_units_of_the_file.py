@@ -70,6 +70,13 @@ def test_steps(tmp_path, head, value, kind):
     assert "the file's units" in test.provenance["note units"]
 
 
+def test_a_record_of_strain_and_stress_is_a_modulus(tmp_path):
+    clock = np.arange(200) / 100.0
+    moved = np.sin(2 * np.pi * clock)
+    test = springpot.read(table(tmp_path, "time [s],strain,stress", clock, moved, 3 * moved))
+    assert (test.units.stiffness, test.units.is_modulus) == (FILE_UNITS, True)
+
+
 def test_a_record_of_displacement_and_force_is_a_stiffness(tmp_path):
     clock = np.arange(200) / 100.0
     moved = np.sin(2 * np.pi * clock)
