@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from browsing import IN_A_BROWSER, Open
 
 pytestmark = IN_A_BROWSER
