@@ -24,7 +24,7 @@ from typing import TypeAlias, TypeVar
 
 from springpot.errors import DataError, SpringpotError, described, owned
 from springpot.files import keep_input, require_regular, within_budget
-from springpot.writing import suggested
+from springpot.writing import NAMED, suggested
 
 from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
@@ -52,8 +52,6 @@ from .timetest import TimeTest
 
 Test: TypeAlias = Measurement | TimeTest | OtherTest
 """What was measured on one specimen: a sweep, a test in time, or one of a further kind."""
-LISTED_TESTS = 3
-"""Tests of one file that are named one by one."""
 PROMISED = "promised accuracy"
 """Of a provenance, what a data set says of its instrument; a comment in a file is no such word."""
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
@@ -75,7 +73,7 @@ def together(names: Iterable[str]) -> str:
         files.setdefault(name.partition("#")[0], []).append(name)
     told: list[str] = []
     for file, tests in files.items():
-        told += tests if len(tests) <= LISTED_TESTS else [f"{file} ({len(tests)} tests)"]
+        told += tests if len(tests) <= NAMED else [f"{file} ({len(tests)} tests)"]
     return " + ".join(told)
 
 
