@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -19,11 +20,13 @@ from springpot.measurement.measurement import Measurement
 from springpot.numerics import LARGEST as LARGEST_NUMBER
 from springpot.rheology.effect import Test
 from springpot.rheology.levels import Levels
-from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
 from ..numerics import ROUNDING
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 TINY = 1e-9
 """Smallest positive value of a searched parameter, as a fraction of its upper bound."""

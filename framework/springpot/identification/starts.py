@@ -16,18 +16,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.numerics import AT_ONCE
-from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Chain, Node, Parallel, Renamed, Series, Shift
 from springpot.rheology.parameters import Coordinates, Parameter
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import SMALLEST
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 LEAST_GAIN = 1e-7
 """Smallest share of the data that a branch is given; a logarithm cannot start at zero."""

@@ -29,10 +29,10 @@ from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
+from .left import TWINS, Atom, Promise
 from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import Scales, stepped, tries_of
-from .tried import TWINS, Atom, Promise
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.

@@ -40,10 +40,9 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import SMALLEST
 from .floor import TimeFloor
-from .left import Left, Slip, lines_in
+from .left import TWINS, Left, Promise, Slip, Tried, lines_in
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
-from .tried import TWINS, Promise, Tried
 from .where import worst_first
 
 
