@@ -17,6 +17,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import normal_quantile
 from springpot.errors import owned
 from springpot.identification.held_material import within_material
 from springpot.identification.starts import Window, settings
@@ -36,6 +37,7 @@ from springpot.misfit.refit import Refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
+from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING, SMALLEST
 
@@ -53,8 +55,8 @@ DRAWS = 3000
 """Simulated residuals, jointly for all effects."""
 WHOLE_STARTS = 3
 """Settings of the grid from which a refit starts beside the tangent."""
-POWER = 1.645
-"""One-sided normal quantile of the 95 % power at which bounds are stated."""
+POWER = float(normal_quantile(INTERVAL))
+"""Standard deviations, on one side, of the power at which bounds are stated."""
 REPRESENTATIVES = 10
 """Directions kept for each effect: the best one, and those least alike it and each other."""
 PARALLEL = 0.9995

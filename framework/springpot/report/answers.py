@@ -22,7 +22,7 @@ from springpot.misfit.residual_tests import Finding
 from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
-from springpot.writing import FEW, LISTED, NAMED, counted, listed, number
+from springpot.writing import FEW, LISTED, NAMED, SHOWN, counted, listed, number
 
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 
@@ -138,8 +138,6 @@ def _elements(names: Iterable[str]) -> Iterator[Node]:
             continue
 
 
-SHOWN = 5
-"""Effects in a table; `verbose` and JSON have all."""
 PLACES, NOTES = 3, 2
 """Places of failure and notes that are told where not everything is asked for."""
 SPARE = ("delta BIC", "predicted", "cannot be told from")

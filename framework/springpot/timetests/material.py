@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.material import PER_DECADE
+from springpot.identification.material import PER_DECADE, STILL
 from springpot.numerics import non_negative
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
@@ -31,8 +31,6 @@ from .specimen import Scales, tries_of
 from .temperatures import Together, is_law, lawful, seen_by
 from .where import rms
 
-STILL = 1e-7
-"""Relative drop of the sum of squares below which a step changes nothing that is printed."""
 KEPT = 2
 """Convex forms of single tests from which a search of all of them begins."""
 BRIEF = 3
