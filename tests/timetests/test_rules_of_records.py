@@ -208,7 +208,7 @@ def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
         (1.1, False, {"temperature"}, "they are not of one specimen in one state"),
         (1.1, False, {}, "no column tells"),
         (1.1, True, {}, ""),
-        (verdict.AGREE, False, {}, ""),
+        (verdict.VERDICT.agrees, False, {}, ""),
     ],
 )
 def test_tests_that_agree_with_a_material_each_alone_are_of_several(alone, agrees, columns, says):

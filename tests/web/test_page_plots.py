@@ -141,6 +141,7 @@ def test_a_page_is_light(page: Open):
     assert 100_000 < sum(weights) <= 350_000
 
 
+@pytest.mark.soak
 def test_a_class_is_one_card_until_what_decides_is_measured(
     page: Open, damper: bytes, planned: bytes
 ):
@@ -362,6 +363,7 @@ def test_whatever_a_finger_can_choose_is_as_wide_and_high_as_one(page: Open, dam
         here.page.keyboard.press("Escape")
 
 
+@pytest.mark.soak
 def test_two_views_stand_side_by_side_with_one_cursor_and_one_preview(page: Open, damper: bytes):
     here = page()
     here.page.set_viewport_size({"width": 1440, "height": 900})

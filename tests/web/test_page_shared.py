@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from browsing import IN_A_BROWSER, Open
 
 pytestmark = IN_A_BROWSER
 
 
+@pytest.mark.soak
 def test_own_and_tied_parameters_are_typed_refused_and_left_with(page: Open):
     rng, omega = np.random.default_rng(1), np.geomspace(1.0, 300.0, 12)
     files = {}

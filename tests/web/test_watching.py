@@ -106,6 +106,7 @@ def test_a_folder_that_is_none_is_said_at_once(tmp_path: Path):
         watched(str(tmp_path / "gone"), "", "", "")
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_new_rows_drift_in_and_the_ladder_stays(
     page: Open, bench: Workbench, tmp_path: Path, lines: list[bytes], planned: bytes, monkeypatch

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics import ALIKE, ROUNDING
+from ..numerics import ALIKE, LARGEST, ROUNDING
 from .points import HALF_PI, Real, power_of_s
 
 FOUR_OVER_PI = 4.0 / np.pi
@@ -99,9 +99,6 @@ def _larger(a: Dual, b: Dual, sign: float = 1.0) -> Dual:
     }
     return Dual(np.where(first, a.value, b.value), slopes)
 
-
-ENDLESS = 1e120
-"""A power beyond is held there, where its square still is a number."""
 
 JOINED: dict[str, Callable[[Dual, Dual], Dual]] = {
     "+": lambda a, b: Dual(a.value + b.value, _merged(a.slopes, b.slopes)),
@@ -273,12 +270,12 @@ class Power(Term):
         base = self.base.at(known)
         whole = self._of_any(base, exponent)
         # NaN is none of these: it stays what it is.
-        beyond = np.abs(whole.value) > ENDLESS
+        beyond = np.abs(whole.value) > LARGEST
         if not beyond.any():
             return whole
         # Nor must a solver be drawn further where nothing changes.
         kept = {name: np.where(beyond, 0.0, slope) for name, slope in whole.slopes.items()}
-        return Dual(np.where(beyond, ENDLESS, whole.value), kept)
+        return Dual(np.where(beyond, LARGEST, whole.value), kept)
 
     def _of_any(self, base: Dual, exponent: Dual) -> Dual:
         value, under = base.value**exponent.value, base.value

@@ -48,7 +48,7 @@ from ..numerics import NEGLIGIBLE, SMALLEST, evenly
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, slip_beside
+from .left import Left, Tried, slip_beside
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -74,7 +74,6 @@ from .sieve import (
     power_of,
 )
 from .specimen import at_rigs, at_tests
-from .tried import Tried
 from .verdict import AskedTests, TimeCase, answer_of, worst_of
 from .where import rms
 
