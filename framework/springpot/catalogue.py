@@ -14,9 +14,8 @@ from springpot.errors import PluginError
 from springpot.hooks import Chapter, SolverFormat
 from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, OptimiserFamily
-from springpot.measurement.opening import DataSet, TimeReader
+from springpot.measurement.opening import DataSet, Suite, TimeReader
 from springpot.measurement.reader import Reader
-from springpot.measurement.suite import Suite
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 

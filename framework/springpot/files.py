@@ -29,7 +29,8 @@ from tempfile import NamedTemporaryFile
 from typing import IO, Any, TypeVar
 
 from springpot.errors import DataError, OutputError
-from springpot.limits import LARGEST_NUMBER, OverTime, limited
+from springpot.limits import OverTime, limited
+from springpot.numerics import LARGEST as LARGEST_NUMBER
 from springpot.writing import suggested
 
 

@@ -16,9 +16,8 @@ import pluggy
 if TYPE_CHECKING:
     from springpot.identification.problem import Objective
     from springpot.identification.runs import Optimiser, OptimiserFamily
-    from springpot.measurement.opening import DataSet, TimeReader
+    from springpot.measurement.opening import DataSet, Suite, TimeReader
     from springpot.measurement.reader import Reader
-    from springpot.measurement.suite import Suite
     from springpot.rheology.effect import Effect
     from springpot.rheology.model import Family, Model
 

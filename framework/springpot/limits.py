@@ -19,8 +19,6 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-LARGEST_NUMBER = 1e150
-"""In an answer: the square of a larger one is no number any more, and it is told as infinity is."""
 _TICK = 0.1
 """Seconds after which work that was told to end, and did not, is told again."""
 

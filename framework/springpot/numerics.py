@@ -27,6 +27,13 @@ PRINTED = 1e-4
 SMALLEST = 1e-300
 """Stands for nothing where one divides by it or takes its logarithm; its inverse is a number."""
 
+LARGEST = 1e150
+"""Stands for no limit, and for infinity in an answer: its square still is a number."""
+ENDLESS = 30.0
+"""Of an interval in natural logarithms, thirteen decades to either side: it has no end."""
+AT_ONCE = 1_000_000
+"""Numbers of a large array that are held at once."""
+
 DIFFERENCE = 1e-6
 """Relative step of a central difference: what is cut off and what is rounded are both 1e-10."""
 

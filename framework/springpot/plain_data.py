@@ -12,7 +12,7 @@ from math import nan
 from typing import Any, TypeVar
 
 from springpot.errors import DataError
-from springpot.limits import LARGEST_NUMBER
+from springpot.numerics import LARGEST as LARGEST_NUMBER
 
 T = TypeVar("T")
 

@@ -25,6 +25,10 @@ NAMED = 3
 """Of a list in a sentence, how many are named; the rest is counted."""
 LISTED = 8
 """Rows of a table, or names where one of many is wanted; the rest is counted."""
+FEW = 6
+"""Rows or colours that are taken in at a glance, where not everything is asked for."""
+SHOWN = 5
+"""Of what comes the most telling first, how many are shown."""
 PLAIN = 4
 """Decimals of what rounds to zero.
 

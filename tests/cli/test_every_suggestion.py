@@ -219,7 +219,7 @@ SCENARIOS = {
     "files.py:within_budget": too_large,
     "measurement/opening.py:_named": of_command("inspect", "none"),
     "measurement/opening.py:_signals_by": of_command("signals", "sweep.csv"),
-    "measurement/suite.py:problem": of_command("list", "suites", "springpot-60/zzz"),
+    "measurement/opening.py:problem": of_command("list", "suites", "springpot-60/zzz"),
     "registry.py:_proposal": of_command("identify", "sweep.csv", "--model", "zzz"),
     "report/inspection.py:in_time_text": of_command("inspect", "record.csv"),
     "report/inspection.py:next_step": of_command("inspect", "warm.csv"),

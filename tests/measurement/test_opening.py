@@ -6,8 +6,8 @@ import pytest
 
 from springpot.errors import DataError, SpringpotError
 from springpot.measurement import DataSet, Reader, open_measurement, opening
+from springpot.measurement.opening import Suite
 from springpot.measurement.reader import Choice
-from springpot.measurement.suite import Suite
 
 
 def refusal(tmp_path, message):

@@ -7,7 +7,7 @@ import springpot
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE
 from springpot.timetests.diagnosis import diagnose
-from springpot.timetests.tried import weight_of
+from springpot.timetests.left import weight_of
 
 
 @pytest.mark.parametrize("name", ["time-delay", "force-drift", "force-clipping", "thermal-growth"])

@@ -12,11 +12,10 @@ from springpot import TimeTest
 from springpot.registry import plugins
 from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
-from springpot.timetests.left import Left
+from springpot.timetests.left import Left, Tried
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.sieve import passed_over
-from springpot.timetests.tried import Tried
 
 MODEL = springpot.parse_model("zener")
 TIME = np.geomspace(0.01, 100.0, 60)

@@ -12,10 +12,10 @@ from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
+from springpot.timetests.left import Promise
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.scatter import ResidualScatter, scatter_of, scatter_of_sweep
 from springpot.timetests.score import TimeScan, _different
-from springpot.timetests.tried import Promise
 
 TIME = np.geomspace(0.01, 100.0, 120)
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import normal_quantile
+from springpot.numerics import AT_ONCE
 from springpot.report.tables import Interval as Interval
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -420,8 +421,6 @@ ROPE = 0.06
 call a small effect."""
 PRIOR = 0.5
 """Weight of the prior's one observation, of no difference, as in the source."""
-AT_ONCE = 1 << 21
-"""Numbers that are in memory at once: 16 MiB."""
 DRAWS = 4000
 """Of the posterior: probabilities are known to 0.008."""
 

@@ -10,7 +10,7 @@ import click
 from .common import emit, json_option
 
 if TYPE_CHECKING:
-    from springpot.measurement.suite import Suite
+    from springpot.measurement.opening import Suite
     from springpot.registry import Registry
 
 KINDS = (

@@ -26,7 +26,7 @@ from springpot.plain_data import alive, json_number, jsonable, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import COMPARISON, SUPERPOSITION
-from springpot.writing import NAMED
+from springpot.writing import FEW, NAMED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,12 +52,8 @@ TOLD = (
 ONLY_NOISE = "nothing is left but noise"
 """What is said of a model beside which no pattern is left."""
 
-NEXT = 3
-"""Models shown beside the adequate ones, which tell how much worse the next are."""
 LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
-MOST_DRAWN = 6
-"""Models in a picture: more colours are not told apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -470,12 +466,12 @@ class Ranking(Comparison):
     def next(self) -> tuple[Judgement, ...]:
         """The best of those that are not adequate, one of each kind of curve."""
         nearest = self.judgements[len(self.adequate) + len(self.near) :][:LOOKED_AT]
-        return tuple(group[0] for group in grouped(nearest)[:NEXT])
+        return tuple(group[0] for group in grouped(nearest)[:NAMED])
 
     @property
     def shown(self) -> tuple[Judgement, ...]:
         """One of each group, and the best of those that are not adequate."""
-        return (*(group[0] for group in self.groups), *self.next)[:MOST_DRAWN]
+        return (*(group[0] for group in self.groups), *self.next)[:FEW]
 
     @cached_property
     def says(self) -> str:

@@ -14,16 +14,12 @@ from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.misfit.error import percent
 from springpot.rheology.points import Complex, Real
+from springpot.thresholds import INTERVAL
 
 from .result import Candidate, Diagnosis
 
 OF_MODULUS = {"%": 1e-2}
 OF_PHASE = {"mrad": 1e-3, "rad": 1.0, "deg": pi / 180.0}
-COVERED = 0.95
-"""Share of the values that lie within an accuracy.
-
-Coverage of an expanded uncertainty (JCGM 100:2008, 6.2.1).
-"""
 SOLVED = float(np.sqrt(np.finfo(float).eps))
 """Relative error down to which numbers tell a minimum of squares at all."""
 
@@ -101,7 +97,7 @@ class Accuracy:
     def terms(self) -> dict[str, float]:
         """Standard uncertainties of gain and phase of which this is the expanded one."""
         phase = self.modulus if self.phase is None else self.phase
-        quantile = student(COVERED, np.inf)
+        quantile = student(INTERVAL, np.inf)
         return {"gain": self.modulus / quantile, "phase": phase / quantile}
 
     def holds(self, misfits: Sequence[Misfit]) -> bool:
@@ -132,7 +128,7 @@ def _within(off: Real, promised: float) -> bool:
     if not len(off):
         return True
     # Of few values one may lie beyond: a share of them is no count.
-    most = ceil(round((1.0 - COVERED) * len(off), 6))
+    most = ceil(round((1.0 - INTERVAL) * len(off), 6))
     size = float(np.sqrt(np.mean(off**2)))
     return int(np.count_nonzero(~(off <= promised))) <= most and size <= promised
 

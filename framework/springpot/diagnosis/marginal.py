@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from springpot.distributions import student
 from springpot.identification.intervals import held_costs
 from springpot.identification.normal import variance_of
 from springpot.identification.starts import Window, shown
@@ -27,7 +28,7 @@ from springpot.misfit.frame import (
 )
 from springpot.misfit.refit import Refit
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import EVIDENCE, VERDICT
+from springpot.thresholds import EVIDENCE, INTERVAL, VERDICT
 
 from ..numerics import ROUNDING, SMALLEST
 
@@ -45,8 +46,6 @@ Slower ones are a straight line.
 """
 MOST_STEPS = 200
 """Places at which a step is sought at most, evenly over the measured frequencies."""
-TWO_SIDED = 1.96
-"""Standard deviations to either end of an interval of 95 %."""
 PLACES = 9
 """Places in its range at which an open parameter is held in turn."""
 
@@ -96,11 +95,11 @@ def _open_harmonic(refit: Refit, predicted: Complex) -> Real:
     low, high = refit.model.box
     _, sharpness, directions = np.linalg.svd(fit.jacobian_u, full_matrices=False)
     # Nobody knows less of a parameter than was known beforehand.
-    least = 1.0 / np.sqrt(EVIDENCE.vague)
+    least, reach = 1.0 / np.sqrt(EVIDENCE.vague), student(INTERVAL, np.inf)
     squares = np.zeros(len(predicted))
     for sharp, direction in zip(np.maximum(sharpness, least), directions, strict=True):
         ends = [
-            np.clip(fit.from_u(fit.u + sign * TWO_SIDED / sharp * direction), low, high)
+            np.clip(fit.from_u(fit.u + sign * reach / sharp * direction), low, high)
             for sign in (-1.0, 1.0)
         ]
         # Where a law gives no number it may give any.

@@ -35,15 +35,13 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
-from springpot.writing import NAMED, suggested
+from springpot.writing import FEW, NAMED, suggested
 
 from .evidence import Evidence
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
 
-MOST_RUNS = 6
-"""Runs whose own gains a note shows; of more it would be a table."""
 MEANINGS = {
     -1.0: "as Coulomb friction would",
     0.0: "as a power-law damper would",
@@ -260,8 +258,8 @@ def _of_own_gains(data: Averaged) -> str:
     if not one_way:
         return differ
     # By chance three specimens stand like that one time in three: a word, and no verdict.
-    values = ", ".join(f"{100 * gain:+.2g}" for gain in of_runs[:MOST_RUNS])
-    if len(of_runs) > MOST_RUNS:
+    values = ", ".join(f"{100 * gain:+.2g}" for gain in of_runs[:FEW])
+    if len(of_runs) > FEW:
         values = f"{values}, ..."
     return (
         f"{differ}; from run to run it goes one way ({values} %): if they are one specimen,"

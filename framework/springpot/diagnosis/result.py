@@ -21,7 +21,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
-from springpot.writing import in_shell, suggested
+from springpot.writing import NAMED, in_shell, suggested
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -125,8 +125,6 @@ EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 Shelf = Literal["explains", "helps", "ruled-out"]
 
 SCHEMA = "springpot.diagnosis/2"
-MOST_ACCEPTED = 3
-"""Effects that are offered to be accepted."""
 RENAMED = frozenset({"physics", "alike"})
 """Of a candidate: told as its effect and its class."""
 
@@ -361,7 +359,7 @@ class Diagnosis:
         if self.verdict == "adequate":
             return self.steps
         explain = self.on_shelf("explains")
-        shown = [*explain, *self.on_shelf("helps")][:MOST_ACCEPTED]
+        shown = [*explain, *self.on_shelf("helps")][:NAMED]
         return (
             *self.steps,
             *(accepting(row.effect, row in explain, row.after) for row in shown),

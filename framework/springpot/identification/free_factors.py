@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from springpot.distributions import alike, student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
+from springpot.numerics import ENDLESS
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
@@ -26,10 +27,6 @@ from .material import is_material, shifted_by
 from .native import fit
 from .problem import Objective, weighted
 from .space import Expected, expectation
-
-OPEN = 30.0
-"""Standard deviation in ln a of what is not determined: thirteen decades."""
-
 
 LOST = 1e-5
 """Singular value over the largest below which a direction of the factors is not determined."""
@@ -381,7 +378,7 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     # infinity, with which nothing can be computed.
     # By an orthonormal basis: which vectors span what is lost is chance.
     lost, _ = np.linalg.qr(right[~known].T / size[:, None])
-    covariance = covariance + OPEN**2 * lost @ lost.T
+    covariance = covariance + ENDLESS**2 * lost @ lost.T
     if expected is not None and expected.moved is not None:
         covariance = covariance + np.outer(expected.moved, expected.moved)
     return np.asarray(covariance, dtype=np.float64)

@@ -16,7 +16,7 @@ import numpy as np
 
 from springpot.distributions import alike, f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.numerics import non_negative
+from springpot.numerics import MOST_STEPS, non_negative
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
@@ -212,8 +212,6 @@ FIRST_STEP = 0.01, 1.0
 """Least and most of the first step from the best fit, in coordinates, most of them logarithms.
 
 A quarter of what the slopes give."""
-OUTWARD = 40
-"""Steps after which an interval has no end."""
 GROWTH = 1.6
 """Factor from step to step: thirty of them go from a per cent to ten decades."""
 
@@ -349,7 +347,7 @@ def _crossing(
     from scipy.optimize import brentq  # loading the plugins must not take its time
 
     inner, sign = start, np.sign(limit - start)
-    for _ in range(OUTWARD):
+    for _ in range(MOST_STEPS):
         outer = start + sign * min(step, abs(limit - start))
         if above(outer) > 0.0:
             return float(brentq(above, inner, outer, xtol=PRINTED))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import OptionError
+from springpot.numerics import AT_ONCE
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
@@ -286,10 +287,6 @@ class Path:
         ).cost
 
 
-NUMBERS = 4_000_000
-"""Simulated numbers held at once."""
-
-
 def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = True) -> Real:
     """Refit simulated data.
 
@@ -322,7 +319,7 @@ def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = 
     """
     points = len(fit.measurement)
     # In blocks, as all simulated data at once may be more than memory holds.
-    block = max(1, NUMBERS // (2 * points))
+    block = max(1, AT_ONCE // (2 * points))
     refitted = []
     for first in range(0, n, block):
         errors = _errors(fit, min(block, n - first), rng, parametric)

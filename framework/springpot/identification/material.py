@@ -18,7 +18,7 @@ from itertools import chain
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import non_negative
+from springpot.numerics import MOST_STEPS, non_negative
 from springpot.rheology.effect import Layer
 from springpot.rheology.elements import (
     Continuum,
@@ -53,8 +53,6 @@ A single Maxwell element lies between lines.
 """
 QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
-ITERATIONS = 40
-"""Steps at most of a descent."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
 WIDEST = 60.0 * float(np.log(10.0))
@@ -78,8 +76,6 @@ FINEST = STEP / 2048
 """Between the closest lines: what lies between them differs by 1e-8 of K."""
 NEIGHBOURS = (-1 / 4, -1 / 16, -1 / 64, 0.0, 1 / 64, 1 / 16, 1 / 4)
 """Places about a line to which it may move, in steps of the first lattice: far, or a little."""
-EXCHANGES = 20
-"""Times that lines are added and others given up; most spectra take five."""
 
 
 def is_material(model: Model) -> bool:
@@ -379,7 +375,7 @@ class SpectrumSearch:
     def descend(
         self,
         trial: Trial,
-        iterations: int = ITERATIONS,
+        iterations: int = MOST_STEPS,
         still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,
@@ -396,7 +392,7 @@ class SpectrumSearch:
     def descend_each(
         self,
         trials: Sequence[Trial],
-        iterations: int = ITERATIONS,
+        iterations: int = MOST_STEPS,
         still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,
@@ -480,7 +476,7 @@ class SpectrumSearch:
         does (the gradient function of Lindsay 1983, doi:10.1214/aos/1176346059; its peaks by
         Groeneboom, Jongbloed and Wellner 2008, doi:10.1111/j.1467-9469.2007.00588.x).
         """
-        for _ in range(EXCHANGES):
+        for _ in range(MOST_STEPS):
             carrying = trial.log_rates[trial.weights[2:] > 0.0]
             finer = self.solve(trial.u, np.union1d(carrying, self._promising(trial)))
             if not finer.cost < (1.0 - NEGLIGIBLE) * trial.cost:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned as thinned_rows
+from springpot.numerics import MOST_STEPS
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.factors import arrhenius, wlf
@@ -29,7 +30,7 @@ from springpot.rheology.points import Real
 
 from ..numerics import DECADE, SMALLEST
 from .leastsquares import Trial
-from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
+from .material import STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
 
@@ -316,8 +317,6 @@ COARSE_POINTS = 120
 """
 LAST = 3
 """Steps with all points: each squares the error that was left."""
-ROUNDS = 8
-"""Rounds in which lines and effects move together; nearly all fits come to rest in two."""
 MENDED = 0.998
 """Share of the objective that a round leaves at least where there is nothing more to be had."""
 
@@ -406,7 +405,7 @@ def _deepest(
         # A setting costs one convex problem; descents are begun only from the best of them.
         trials = search.solve_each([search.begun(search.u_of(own)) for own in some])
         begun += sorted(trials, key=lambda trial: trial.cost)[:KEPT]
-    ends = search.descend_each(begun, ITERATIONS, still, hopeless)
+    ends = search.descend_each(begun, MOST_STEPS, still, hopeless)
     return min(ends, key=lambda end: end[0].cost)
 
 
@@ -443,7 +442,7 @@ def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:
     1.5 x that of the noise.
     """
     finer = search.refined(trial)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_STEPS):
         again, _ = search.descend(finer, LAST, lines=search.about(finer))
         again = search.nearest(again)
         if not again.cost < MENDED * finer.cost:

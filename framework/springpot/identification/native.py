@@ -23,7 +23,7 @@ from springpot.writing import counted
 from ..numerics import ALIKE, NEGLIGIBLE
 from .fitted import Fit, task_of
 from .leastsquares import FLAT, Solution, levenberg_marquardt
-from .material import STILL, is_material, own_parameters
+from .material import QUICK, STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .problem import Objective, Problem, default_objective, weighted
 from .recorder import Recorder
@@ -35,8 +35,6 @@ COARSE_POINTS = 500
 """Larger data sets are first fitted at this many of their points."""
 LAST = 20
 """Steps with all points of a large data set; most of the way was gone with a few of them."""
-QUICK = 10
-"""Steps in all parameters before the shapes are searched."""
 STOPS = 10.0
 """Ends within so many times what is not worth a step are one end: each may stop that far above it.
 """

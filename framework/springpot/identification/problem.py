@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError, PluginError, owned
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
 
@@ -33,6 +32,7 @@ from .space import SearchSpace, paper_box
 
 if TYPE_CHECKING:
     from springpot.measurement.opening import Test
+    from springpot.rheology.model import Model
 
 STEPS = (1e-3, 1e-4, 1e-5)
 """Of the central difference, relative to each parameter.

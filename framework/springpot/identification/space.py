@@ -10,25 +10,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from springpot.errors import DataError, ModelError
 from springpot.measurement.measurement import Measurement
+from springpot.numerics import LARGEST as LARGEST_NUMBER
 from springpot.rheology.effect import Test
 from springpot.rheology.levels import Levels
-from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
 from ..numerics import ROUNDING
 
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
+
 TINY = 1e-9
 """Smallest positive value of a searched parameter, as a fraction of its upper bound."""
-
-HUGE = 1e100
-"""Stands for an infinite limit: its square is still a number."""
 
 
 LARGEST = 1e30
@@ -72,14 +73,14 @@ class SearchSpace:
         A positive parameter stays positive.
         """
         tiny = TINY * np.minimum(self.expected, self.upper)
-        lowest = np.maximum([p.lower for p in self.parameters], -HUGE)
+        lowest = np.maximum([p.lower for p in self.parameters], -LARGEST_NUMBER)
         # A lower end of zero is no place for a logarithm.
         return np.where(lowest == 0.0, tiny, lowest)
 
     @cached_property
     def highest(self) -> Real:
         """Limits (d,) that no point exceeds."""
-        return np.array([min(p.upper, HUGE) for p in self.parameters])
+        return np.array([min(p.upper, LARGEST_NUMBER) for p in self.parameters])
 
     def _split(self) -> int:
         if self.model.search is None:

@@ -16,17 +16,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.model import Model
+from springpot.numerics import AT_ONCE
 from springpot.rheology.nodes import GRADIENT, Chain, Node, Parallel, Renamed, Series, Shift
 from springpot.rheology.parameters import Coordinates, Parameter
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import SMALLEST
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 LEAST_GAIN = 1e-7
 """Smallest share of the data that a branch is given; a logarithm cannot start at zero."""
@@ -252,8 +256,6 @@ SHAPES = (1, 16, 64, 192, 320)
 """Shapes scanned for 0, 1, 2, 3 and more free parameters of shape."""
 NEIGHBOURS = 4
 """Nearest shapes that a shape must beat to come first: so the starts lie in different valleys."""
-BLOCK = 1_000_000
-"""Entries of Gram matrices held at once."""
 
 
 def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> Real:
@@ -357,7 +359,7 @@ class Shapes:
         """
         keep = min(keep, len(self.v))
         # In blocks, as Gram matrices of many data sets would not fit into memory at once.
-        step = max(1, BLOCK // (len(self.v) * len(self.responses) ** 2))
+        step = max(1, AT_ONCE // (len(self.v) * len(self.responses) ** 2))
         target, weight = plane_data(stiffness, weights, self.compliance)
         blocks = [slice(i, i + step) for i in range(0, len(stiffness), step)]
         chosen = [self._chosen(target[block], weight[block], keep) for block in blocks]

@@ -18,10 +18,12 @@ from springpot.measurement.units import (
     STRAIN_UNITS,
     Units,
 )
+from springpot.numerics import ENDLESS
 from springpot.plain_data import as_declared, json_number, jsonable, some
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
+from springpot.thresholds import VERDICT
 from springpot.writing import csv_text
 
 LOST = 1000.0
@@ -162,9 +164,6 @@ def all_parameters(
 
 SWEEP = "sweep"
 """Kind of a test at frequencies."""
-AGREE = 1.5
-"""A test that the common parameters miss by this many times what its own would leave does not agree
-with the others: with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
 
 MOST_POINTS = 2**53
 """Samples of all tests together: what a float counts exactly."""
@@ -210,7 +209,7 @@ class PartResult:
         """Whether the common parameters serve this test nearly as well as its own would."""
         # What cannot be told disagrees with nothing; to leave less than the noise is chance: no
         # test is asked for that.
-        return not self.over_floor > AGREE * max(self.over_floor_alone, 1.0)
+        return not self.over_floor > VERDICT.agrees * max(self.over_floor_alone, 1.0)
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schemas."""
@@ -260,8 +259,6 @@ def in_floors(error: float, floor: float) -> float:
 
 SCHEMA = "springpot.quantities/1"
 Source = Literal["data", "model"]
-ENDLESS = 30.0
-"""Half of an interval in natural logarithms, from which it has no end."""
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,8 @@ if TYPE_CHECKING:
     from .opening import (
         DataSet as DataSet,
     )
+    from .opening import Measured as Measured
+    from .opening import Suite as Suite
     from .opening import TimeReader as TimeReader
     from .opening import (
         open_measurement as open_measurement,
@@ -129,8 +131,6 @@ if TYPE_CHECKING:
     from .scatter import with_noise as with_noise
     from .signals import Signals as Signals
     from .signals import harmonics_of as harmonics_of
-    from .suite import Measured as Measured
-    from .suite import Suite as Suite
     from .timenoise import noise_of as noise_of
     from .timetest import TimeTest as TimeTest
     from .units import (
@@ -201,14 +201,14 @@ __getattr__, __dir__ = offered(
         "measurement": "Measurement misspelt",
         "mixed_tests": "settings_of sweeps_of tests_together",
         "opening": (
-            "DataSet open_measurement parts_of pick_reader PROMISED select TimeReader without"
+            "DataSet Measured open_measurement parts_of pick_reader PROMISED select Suite"
+            " TimeReader without"
         ),
         "other_test": "OtherTest",
         "reader": "Choice OpenQuestion Part parts_as_opened Question Reader",
         "replicates": "average_repeats thinned",
         "scatter": "at_least_rounding with_noise",
         "signals": "harmonics_of Signals",
-        "suite": "Measured Suite",
         "springpot.files": (
             "Budget budget_of bytes_of json_of MOST_CELLS MOST_COLUMNS MOST_TABLES toml_of "
             "within_budget"

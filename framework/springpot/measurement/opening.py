@@ -18,13 +18,14 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import TypeAlias, TypeVar
 
 from springpot.errors import DataError, SpringpotError, described, owned
 from springpot.files import keep_input, require_regular, within_budget
-from springpot.writing import suggested
+from springpot.writing import NAMED, suggested
 
 from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
@@ -52,8 +53,6 @@ from .timetest import TimeTest
 
 Test: TypeAlias = Measurement | TimeTest | OtherTest
 """What was measured on one specimen: a sweep, a test in time, or one of a further kind."""
-LISTED_TESTS = 3
-"""Tests of one file that are named one by one."""
 PROMISED = "promised accuracy"
 """Of a provenance, what a data set says of its instrument; a comment in a file is no such word."""
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
@@ -75,7 +74,7 @@ def together(names: Iterable[str]) -> str:
         files.setdefault(name.partition("#")[0], []).append(name)
     told: list[str] = []
     for file, tests in files.items():
-        told += tests if len(tests) <= LISTED_TESTS else [f"{file} ({len(tests)} tests)"]
+        told += tests if len(tests) <= NAMED else [f"{file} ({len(tests)} tests)"]
     return " + ".join(told)
 
 
@@ -748,3 +747,78 @@ def _told(test: TimeTest | OtherTest, path: Path, choice: Choice) -> TimeTest | 
     """The test with what is told of it as a user types it."""
     origin = {key: to_type(path, text, choice) for key, text in test.provenance.items()}
     return replace(test, provenance=origin)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured of a problem, not of an optimiser on it.
+
+    Parameters
+    ----------
+    part : str
+        The part of its suite that it belongs to by these, such as ``hard``.
+    features : mapping of str to float
+        By name.
+    """
+
+    part: str
+    features: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A versioned collection of problems: its name says which version, and nothing in it changes.
+
+    Parameters
+    ----------
+    name : str
+        What users type; its problems are called ``NAME/PROBLEM``.
+    summary : str
+        One sentence on what it holds.
+    load : callable
+        Gives the problems, each a `DataSet` with its own model and objective; called only when the
+        suite is used.
+    measure : callable, optional
+        Gives what was measured of each problem, by its name.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> suite = springpot.plugins().find("suite", "springpot-60")
+    >>> len(suite.problems)
+    60
+    """
+
+    name: str
+    summary: str
+    load: Callable[[], tuple[DataSet, ...]]
+    measure: Callable[[], Mapping[str, Measured]] = dict
+
+    @cached_property
+    def problems(self) -> tuple[DataSet, ...]:
+        """Its problems, in their order."""
+        return self.load()
+
+    @cached_property
+    def measured(self) -> Mapping[str, Measured]:
+        """What was measured of each problem, by its name."""
+        return self.measure()
+
+    def problem(self, name: str) -> DataSet:
+        """One of them, by its whole name.
+
+        Raises
+        ------
+        DataError
+            If it has none of that name.
+        """
+        known = {problem.name: problem for problem in self.problems}
+        if name in known:
+            return known[name]
+        # By what follows the suite's own name, which all of them share.
+        short = {each.partition("/")[2]: each for each in known}
+        near = get_close_matches(name.partition("/")[2], short, n=3)
+        hint = f"see '{suggested('list suites', self.name)}'"
+        if near:
+            hint = f"did you mean {' or '.join(short[each] for each in near)}?"
+        raise DataError(f"suite {self.name} has no problem '{name}': {hint}")

@@ -5,17 +5,19 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, ROOM, Real
 
 from .units import Units
+
+if TYPE_CHECKING:
+    from springpot.rheology.intime import Traced
+    from springpot.rheology.model import Model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,6 +15,7 @@ from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import ROUNDING
+from .imposed import STEADY
 
 FEWEST = 8
 """Complete samples below which nothing is made of a record."""
@@ -171,8 +172,6 @@ MOST = 1 << 16
 
 In longer ones, of several periods: memory stays the same.
 """
-TOLERANCE = 0.02
-"""Displacement amplitudes that differ by less, relative, belong to one steady part."""
 TOLD = 2.5
 """Times the tolerance from which the user is told how steady a steady part is."""
 LOUD = 0.2
@@ -319,14 +318,14 @@ def steady_part(record: MendedSignals, omega: float) -> Steady:
     loud = size > LOUD * np.nanmax(size)
     noise = float(np.nanmedian(spread[loud] / size[loud]))
     # As strict as the noise allows, and less so only where nothing is found.
-    for tolerance in max(TOLERANCE, 4 * noise) * np.array([1.0, 2.0, 4.0]):
+    for tolerance in max(STEADY, 4 * noise) * np.array([1.0, 2.0, 4.0]):
         first, last = _longest_level(np.where(loud, size, np.nan), float(tolerance))
         # A shorter run is a single period, of which nobody can say that it was steady.
         if last - first > QUARTERS:
             first += _transient(force[first:last] / moved[first:last])
             start, stop = begin + first * quarter, begin + (last + QUARTERS - 1) * quarter
             notes: tuple[str, ...] = ()
-            if tolerance > TOLD * TOLERANCE:
+            if tolerance > TOLD * STEADY:
                 notes = (f"the amplitude is steady only within {100 * tolerance:.2g} %",)
             return Steady(start, min(stop, whole.stop), notes)
     return Steady(

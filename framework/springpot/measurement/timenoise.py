@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from springpot.numerics import non_negative
 from springpot.rheology.points import Real
+from springpot.writing import SHOWN
 
 from ..numerics import (
     ALIKE,
@@ -396,8 +397,6 @@ def relative_scatter(sweep: Measurement) -> float:
 
 AROUND = 15
 """Samples on either side whose median tells how large the noise is there."""
-TOLD = 5
-"""Samples that are named at most."""
 
 
 @lru_cache(maxsize=256)
@@ -446,8 +445,8 @@ def said_of_strays(test: TimeTest) -> str:
     if len(rows) == 0:
         return ""
     most = float(np.abs(_off(*_over_noise(test))[rows]).max())
-    named = ", ".join(f"{t:.4g}" for t in test.time[rows[:TOLD]]) + (
-        ", ..." if len(rows) > TOLD else ""
+    named = ", ".join(f"{t:.4g}" for t in test.time[rows[:SHOWN]]) + (
+        ", ..." if len(rows) > SHOWN else ""
     )
     if len(rows) == 1:
         return f"{test.name}: the sample at {named} s is off by {most:.2g} x the noise: left out"

@@ -32,8 +32,6 @@ from .units import (
 )
 
 CONTROLS = ("displacement", "force")
-STRAIGHT = 0.02
-"""Share of its end by which a ramp may leave the straight line."""
 IMMENSE = 1e60
 """No number of a test is larger, nor the inverse of one, in whatever unit.
 
@@ -485,7 +483,7 @@ class TimeTest:
             return "recovery"
         # A startup is one ramp from its beginning to its end.
         line = (clock - self.start) / max(clock[-1] - self.start, SMALLEST) * value[-1]
-        if np.abs(np.where(clock >= self.start, value - line, 0.0)).max() <= STRAIGHT * largest:
+        if np.abs(np.where(clock >= self.start, value - line, 0.0)).max() <= STEADY * largest:
             return "startup"
         return "history"
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,9 +42,11 @@ from .frame import (
     spectrum,
     waves,
 )
-from .refit import Refit
 from .regions import HARMONICS, near_mains
 from .where import Where
+
+if TYPE_CHECKING:
+    from .refit import Refit
 
 MOST_TURNS = 10
 """Times that the points which stand out are found anew; nearly all settle in three."""

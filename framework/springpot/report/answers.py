@@ -22,12 +22,10 @@ from springpot.misfit.residual_tests import Finding
 from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
-from springpot.writing import LISTED, NAMED, counted, listed, number
+from springpot.writing import FEW, LISTED, NAMED, counted, listed, number
 
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 
-FEW = 6
-"""Rows in another answer, where not everything is asked for."""
 OUTSIDE = "outside     of what was measured: it holds only if the model does"
 
 

@@ -14,7 +14,7 @@ from springpot.identification.population import specimens_of
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
-from springpot.writing import counted, number
+from springpot.writing import FEW, counted, number
 
 from ..numerics import NEGLIGIBLE
 from .answers import quantities_passages, reference_note
@@ -39,8 +39,6 @@ FAR = log(1e6)
 BIASED = (
     "the intervals are those of this model as it is: what it misses may move its parameters by more"
 )
-FEW_SPECIMENS = 6
-"""Specimens whose values are told one by one."""
 HANG = " " * 12
 """Below the words that stand behind the name of a line."""
 
@@ -137,7 +135,7 @@ def parameters_table(
 
 def _few(identified: Identification) -> bool:
     """Whether the specimens are so few that each is told by itself."""
-    return len(specimens_of(identified.populations)) <= FEW_SPECIMENS
+    return len(specimens_of(identified.populations)) <= FEW
 
 
 def _listed(identified: Identification, verbose: bool) -> Mapping[str, Value]:

@@ -9,9 +9,8 @@ from typing import Any
 from springpot.hooks import SolverFormat
 from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, OptimiserFamily
-from springpot.measurement.opening import DataSet, TimeReader
+from springpot.measurement.opening import DataSet, Measured, Suite, TimeReader
 from springpot.measurement.reader import Reader
-from springpot.measurement.suite import Measured, Suite
 from springpot.measurement.units import Units
 from springpot.registry import Registry
 from springpot.rheology.drawing import drawing_of

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.measurement.conversion import levels_in_words
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.levels import levels_of
+from springpot.rheology.levels import HELD_OTHER, levels_of
 from springpot.rheology.points import Real
 from springpot.thresholds import VARIED
 
@@ -24,8 +24,6 @@ More colours than this cannot be told apart.
 """
 VARIES = 1.2
 """A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
-SAME = 2e-3
-"""Share of the largest by which neighbouring values of one set condition differ at most."""
 JITTER = {"temperature": 0.7, "amplitude": 0.05}
 """Gap up to which values belong to one condition that was not held well.
 
@@ -184,9 +182,9 @@ def _alike(rows: Rows, numbers: NDArray[np.int64], here: bool = False) -> Iterat
 def _levels(name: str, values: Real) -> NDArray[np.int64] | None:
     """Number of the level of each value; None where the values are too scattered for levels."""
     largest = float(np.max(np.abs(values)))
-    same = SAME
+    same = HELD_OTHER
     if name == "temperature":
-        scale, same = values, SAME * largest
+        scale, same = values, HELD_OTHER * largest
     # Amplitudes are set over decades: a difference of logarithms is a share of any of them.
     elif np.all(values > 0):
         scale = np.log(values)

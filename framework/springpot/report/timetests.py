@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.comparison.result import MOST_DRAWN
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
-from springpot.numerics import evenly
+from springpot.numerics import ENOUGH, evenly
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import (
@@ -29,6 +28,7 @@ from springpot.timetests.residuals_of_tests import (
 )
 from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import TestPrediction
+from springpot.writing import FEW
 
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
 
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DRAWN = 2000
-"""Samples that are drawn of a test: more make a picture large and no clearer."""
 CLOCKS = {"Hz": "f [Hz]", "rad/s": "ω [rad/s]"}
 """Titles of an axis of frequencies."""
 
@@ -81,12 +79,12 @@ def figure_tests(
 def fits_in_time(behind: Iterable[object]) -> list[Identification]:
     """The first few fits of tests in time behind answers; none of an answer about sweeps."""
     bases = [each.base if isinstance(each, TimeCase) else each for each in behind]
-    return [fit for fit in bases if isinstance(fit, Identification)][:MOST_DRAWN]
+    return [fit for fit in bases if isinstance(fit, Identification)][:FEW]
 
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:
     test = part.test
-    shown = evenly(len(test), DRAWN)
+    shown = evenly(len(test), ENOUGH)
     # Computed at times of its own: between samples a curve is smooth where its points are few.
     curves = _curve_times(test)
     for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from springpot.measurement.measurement import CONDITIONS, Measurement
+from springpot.numerics import ENOUGH
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
@@ -157,10 +158,6 @@ def smooth(measurement: Measurement, axis: DrawnAxis, sweep: DrawnSweep) -> tupl
     return fine, there
 
 
-MANY_POINTS = 2000
-"""More points than this are drawn small and as pixels, even in a vector figure."""
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
     """Data and fitted models that are drawn together.
@@ -242,7 +239,7 @@ class Scene:
     @property
     def marker(self) -> dict[str, Any]:
         """How measured points look."""
-        many = len(self.measurement) > MANY_POINTS
+        many = len(self.measurement) > ENOUGH
         size = 4.5
         if many:
             size = 1.5

@@ -33,6 +33,7 @@ from .nodes import FULL, VALUE, Node, Response
 from .nonlinear import NEEDS_AMPLITUDE, balanced_series, slip_film
 from .parameters import FORCE, PURE, Parameter, stiffness
 from .points import FURTHEST, Complex, Points, Real
+from .terms import BLOCK
 
 NODES = 24
 """Nodes on each half of z; the error falls by a factor of ten with every three more."""
@@ -40,8 +41,6 @@ FLATNESS = 4
 """Power with which the variable is flat at its ends: then roots at the tips become squares."""
 NEWTON_STEPS = 5
 """Four reach rounding from the start below for kX/F from 1e-8 to 1e8 and n from 0.5 to 8."""
-BLOCK = 2**12
-"""Loops that are integrated at once: what fits a processor's cache."""
 
 
 class QuadratureRule(NamedTuple):

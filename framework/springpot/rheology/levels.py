@@ -168,10 +168,6 @@ class Levels(Node):
         reference = int(np.argmin(np.abs(means - target)))
         return replace(self, values=tuple(means.tolist()), reference=reference)
 
-    def referred_to(self, value: float) -> Levels:
-        """The same levels with the factor one at the level nearest to `value`."""
-        return replace(self, reference=int(np.argmin(np.abs(np.array(self.values) - value))))
-
     @property
     def shown(self) -> tuple[float, ...]:
         """The levels as users write them: temperatures in degC."""

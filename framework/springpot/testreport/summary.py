@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.distributions import f_quantile, student
 from springpot.errors import DataError, OptionError
-from springpot.measurement.steady import TOLERANCE
+from springpot.measurement.imposed import STEADY
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, WHERE
 
@@ -192,7 +192,7 @@ def evaluate(record: LoopRecord, wanted: tuple[int, int] | None = None) -> Evalu
     if other := _other_strokes(cycles, first, last):
         notes.append(
             f"the mean is of cycles of unequal strokes: {', '.join(map(str, other))} differ by more"
-            f" than {100 * TOLERANCE:.0f} %; others are chosen by --cycles A..B"
+            f" than {100 * STEADY:.0f} %; others are chosen by --cycles A..B"
         )
     if wanted is not None and last < wanted[1]:
         notes.append(f"there are {len(cycles)} whole cycles: the means are of {first} to {last}")
@@ -218,7 +218,7 @@ def _other_strokes(cycles: Sequence[Cycle], first: int, last: int) -> list[int]:
     return [
         each.number
         for each, stroke in zip(meant, strokes, strict=True)
-        if abs(stroke - usual) > TOLERANCE * usual
+        if abs(stroke - usual) > STEADY * usual
     ]
 
 

@@ -48,7 +48,7 @@ from ..numerics import NEGLIGIBLE, SMALLEST, evenly
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, slip_beside
+from .left import Left, Tried, slip_beside
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -74,7 +74,6 @@ from .sieve import (
     power_of,
 )
 from .specimen import at_rigs, at_tests
-from .tried import Tried
 from .verdict import AskedTests, TimeCase, answer_of, worst_of
 from .where import rms
 
@@ -216,7 +215,7 @@ def _changed(part: InTimePart) -> Iterator[Planned]:
         yield from _of_step(part)
         return
     for factor, word in ((FARTHER, "ten times as fast"), (1.0 / FARTHER, "ten times as slowly")):
-        loading = Loading(test.loading.time / factor, test.loading.value)
+        loading = replace(test.loading, time=test.loading.time / factor)
         faster = _with(part, test.time / factor, loading)
         yield Planned(
             f"run the {moved} of {test.name} {word}", faster, TYPED_IN, {"faster": [factor]}

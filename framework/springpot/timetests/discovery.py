@@ -23,13 +23,12 @@ from springpot.thresholds import SEARCH
 
 from .diagnosis import examine
 from .fitting import identify
-from .left import Left
+from .left import Left, weight_of
 from .residuals_of_tests import Test
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .sieve import MARGIN, leading_of_scan, nearly_fitted, noise_of_both, plain_bic
 from .specimen import at_tests
-from .tried import weight_of
 from .verdict import AskedTests, TimeCase
 
 MOST = 3

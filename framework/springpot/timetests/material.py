@@ -226,11 +226,6 @@ def _best(
     return search.found(place, evaluations)
 
 
-FACTOR = 1.0
-"""Logarithm by which a size, a time or a threshold is moved to see whether the tests tell it.
-
-Nearly threefold.
-"""
 VISIBLE = 0.1
 """Share of the signal that an effect of either sign is changed by for the same.
 
@@ -463,7 +458,7 @@ class _Search:
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
-            amount = FACTOR
+            amount = LONGEST
             # What may be of either sign has no logarithm, and may be nothing: it moves by what
             # could be seen.
             if not self.coordinates.log[i]:

@@ -16,6 +16,7 @@ from springpot.identification.leastsquares import Rows, Solution, levenberg_marq
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
+from springpot.identification.task import FLAT_SHAPES
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
@@ -60,13 +61,8 @@ Below, the model follows it, whatever they are.
 """
 AFAR, NEAR = 1e-3, 1e-6
 """Damping at a start, and at one beside its end: there a step of Gauss and Newton is right."""
-FLAT = 1e-10
-"""A search ends once the drop foretold is this share of its objective.
-
-The figure that is printed has six digits.
-"""
 ROUGHLY = 1e-5
-"""The same of the first part of a search, which the last part goes on from."""
+"""Drop foretold, over the objective, that ends the first part of a search: the last goes on."""
 ENDED = {True: "converged", False: "not converged"}
 
 
@@ -284,7 +280,7 @@ class TimeSearch:
             )
 
         low, high = self.coordinates.bounds
-        shape, flat = starts.shape, FLAT
+        shape, flat = starts.shape, FLAT_SHAPES
         if coarse:
             flat = ROUGHLY
         return levenberg_marquardt(

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
@@ -30,8 +31,6 @@ FEWEST = 40
 
 Then the noise of the signal is believed, and taken as white.
 """
-FEWEST_POINTS = 12
-"""Points of a sweep below which what neighbours differ by tells less than its deviations do."""
 UPPER = 0.25
 """Share of the highest frequency above which there is noise alone.
 
@@ -269,7 +268,7 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     halves, count = residual.reshape(2, -1), len(residual)
     power = float(residual @ residual) / count
     apart, worth = 1.0, 0.5 * MEDIAN_WORTH * count
-    told = not known and count >= 2 * FEWEST_POINTS
+    told = not known and count >= 2 * FEWEST_OF_SCATTER
     if told:
         apart = max(float(np.sqrt(np.mean(np.diff(halves, 4) ** 2) / 70.0)), SMALLEST)
         worth = FOURTH_WORTH * count
@@ -298,7 +297,7 @@ def _of_a_ripple(halves: Real) -> float:
     n = halves.shape[1]
     power = np.abs(np.fft.rfft(halves, 2 * n, axis=1)[:, 1:-1]) ** 2
     whole = n * float(np.sum(halves**2))
-    if n < FEWEST_POINTS or whole == 0.0:
+    if n < FEWEST_OF_SCATTER or whole == 0.0:
         return 1.0
     share = min(2.0 * float(power.sum(axis=0).max()) / whole, 1.0)
     # Each ordinate has four of the 2 n degrees of freedom: a beta variable of 2 and n - 2.

@@ -16,22 +16,23 @@ from itertools import product
 
 import numpy as np
 
+from springpot.diagnosis.scan import PARALLEL
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect, acting, on_loading, on_response
-from springpot.rheology.intime import velocity
 from springpot.rheology.model import Model, linear_network, sorted_out
+from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
+from .left import TWINS, Atom, Promise
 from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import Scales, stepped, tries_of
-from .tried import TWINS, Atom, Promise
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -45,8 +46,6 @@ K saturates there, which no
 small step foretells."""
 RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
-THE_SAME = 0.9999
-"""Cosine from which two places of an effect are one: its size alone differs."""
 
 
 class TimeScan:
@@ -342,7 +341,7 @@ def _different(promises: list[Promise]) -> list[Promise]:
     kept: list[Promise] = []
     for promise in sorted(promises, key=_rating):
         alike = [other.direction for other in kept if other.effect is promise.effect]
-        if all(abs(float(promise.direction @ direction)) < THE_SAME for direction in alike):
+        if all(abs(float(promise.direction @ direction)) < PARALLEL for direction in alike):
             kept.append(promise)
     return kept
 

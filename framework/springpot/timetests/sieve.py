@@ -18,14 +18,13 @@ from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
-from .left import Left, delta_bic, independent
+from .left import Left, Promise, Tried, delta_bic, independent
 from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import Test, TestPart
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .temperatures import is_law
-from .tried import Promise, Tried
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""

@@ -27,7 +27,7 @@ from springpot.diagnosis.result import (
 )
 from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.result import Identification
-from springpot.identification.value import AGREE, PartResult, Value
+from springpot.identification.value import PartResult, Value
 from springpot.measurement.mixed_up import said_of_sign, turned
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
@@ -40,10 +40,9 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import SMALLEST
 from .floor import TimeFloor
-from .left import Left, Slip, lines_in
+from .left import TWINS, Left, Promise, Slip, Tried, lines_in
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
-from .tried import TWINS, Promise, Tried
 from .where import worst_first
 
 
@@ -332,7 +331,7 @@ def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
     if all(test.agrees for test in tests):
         return ""
     alone, taken = max(test.over_floor_alone for test in tests), _taken_by_own(tests)
-    if alone < AGREE:
+    if alone < VERDICT.agrees:
         says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
     elif taken > 0.5:
         says = f"{taken:.0%} of the misfit goes where each test has a material of its own"
