@@ -327,3 +327,15 @@ def test_a_twin_that_ended_in_another_minimum_of_the_base_stands_beside_its_like
     case.to_csv(tmp_path / "case.csv")
     answer = springpot.diagnose(str(tmp_path / "case.csv"), case.model)
     assert {"parallel-dashpot", "time-delay"} <= set(answer.classes[0])
+
+
+@pytest.mark.soak
+def test_two_effects_stand_in_the_class_of_the_one_that_imitates_them(tmp_path):
+    """A dashpot and friction are a damper of a power of the speed, where more is missing still."""
+    case = draw("three", 990020)
+    assert {"friction", "parallel-dashpot"} < set(case.right)
+    case.to_csv(tmp_path / "case.csv")
+    ladder = springpot.discover(str(tmp_path / "case.csv"), case.model)
+    (step,) = ladder.steps[1:]
+    assert step.accepted == "power-law-damper"
+    assert "parallel-dashpot" in step.alike

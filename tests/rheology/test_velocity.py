@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.rheology.intime import velocity
+from springpot.rheology.motion import velocity
 
 T = 0.01 * np.arange(200)
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.measurement import Loading
 from springpot.rheology.elements import Continuum
 from springpot.thresholds import EVIDENCE
 from springpot.timetests import (
@@ -102,9 +103,7 @@ def test_the_answer_to_a_step_is_that_of_its_elements():
 
 def test_the_answer_to_a_ramp_of_force_is_its_integral():
     grid = np.linspace(0.0, 2.0, 5)
-    loading = SimpleNamespace(
-        jumps=(np.zeros(0), np.zeros(0)), smooth=SimpleNamespace(time=grid, value=3.0 * grid)
-    )
+    loading = Loading(grid, 3.0 * grid)
     t = np.array([0.5, 1.7])
     found = start.answers_of(loading, "force", np.array([4.0]), t)
     np.testing.assert_allclose(found[:, 0], 3.0 * t)

@@ -99,6 +99,28 @@ def test_what_one_effect_imitates_is_asked_though_it_is_in_all_of_the_likeliest(
     assert toys.likeliest()[0].key == ("a", "b", "c")
 
 
+class Behind(Toys):
+    """Sets of one letter, each beside the next alone: the last is hidden, the first next best."""
+
+    def likeliest(self):
+        return [Toy(key) for key in sorted(self.known, key=lambda key: (key != ("d",), key))]
+
+    def open(self, near):
+        self.known |= {(chr(ord(one.key[0]) + 1),) for one in near}
+
+    def extend(self, near):
+        pass
+
+    def exchange(self, best):
+        pass
+
+
+def test_what_lies_behind_worse_neighbours_is_found():
+    toys = Behind("d", "a")
+    go_on_to_neighbours(toys)
+    assert toys.likeliest()[0].key == ("d",)
+
+
 def test_what_may_stand_in_a_place_stands_beside_the_same_others():
     drift, stiff = plugins().effect("force-drift"), plugins().effect("cubic-stiffness")
     rivals = (

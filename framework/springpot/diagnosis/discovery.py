@@ -38,7 +38,7 @@ from .grown import (
     scanned_beside,
 )
 from .in_practice import Accuracy
-from .ladder import Case, Ladder, Reached, Step, climbed, replaced_by
+from .ladder import Case, Ladder, Reached, Step, climbed, replaced_by, with_rivals
 from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
 from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
@@ -235,6 +235,28 @@ def likeliest_set(
     return EffectSet((*order, *others), best.refit, evidence)
 
 
+def beside_what_is_left(case: Case, accepted: str) -> EffectSet | None:
+    """An effect and what else is missing, with what may stand in the place of either.
+
+    None where nothing else is.
+
+    Parameters
+    ----------
+    case : Case
+        The examination of the model without it.
+    accepted : str
+        The effect.
+    """
+    effects = [score.influence.effect for score in case.search.scan.scores]
+    pairs = [one for one in case.search.grown if accepted in one.names and len(one.effects) > 1]
+    if not pairs or case.search.grown[0].key != pairs[0].key:
+        return None
+    search = replace(case.search, grown=list(case.search.grown), confounded=[])
+    GrownSets(search, effects).open(pairs[:1])
+    sort_by_evidence(search)
+    return EffectSet(pairs[0].effects, pairs[0].refit, Evidence.of(search))
+
+
 def _accepted(model: Model, base: Model, names: Sequence[str]) -> tuple[Effect, ...]:
     """The effects of these names that a model has beyond the base's, in their order."""
     added = list(model.effects)
@@ -378,8 +400,12 @@ class SweepRungs:
         steps = _explained(steps, [len(found.effects) for found in self.sets])
         # Alone or first, an effect may only have seemed needed: with all others in place it is
         # asked anew which set it is.
-        cases, names = [step.case for step in steps], [step.accepted for step in steps[1:]]
-        found = likeliest_set(cases, [name for name in names if name], self.effects)
+        cases = [step.case for step in steps]
+        names = [step.accepted for step in steps[1:] if step.accepted]
+        if len(names) == 1 and cases[-1].diagnosis.verdict == "effect-missing":
+            beside = beside_what_is_left(cases[0], names[0])
+            return steps if beside is None else with_rivals(steps, beside)
+        found = likeliest_set(cases, names, self.effects)
         if found is None:
             return steps
         self.sets.append(found)

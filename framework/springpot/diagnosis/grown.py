@@ -440,7 +440,7 @@ def two_more(
         if _second_law(both[:1], both[1]):
             continue
         predicted = fitted.rss - pair.gain
-        asked.append(AskedSet((*present, *both), pair.model, [pair.start], 1, predicted))
+        asked.append(AskedSet((*present, *both), pair.model, [pair.start], 2, predicted))
     return asked
 
 
@@ -491,7 +491,11 @@ def one_or_two_for_one(
 ) -> Iterator[AskedSet]:
     """Sets with another effect or two in the place of one, the best at first sight; see above."""
     for place in _places(search, grown, effects):
-        two = two_more(place.rest, place.standing, place.standing.frame(), place.near)
+        two = [
+            asked
+            for fitted, scores in ((place.standing, place.near), (place.fitted, place.afar))
+            for asked in two_more(place.rest, fitted, fitted.frame(), scores)
+        ]
         yield from _from_there(grown, [*one_more(place.rest, place.scores), *two])
 
 
@@ -511,15 +515,16 @@ class _Place:
     ----------
     rest : tuple of Effect
         The others.
-    standing : Refit
-        These as they stand in the set: fitted anew they take the place as far as they can, and what
-        could stand there is seen from afar.
+    standing, fitted : Refit
+        These as they stand in the set, and fitted anew: they take the place as far as they can, and
+        what could stand there is seen from afar.
     near, afar : list of Score
         What may stand there, seen beside the others as they stand and as they are fitted anew.
     """
 
     rest: tuple[Effect, ...]
     standing: Refit
+    fitted: Refit
     near: list[Score]
     afar: list[Score]
 
@@ -539,7 +544,7 @@ def _places(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator
         others = [other for other in effects if other.name != effect.name]
         standing, fitted = _standing(grown, effect), _lacking(search, grown, i)
         near, afar = (scanned_beside(rest, one, others) for one in (standing, fitted))
-        yield _Place(rest, standing, near, afar)
+        yield _Place(rest, standing, fitted, near, afar)
 
 
 def _standing(grown: Grown, effect: Effect) -> Refit:
@@ -630,8 +635,7 @@ def go_on_to_neighbours(sets: Sets[S]) -> None:
     exchanged: set[tuple[str, ...]] = set()
     while near := sets.likeliest()[: SEARCH.beam]:
         best = near[0]
-        if best.key not in opened:
-            new = [one for one in near if one.key not in opened]
+        if new := [one for one in near if one.key not in opened]:
             opened.update(one.key for one in new)
             sets.open(new)
         elif best.key not in exchanged:

@@ -5,12 +5,13 @@ Straight between its knots, and how that is read off a record.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.rheology.motion import Between
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
@@ -38,6 +39,8 @@ class Loading:
         In s; two knots at one time are a step.
     value : ndarray, shape (k,)
         Displacement or force.
+    sampled : bool
+        Whether the knots are samples of something that may be smooth between them; see `Between`.
 
     Raises
     ------
@@ -53,6 +56,7 @@ class Loading:
 
     time: Real
     value: Real
+    sampled: bool = False
 
     def __post_init__(self) -> None:
         for name in ("time", "value"):
@@ -100,14 +104,29 @@ class Loading:
         first = np.concatenate([[True], np.diff(self.time) > 0.0])
         kept: Loading = self
         if len(times):
-            kept = Loading(self.time[first], (self.value - passed)[first])
+            kept = replace(self, time=self.time[first], value=(self.value - passed)[first])
         if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
             return None
         return kept
 
     def scaled(self, factor: float) -> Loading:
         """The same in another unit."""
-        return Loading(self.time, self.value * factor)
+        return replace(self, value=self.value * factor)
+
+    @cached_property
+    def motion(self) -> Between | None:
+        """The course between the samples; None where it is straight."""
+        if not self.sampled or len(self.time) < 2:
+            return None
+        return Between.of(self.time, self.value)
+
+    @property
+    def unsure(self) -> Real:
+        """Times when nobody knows what is felt: at a jump by a spring, at a turn by a dashpot."""
+        times, _ = self.jumps
+        if self.smooth is None or self.smooth.motion is None:
+            return times
+        return np.union1d(times, self.smooth.motion.unsure)
 
 
 def controlled(moved: Real, pulled: Real) -> str:
@@ -175,7 +194,7 @@ def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
         return Loading(np.concatenate([clock[:1], clock]), np.concatenate([[0.0], imposed]))
     if clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and clock[0] < SHORT * clock[-1]:
         return Loading(np.concatenate([[0.0], clock]), np.concatenate([[0.0], imposed]))
-    return Loading(clock, imposed)
+    return Loading(clock, imposed, sampled=True)
 
 
 def is_released(value: Real, largest: float) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 from springpot.errors import ModelError
 
 from ..numerics import ALIKE, HALVINGS
+from .motion import Between, acceleration, velocity
 from .nodes import FULL, Node
 from .points import HALF_PI, Points, Real
 from .rational import inside, settled
@@ -26,12 +27,6 @@ FAR = 300.0
 """Logarithm of a frequency at which a stiffness has come to its limit: 130 decades from one."""
 BEYOND = 1.0
 """Share of a decade by which a band of frequencies reaches beyond the inverse of the times."""
-FEWEST_AT_CORNER = 6
-"""Samples that show a corner of a motion: its own two, and two on either side."""
-SHARP = 8.0
-"""Times as much as the samples beside it a corner bends the motion; at the peaks of a sine of eight
-samples a cycle it would be nearly five.
-"""
 
 
 class Traced(NamedTuple):
@@ -181,10 +176,13 @@ class Passive:
         """Whether something has a mass, so that it can swing."""
         return self.parts.mass > 0.0 or any(part.is_layer for part in self.parts.parts)
 
-    def respond(self, t: Any, displacement: Any, *, slopes: bool = True) -> Traced:
+    def respond(
+        self, t: Any, displacement: Any, *, slopes: bool = True, motion: Between | None = None
+    ) -> Traced:
         """Force for a displacement that was held at its first value before.
 
-        Reduced times may be complex.
+        Straight between samples, or as a `motion` with these knots has it. Reduced times may be
+        complex.
         """
         # Of the kind of the times, so that a complex one is not cast to real on its way.
         displacement = displacement.astype(t.dtype)
@@ -198,8 +196,10 @@ class Passive:
         # Held for ever before the first sample: all but the spring that never relaxes has gone by
         # then.
         resting, resting_slopes = self.limit(-FAR)
-        moving = velocity(t, displacement)
-        pushed = acceleration(t, displacement)
+        if motion is None:
+            moving, pushed = velocity(t, displacement), acceleration(t, displacement)
+        else:
+            moving, pushed, changes = motion.speed, motion.push, motion.changes
         value = resting * displacement[0] + modes.equilibrium * moved
         value = value + modes.viscosity * moving + modes.mass * pushed
         if not slopes:
@@ -231,10 +231,10 @@ class Passive:
         )
         return rate
 
-    def respond_force(self, t: Any, force: Any, *, slopes: bool = True) -> Traced:
-        """Displacement for a force that was held at its first value before.
-
-        Reduced times may be complex.
+    def respond_force(
+        self, t: Any, force: Any, *, slopes: bool = True, motion: Between | None = None
+    ) -> Traced:
+        """Displacement for a force that was held at its first value before; see `respond`.
 
         Raises
         ------
@@ -261,6 +261,8 @@ class Passive:
         more = force - force[0]
         # By the trapezoidal rule, which is exact for a force that is straight between samples.
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (more[1:] + more[:-1]) * steps[1:])])
+        if motion is not None:
+            impulse, changes = motion.impulse, motion.changes
         value = start + (modes.glass + modes.weights.sum().real) * more + modes.fluidity * impulse
         if not slopes:
             alone = -modes.weights[:, None]
@@ -431,57 +433,3 @@ def _around(modes: Spectrum, s: Modes) -> tuple[Modes, Modes, Modes, Modes, Mode
 def _times(t: Real) -> tuple[float, float]:
     """Shortest and longest time that a record shows: its finest step over pi, and its length."""
     return float(np.min(np.diff(t))) / np.pi, float(t[-1] - t[0])
-
-
-def velocity(t: Any, x: Any) -> Any:
-    """First derivative (n,) from differences, as a dashpot feels it.
-
-    By central differences, freed of their leading error where neighbours agree how the motion bends
-    (van Leer 1974, doi:10.1016/0021-9991(74)90019-9), as that alone is 1 % of a sine of 25 samples
-    a cycle. Where the motion turns sharply between two samples, each has the slope of its own side:
-    a difference across the corner would mix two speeds, neither of which is felt there.
-    """
-    if len(t) < FEWEST_AT_CORNER:
-        return np.gradient(x, t)
-    moving, step = np.gradient(x, t, edge_order=2), np.diff(t)
-    slope = np.diff(x) / step
-    bend = np.diff(slope)
-    curved = 2.0 * bend / (step[1:] + step[:-1])
-    change = np.diff(curved) / step[1:-1]
-    # At the two samples beside the ends there is one neighbour to ask.
-    before, after = np.pad(change, (1, 0), "edge"), np.pad(change, (0, 1), "edge")
-    alike = (before * after).real > 0.0
-    third = np.zeros_like(before)
-    third[alike] = 2.0 * (before * after)[alike] / (before + after)[alike]
-    moving[1:-1] -= third * step[:-1] * step[1:] / 6.0
-    for corner in _corners(bend):
-        moving[corner], moving[corner + 1] = slope[corner - 1], slope[corner + 1]
-    return moving
-
-
-def _corners(bend: Any) -> Any:
-    """Samples (k,) of a motion after which it turns before the next one.
-
-    Of what it bends at each (n - 2,).
-    """
-    # The two bends of one corner have one sign.
-    here, there = bend[:-1].real, bend[1:].real
-    lesser = np.where(here * there > 0.0, np.minimum(np.abs(here), np.abs(there)), 0.0)
-    far = np.pad(np.abs(bend.real), 2)
-    beside = np.max([far[:-5], far[1:-4], far[4:-1], far[5:]], axis=0)
-    sharp = (lesser > beside) & (np.abs(here + there) > SHARP * beside)
-    # It has a straight way of two slopes on either side.
-    return 1 + np.flatnonzero(sharp[1:-1]) + 1
-
-
-def acceleration(t: Any, x: Real) -> Any:
-    """Second derivative (n,) from differences, as a mass feels it.
-
-    At the ends that of the next sample.
-    """
-    # A second difference needs three samples.
-    if len(t) < 3:
-        return np.zeros(len(t))
-    slope, step = np.diff(x) / np.diff(t), np.diff(t)
-    inner = 2.0 * np.diff(slope) / (step[1:] + step[:-1])
-    return np.concatenate([inner[:1], inner, inner[-1:]])

@@ -21,7 +21,8 @@ from springpot.writing import tag
 from ..numerics import ALIKE
 from .drawing import drawing_of
 from .effect import Layer
-from .intime import Passive, Traced, velocity
+from .intime import Passive, Traced
+from .motion import Between, velocity
 from .named import NamedNetwork, Placed
 from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
 from .points import ROOM, Points, Real
@@ -77,14 +78,14 @@ class InTime:
             passive, own = self._linear("creep")
             return self._padded(passive.creep(_after_step(t)), own)
 
-    def respond_force(self, t: Real, force: Real) -> Traced:
+    def respond_force(self, t: Real, force: Real, motion: Between | None = None) -> Traced:
         """Displacement (n,) under a force, and its derivatives."""
         t, force = _history(t, force, "force")
         with self._blaming():
             if isinstance(self.temperature, np.ndarray):
                 return self._reduced(self._only_material(), t, force, "force")
             passive, own = self._linear("the answer to a force")
-            return self._padded(passive.respond_force(t, force), own)
+            return self._padded(passive.respond_force(t, force, motion=motion), own)
 
     def _only_material(self) -> Sequence[Placed]:
         """The effects, where all of them are linear and go by the clock of the material.
@@ -108,12 +109,15 @@ class InTime:
             )
         return inside
 
-    def respond(self, t: Real, displacement: Real) -> Traced:
-        """Force (n,) for a displacement, and its derivatives."""
+    def respond(self, t: Real, displacement: Real, motion: Between | None = None) -> Traced:
+        """Force (n,) for a displacement, and its derivatives.
+
+        Straight between samples, or as a `motion` with these knots has it.
+        """
         t, x = _history(t, displacement, "displacement")
         inside, beside, signals = sorted_out(self.model)
         with self._blaming():
-            traced = self._materials(inside, t, x)
+            traced = self._materials(inside, t, x, motion)
         return with_laws(traced, beside, signals, self.theta, t, x)
 
     def by_clock(self, t: Real, imposed: Real, control: str, moves: Real) -> Real:
@@ -222,11 +226,13 @@ class InTime:
             self.tolerance,
         )
 
-    def _materials(self, inside: Sequence[Placed], t: Real, x: Real) -> Traced:
+    def _materials(
+        self, inside: Sequence[Placed], t: Real, x: Real, motion: Between | None
+    ) -> Traced:
         if isinstance(self.temperature, np.ndarray):
             return self._reduced(inside, t, x)
         passive, own = self._inside
-        return self._padded(passive.respond(t, x), own)
+        return self._padded(passive.respond(t, x, motion=motion), own)
 
     def _placed(
         self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -356,8 +357,9 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     steps : ndarray, shape (n,)
         Time from the sample before to each sample, in (reduced) seconds; the first one is of no
         account.
-    changes : ndarray, shape (n,)
-        Change of the input from the sample before to each sample.
+    changes : ndarray, shape (n,) or (n, 3)
+        Change of the input from the sample before to each sample, in which it is straight; or three
+        columns: that change, and what its rate has of Legendre's P_1 and P_2 there, times the step.
     mix, rate_mix : ndarray, shape (m, c)
         How much of q_j, and of dq_j/dr_j, goes into each of the c outputs.
 
@@ -370,6 +372,7 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     out = np.zeros((n, mix.shape[1]), dtype=kind)
     if not len(rates):
         return out
+    changes = changes.reshape(n, -1)
     # Only modes whose rate is asked for need the second, costlier recursion of the slopes.
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
@@ -378,14 +381,13 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
         return _driven_evenly(rates, float(np.mean(inner)), changes, mix, rate_mix)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
-        one, step = changes[part], steps[part]
-        decay, gain = _step(rates, step[:, None])
-        q = _scan(decay, gain * one[:, None], last)
+        ways, step = changes[part].T[..., None], steps[part][:, None]
+        decay, gains, gain_slopes = _step(rates, step, len(ways), moving)
+        q = _scan(decay, _summed(gains, ways), last)
         if len(moving):
             # dq/dr obeys the same recursion, driven by the derivatives of its two factors.
             before = np.vstack([last[moving], q[:-1, moving]])
-            kicks = _gain_slope(rates[moving], step[:, None]) * one[:, None]
-            kicks = kicks - step[:, None] * decay[:, moving] * before
+            kicks = _summed(gain_slopes, ways) - step * decay[:, moving] * before
             turned = _scan(decay[:, moving], kicks, last_slope)
             out[part] = turned @ rate_mix[moving]
             last_slope = turned[-1]
@@ -396,10 +398,19 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
 
 def mean_of_exponential(first: Modes, last: Modes) -> Modes:
     """Mean of exp(y) where y runs linearly from `first` to `last`."""
-    return np.exp(first) * _step(np.ones(1), first - last)[1]
+    return np.exp(first) * _decay(np.ones(1), first - last)[1]
 
 
-def _step(rates: Modes, step: Modes) -> tuple[Modes, Modes]:
+def _summed(gains: Sequence[Modes], ways: Modes) -> Modes:
+    """What the shapes of a step (d, n, 1) add to each mode (n, m), each by its gain."""
+    total: Modes = gains[0] * ways[0]
+    for gain, way in zip(gains[1:], ways[1:], strict=True):
+        total = total + gain * way
+    return total
+
+
+def _decay(rates: Modes, step: Modes) -> tuple[Modes, Modes]:
+    """What is left of a mode after a step, and how much of a straight change it takes."""
     z = rates * step
     # 1 - exp(-z) as it stands would lose all digits of a slow mode in a short step.
     lost = -np.expm1(-z)
@@ -407,8 +418,49 @@ def _step(rates: Modes, step: Modes) -> tuple[Modes, Modes]:
     return 1.0 - lost, gain
 
 
+def _step(
+    rates: Modes, step: Modes, shapes: int, moving: NDArray[np.intp]
+) -> tuple[Modes, list[Modes], list[Modes]]:
+    """The decay (n, m) of a step, the gains of each shape, and the slopes of those by some rates.
+
+    Of a rate with Legendre's P_k the gain is exp(-z/2) i_k(z/2), with the modified spherical Bessel
+    function (Abramowitz & Stegun 1964, 10.2): by recursion, whose derivatives need the next one.
+    """
+    decay, gain = _decay(rates, step)
+    gains, slopes = [gain], [_gain_slope(rates[moving], step)]
+    if shapes > 1:
+        z = rates * step
+        one, two, three = _bessel(z, decay, gain)
+        gains += [one, two]
+        g0, g1, g2, g3 = (each[:, moving] for each in (gain, one, two, three))
+        slopes += [
+            step * ((g0 + 2.0 * g2) / 6.0 - 0.5 * g1),
+            step * ((2.0 * g1 + 3.0 * g3) / 10.0 - 0.5 * g2),
+        ]
+    return decay, gains, slopes
+
+
+def _bessel(z: Modes, decay: Modes, gain: Modes) -> list[Modes]:
+    """exp(-z/2) i_k(z/2) for k = 1, 2, 3."""
+    near = np.abs(z) < 1.0
+    far = np.where(near, 1.0, z)
+    one = (1.0 + decay - 2.0 * gain) / far
+    two = gain - 6.0 * one / far
+    found = [one, two, one - 10.0 * two / far]
+    # Upwards the recursion loses digits where z is small: there the power series takes over.
+    half, fade = 0.5 * z[near], np.exp(-0.5 * z[near])
+    square = 0.5 * half**2
+    for k, each in enumerate(found, start=1):
+        total = term = fade * half**k / math.prod(range(1, 2 * k + 2, 2))
+        for j in range(1, 6):
+            term = term * square / (j * (2 * (k + j) + 1))
+            total = total + term
+        each[near] = total
+    return found
+
+
 def _gain_slope(rates: Modes, step: Modes) -> Modes:
-    """Derivative of g by the rate."""
+    """Derivative of the gain of a straight change by the rate."""
     z = rates * step
     near = np.abs(z) < SMALL
     far = np.where(near, 1.0, z)
@@ -428,23 +480,28 @@ def _driven_evenly(rates: Modes, step: float, changes: Real, mix: Modes, rate_mi
     """
     n, (m, outputs) = len(changes), mix.shape
     runs = -(-n // RUN)
-    # Filled up with changes of nothing, so that all runs are equally long.
-    moved = np.zeros((runs, RUN), dtype=changes.dtype)
-    moved.ravel()[:n] = changes
-    _, gain = _step(rates, np.array([step]))
-    gain_slope = _gain_slope(rates, np.array([step]))
+    _, gains, gain_slopes = _step(rates, np.array([[step]]), changes.shape[1], np.arange(m))
     # Of a change, k steps later (RUN + 1, m): what is left of q and of s.
     time = step * np.arange(RUN + 1)[:, None]
     fading = np.exp(-rates * time)
-    left, left_slope = gain * fading, (gain_slope - time * gain) * fading
-    kernel = left[:RUN] @ mix + left_slope[:RUN] @ rate_mix
     lag = np.arange(RUN) - np.arange(RUN)[:, None]
-    within = np.where((lag >= 0)[..., None], kernel[lag], 0.0)  # (from, to, outputs)
-    out = moved @ within.reshape(RUN, RUN * outputs)
-    # What each run leaves behind by itself, and what had gathered before it.
-    q = _before(fading[RUN], moved @ left[RUN - 1 :: -1][:RUN])
-    kicks = moved @ left_slope[RUN - 1 :: -1][:RUN] - time[RUN] * fading[RUN] * q
-    s = _before(fading[RUN], kicks)
+    kind = np.result_type(rates, changes, mix, rate_mix)
+    out = np.zeros((runs, RUN * outputs), dtype=kind)
+    q, kicks = np.zeros((2, runs, m), dtype=kind)
+    for way, gain, gain_slope in zip(changes.T, gains, gain_slopes, strict=True):
+        # Filled up with changes of nothing, so that all runs are equally long.
+        moved = np.zeros((runs, RUN), dtype=changes.dtype)
+        moved.ravel()[:n] = way
+        left, left_slope = gain * fading, (gain_slope - time * gain) * fading
+        kernel = left[:RUN] @ mix + left_slope[:RUN] @ rate_mix
+        within = np.where((lag >= 0)[..., None], kernel[lag], 0.0)  # (from, to, outputs)
+        out = out + moved @ within.reshape(RUN, RUN * outputs)
+        # What each run leaves behind by itself.
+        q = q + moved @ left[RUN - 1 :: -1][:RUN]
+        kicks = kicks + moved @ left_slope[RUN - 1 :: -1][:RUN]
+    # And what had gathered before it.
+    q = _before(fading[RUN], q)
+    s = _before(fading[RUN], kicks - time[RUN] * fading[RUN] * q)
     later, times = fading[1:].T[..., None], time[1:]
     by_q = later * (mix[:, None] - times * rate_mix[:, None])
     out = out + q @ by_q.reshape(m, RUN * outputs)

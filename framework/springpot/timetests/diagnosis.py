@@ -215,7 +215,7 @@ def _changed(part: InTimePart) -> Iterator[Planned]:
         yield from _of_step(part)
         return
     for factor, word in ((FARTHER, "ten times as fast"), (1.0 / FARTHER, "ten times as slowly")):
-        loading = Loading(test.loading.time / factor, test.loading.value)
+        loading = replace(test.loading, time=test.loading.time / factor)
         faster = _with(part, test.time / factor, loading)
         yield Planned(
             f"run the {moved} of {test.name} {word}", faster, TYPED_IN, {"faster": [factor]}

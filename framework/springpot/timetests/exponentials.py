@@ -104,7 +104,7 @@ class QuickPart(InTimePart):
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
         """Which of them are no instant of a step."""
-        return ~np.isin(self.t, self.test.loading.jumps[0])
+        return ~np.isin(self.t, self.test.loading.unsure)
 
     @cached_property
     def weight(self) -> Real:

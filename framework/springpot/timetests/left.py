@@ -18,7 +18,6 @@ import numpy as np
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
-from springpot.measurement.imposed import Loading
 from springpot.misfit.error import plain
 from springpot.misfit.regions import HARMONICS, MAINS
 from springpot.rheology.effect import Effect
@@ -332,7 +331,7 @@ def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
     kicks[APART::APART] = size
     kicks[2 * APART :: 2 * APART] *= -1.0
     loading = part.test.loading
-    moved = replace(part.test, loading=Loading(loading.time, loading.value + kicks))
+    moved = replace(part.test, loading=replace(loading, value=loading.value + kicks))
     rows = np.arange(len(part.at))
     before = part.answer(model, theta, reference, rows).value
     after = replace(part, test=moved, noise=part.sd).answer(model, theta, reference, rows).value

@@ -181,22 +181,22 @@ def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
 
 def _to_smooth(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
     """The response to a loading without jumps at the times t, which need not be its knots."""
-    # No other times: nothing needs to be interpolated.
-    if len(t) == len(loading.time) and np.array_equal(t, loading.time):
-        return _respond(inside, t, loading.value, control)
-    grid = np.union1d(loading.time, t)
-    if len(grid) < 2:
-        # A history has two samples at the least.
-        grid = np.append(grid, grid[-1] + 1.0)
-    whole = _respond(inside, grid, np.interp(grid, loading.time, loading.value), control)
+    motion = loading.motion
+    if motion is not None:
+        motion = motion.at(t)
+        grid, imposed = motion.time, motion.value
+    else:
+        grid = np.union1d(loading.time, t)
+        if len(grid) < 2:
+            # A history has two samples at the least.
+            grid = np.append(grid, grid[-1] + 1.0)
+        imposed = np.interp(grid, loading.time, loading.value)
+    if control == "displacement":
+        whole = inside.respond(grid, imposed, motion)
+    else:
+        whole = inside.respond_force(grid, imposed, motion)
     place = np.searchsorted(grid, t)
     return Traced(whole.value[place], whole.by_theta[place])
-
-
-def _respond(inside: InTime, t: Real, imposed: Real, control: str) -> Traced:
-    if control == "displacement":
-        return inside.respond(t, imposed)
-    return inside.respond_force(t, imposed)
 
 
 def recorded(
@@ -417,7 +417,11 @@ def dense(loading: Loading, t: Real) -> Loading:
         # Of steps alone: between its knots there is nothing that a law could bend.
         return loading
     times = np.union1d(smooth.time, t)
-    return with_jumps(times, np.interp(times, smooth.time, smooth.value), *loading.jumps)
+    if smooth.motion is None:
+        return with_jumps(times, np.interp(times, smooth.time, smooth.value), *loading.jumps)
+    whole = smooth.motion.at(t)
+    value = whole.value[np.searchsorted(whole.time, times)]
+    return replace(with_jumps(times, value, *loading.jumps), sampled=True)
 
 
 def with_jumps(time: Real, value: Real, when: Real, sizes: Real) -> Loading:

@@ -328,7 +328,7 @@ class InTimePart(TestPart):
 
     @property
     def resolved(self) -> tuple[float, float]:
-        """Within a step of a record the motion is straight, which tells of what relaxes in it."""
+        """What relaxes within a step of a record is felt too, as the motion there is known."""
         slowest, fastest = self.test.seen
         if self.test.after_step:
             return slowest, fastest
@@ -340,7 +340,7 @@ class InTimePart(TestPart):
 
         At the former the answer may be endless, and no instrument reads it.
         """
-        said = ~np.isin(self.at, self.test.loading.jumps[0])
+        said = ~np.isin(self.at, self.test.loading.unsure)
         said[self.strays] = False
         return said
 

@@ -14,8 +14,8 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import evenly, non_negative
 from springpot.rheology.effect import ALL
-from springpot.rheology.intime import acceleration, velocity
 from springpot.rheology.model import Model
+from springpot.rheology.motion import acceleration, velocity
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.terms import Modes, driven
 
@@ -120,15 +120,24 @@ def answers_of(
         # only.
         moving += size * since * (control == "force")
     if loading.smooth is not None:
-        grid = np.union1d(loading.smooth.time, t)
-        imposed = np.interp(grid, loading.smooth.time, loading.smooth.value)
-        steps, changes = np.diff(grid, prepend=grid[0]), np.diff(imposed, prepend=imposed[0])
-        place = np.searchsorted(grid, t)
+        smooth = loading.smooth
+        motion = smooth.motion
+        if motion is not None:
+            motion = motion.at(t)
+            grid, imposed, changes = motion.time, motion.value, motion.changes
+        else:
+            grid = np.union1d(smooth.time, t)
+            imposed = np.interp(grid, smooth.time, smooth.value)
+            changes = np.diff(imposed, prepend=imposed[0])
+        steps, place = np.diff(grid, prepend=grid[0]), np.searchsorted(grid, t)
         faded = faded + driven(1.0 / times, steps, changes, one, np.zeros_like(one))[place]
         followed += imposed[place]
         if control == "force":
             mean = 0.5 * (imposed[1:] + imposed[:-1])
             moving += np.concatenate([[0.0], np.cumsum(mean * steps[1:])])[place]
+        elif motion is not None:
+            moving += motion.speed[place]
+            pushed += motion.push[place]
         else:
             moving += velocity(grid, imposed)[place]
             pushed += acceleration(grid, imposed)[place]

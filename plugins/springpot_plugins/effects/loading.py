@@ -5,6 +5,7 @@ A step that took time, play in a joint, a bearing that holds.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -83,7 +84,7 @@ def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
         pulled = way * x[run] - reach > way * behind[first]
         behind[run] = np.where(pulled, x[run] - way * reach, behind[first])
         slope[run] = np.where(pulled, -way, slope[first])
-    return Loading(loading.time, behind), (Loading(loading.time, slope),)
+    return replace(loading, value=behind), (Loading(loading.time, slope),)
 
 
 def stiffened(loading: Loading, rate: Any) -> tuple[Loading, tuple[Loading]]:
@@ -94,7 +95,7 @@ def stiffened(loading: Loading, rate: Any) -> tuple[Loading, tuple[Loading]]:
         if rate != 0.0:
             felt = np.sign(x) * np.expm1(rate * size) / rate
             slope = (x * np.exp(rate * size) - felt) / rate
-    return Loading(loading.time, felt), (Loading(loading.time, slope),)
+    return replace(loading, value=felt), (Loading(loading.time, slope),)
 
 
 def slackened(loading: Loading, place: Any) -> tuple[Loading, tuple[Loading]]:
@@ -104,7 +105,8 @@ def slackened(loading: Loading, place: Any) -> tuple[Loading, tuple[Loading]]:
         side = -1.0
     taut = side * loading.value > place
     stretched = np.where(taut, loading.value - side * place, 0.0)
-    return Loading(loading.time, stretched), (Loading(loading.time, np.where(taut, -side, 0.0)),)
+    slope = Loading(loading.time, np.where(taut, -side, 0.0))
+    return replace(loading, value=stretched), (slope,)
 
 
 def _stepped(test: TimeTest) -> bool:

@@ -155,8 +155,10 @@ def planned(protocol: Mapping[str, Any]) -> Test:
     if kind == "record":
         clock = np.linspace(0.0, protocol["seconds"], protocol["samples"])
         moved = _course(clock / protocol["seconds"]) * protocol["amplitude"]
-        return TimeTest.of_history(
-            clock, moved, np.zeros_like(clock), LENGTH, FORCE, control="displacement", name=kind
+        # Straight between its samples, so that the numbers of the suite are whatever a motion is.
+        loading = Loading(clock, moved)
+        return TimeTest(
+            clock, np.zeros_like(clock), loading, "displacement", LENGTH, FORCE, name=kind
         )
     low, high, count = protocol["seconds"]
     clock = np.geomspace(low, high, count)
