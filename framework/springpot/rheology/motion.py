@@ -64,19 +64,21 @@ class Between:
         >>> float(np.round(motion.at(np.array([0.225, 0.25])).value[0] - np.sin(0.45 * np.pi), 5))
         -0.0
         """
-        speed, push = velocity(t, x), acceleration(t, x)
-        slope, step = np.diff(x) / np.diff(t), np.diff(t)
+        push, step = acceleration(t, x), np.diff(t)
+        slope = np.diff(x) / step
         smooth = np.zeros(len(step), dtype=bool)
         corners = nearest = np.zeros(0, dtype=int)
-        if len(t) >= FEWEST_AT_CORNER:
+        if len(t) < FEWEST_AT_CORNER:
+            speed = exact = np.gradient(x, t)
+        else:
             smooth = _smooth(t, x)
             corners, nearest = _turns(np.diff(slope))
+            speed, exact = _speeds(t, x, slope, corners)
         # The differences about a corner tell of it alone.
         for corner in corners:
             smooth[max(corner - 2, 0) : corner + 3] = False
         both = np.flatnonzero(smooth[1:] & smooth[:-1]) + 1
-        if len(both):
-            speed[both] = _exact(t, x)[both]
+        speed[both] = exact[both]
         leaving, arriving = np.where(smooth, speed[:-1], slope), np.where(smooth, speed[1:], slope)
         # Of the second difference and that of the speeds the leading errors are as one to two.
         push[both] = 2.0 * push[both] - (speed[both + 1] - speed[both - 1]) / (
@@ -174,21 +176,29 @@ def velocity(t: Any, x: Any) -> Any:
     """
     if len(t) < FEWEST_AT_CORNER:
         return np.gradient(x, t)
+    slope = np.diff(x) / np.diff(t)
+    corners, _ = _turns(np.diff(slope).real)
+    return _speeds(t, x, slope, corners)[0]
+
+
+def _speeds(t: Any, x: Any, slope: Any, corners: NDArray[np.intp]) -> tuple[Any, Any]:
+    """That derivative (n,) of what has corners, and by five samples that of what is smooth."""
     moving, step = np.gradient(x, t, edge_order=2), np.diff(t)
     before, after = _third(t, x)
     alike = (before * after).real > 0.0
     third = np.zeros_like(before)
     third[alike] = 2.0 * (before * after)[alike] / (before + after)[alike]
-    moving[1:-1] -= third * step[:-1] * step[1:] / 6.0
-    slope = np.diff(x) / step
-    corners, _ = _turns(np.diff(slope).real)
+    share = step[:-1] * step[1:] / 6.0
+    exact = moving.copy()
+    exact[1:-1] -= 0.5 * (before + after) * share
+    moving[1:-1] -= third * share
     moving[corners], moving[corners + 1] = slope[corners - 1], slope[corners + 1]
     # The three samples at an end tell its speed only where there is no corner among them.
     if 1 in corners:
         moving[0] = slope[0]
     if len(t) - 3 in corners:
         moving[-1] = slope[-1]
-    return moving
+    return moving, exact
 
 
 def _third(t: Any, x: Any) -> tuple[Any, Any]:
@@ -197,15 +207,7 @@ def _third(t: Any, x: Any) -> tuple[Any, Any]:
     curved = 2.0 * np.diff(np.diff(x) / step) / (step[1:] + step[:-1])
     change = np.diff(curved) / step[1:-1]
     # At the two samples beside the ends there is one neighbour to ask.
-    return np.pad(change, (1, 0), "edge"), np.pad(change, (0, 1), "edge")
-
-
-def _exact(t: Real, x: Real) -> Real:
-    """First derivative (n,) of what is smooth, by differences of five samples."""
-    speed, step = np.gradient(x, t, edge_order=2), np.diff(t)
-    before, after = _third(t, x)
-    speed[1:-1] -= 0.5 * (before + after) * step[:-1] * step[1:] / 6.0
-    return np.asarray(speed)
+    return np.concatenate([change[:1], change]), np.concatenate([change, change[-1:]])
 
 
 def acceleration(t: Any, x: Real) -> Any:
@@ -232,8 +234,8 @@ def _smooth(t: Real, x: Real) -> NDArray[np.bool_]:
     second, third = (curved * mean**2) ** 2, (np.diff(curved) * step[1:-1] ** 2) ** 2
     # Of an interval the second differences at four samples, and the third ones on either side of
     # each.
-    about = np.convolve(np.pad(second, 2), np.ones(4), "valid")
-    among = np.convolve(np.pad(third, 3), np.ones(5), "valid")
+    about = np.convolve(second, np.ones(4))[1:-1]
+    among = np.convolve(third, np.ones(5))[1:-1]
     return np.asarray(among < about)
 
 
@@ -248,8 +250,8 @@ def _turns(bend: Real) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     # The two bends of one corner have one sign.
     here, there = bend[:-1], bend[1:]
     lesser = np.where(here * there > 0.0, np.minimum(np.abs(here), np.abs(there)), 0.0)
-    far = np.pad(np.abs(bend), 2)
-    beside = np.max([far[:-5], far[1:-4], far[4:-1], far[5:]], axis=0)
+    far = np.concatenate([np.zeros(2), np.abs(bend), np.zeros(2)])
+    beside = np.maximum(np.maximum(far[:-5], far[1:-4]), np.maximum(far[4:-1], far[5:]))
     # Digits bend what is straight, now here and now there: a corner is more than what is usual.
     usual = np.maximum(beside, np.median(np.abs(bend)))
     sharp = np.abs(here + there) > np.maximum(SHARP * usual, ALIKE * np.max(np.abs(bend)))

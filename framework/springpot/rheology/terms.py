@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
@@ -448,14 +447,15 @@ def _bessel(z: Modes, decay: Modes, gain: Modes) -> list[Modes]:
     two = gain - 6.0 * one / far
     found = [one, two, one - 10.0 * two / far]
     # Upwards the recursion loses digits where z is small: there the power series takes over.
-    half, fade = 0.5 * z[near], np.exp(-0.5 * z[near])
-    square = 0.5 * half**2
+    half = 0.5 * z[near]
+    lead, square = np.exp(-half), 0.5 * half * half
     for k, each in enumerate(found, start=1):
-        total = term = fade * half**k / math.prod(range(1, 2 * k + 2, 2))
-        for j in range(1, 6):
-            term = term * square / (j * (2 * (k + j) + 1))
-            total = total + term
-        each[near] = total
+        lead = lead * half / (2 * k + 1)
+        total = np.ones_like(half)
+        for j in range(5, 0, -1):
+            total *= square / (j * (2 * (k + j) + 1))
+            total += 1.0
+        each[near] = lead * total
     return found
 
 
