@@ -47,6 +47,10 @@ if TYPE_CHECKING:
     from .ladder import Case
 
 
+MOST_TOGETHER = 4
+"""Effects sought together at most: more of them follow any misfit."""
+
+
 def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
     """The search, gone on to sets that are neighbours of the best, until none is better.
 
@@ -58,17 +62,22 @@ def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
         Of which sets are made.
     """
     found = replace(search, grown=list(search.grown), confounded=[])
-    go_on_to_neighbours(GrownSets(found, effects))
+    begun = max((len(one.effects) for one in search.grown), default=0)
+    go_on_to_neighbours(GrownSets(found, effects, max(MOST_TOGETHER, begun)))
     sort_by_evidence(found)
     return found
 
 
 @dataclass(frozen=True, eq=False)
 class GrownSets:
-    """The sets of a search of one sweep, and the effects of which others are made."""
+    """The sets of a search of one sweep, and the effects of which others are made.
+
+    Of at most so many, as a misfit that nothing explains would be followed by one more for ever.
+    """
 
     search: Search
     effects: Sequence[Effect]
+    most: int
 
     def likeliest(self) -> list[Grown]:
         """One fit of each set, the likeliest first."""
@@ -79,11 +88,14 @@ class GrownSets:
         asked: list[AskedSet] = []
         for grown in near:
             asked += _neighbours(self.search, grown, self.effects)
-        fit_new(self.search, asked)
+        self._fit(asked)
 
     def extend(self, near: Sequence[Grown]) -> None:
         """Fit sets with one effect more than some."""
-        fit_new(self.search, [each for one in near for each in _extended(one, self.effects)])
+        self._fit([each for one in near for each in _extended(one, self.effects)])
+
+    def _fit(self, asked: Sequence[AskedSet]) -> None:
+        fit_new(self.search, [each for each in asked if len(each.effects) <= self.most])
 
     def exchange(self, best: Grown) -> None:
         """Fit the best set with another effect in each place."""
@@ -252,7 +264,7 @@ def beside_what_is_left(case: Case, accepted: str) -> EffectSet | None:
     if not pairs or case.search.grown[0].key != pairs[0].key:
         return None
     search = replace(case.search, grown=list(case.search.grown), confounded=[])
-    GrownSets(search, effects).open(pairs[:1])
+    GrownSets(search, effects, MOST_TOGETHER).open(pairs[:1])
     sort_by_evidence(search)
     return EffectSet(pairs[0].effects, pairs[0].refit, Evidence.of(search))
 
