@@ -21,3 +21,14 @@ def test_a_floor_holds_noise_that_the_quiet_points_do_not_tell():
     data = Measurement(omega, stiffness * (1.0 + noise), conditions={"temperature": temperature})
     fitted = fitted_to_floor(parse_model("zener"), data)
     assert fitted.relative_rms == pytest.approx(fitted.floor, rel=0.3)
+
+
+def test_a_misfit_that_swings_is_no_noise_that_rises():
+    rng = np.random.default_rng(4)
+    omega = np.geomspace(0.1, 100.0, 24)
+    s = 1j * omega
+    stiffness = 60.0 * (1.0 + 0.4 * s**0.5) * (1.0 + 0.08 * np.sin(3.0 * np.log(omega)))
+    noise = 0.01 * (rng.normal(size=24) + 1j * rng.normal(size=24))
+    data = Measurement(omega, stiffness * (1.0 + noise))
+    fitted = fitted_to_floor(parse_model("fractional-kelvin"), data)
+    assert fitted.floor < 0.02 < 0.05 < fitted.relative_rms

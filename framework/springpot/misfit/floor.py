@@ -185,8 +185,10 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
     # Beside a model that is far off its misfit would be taken for noise that rises where it fails;
-    # but noise that does rise is more than what its quiet points tell.
+    # but noise that does rise is more than what its quiet points tell, and these are not missed.
     if usual.relative_rms > NEARLY * max(usual.floor, data.floor(shape)):
+        return usual
+    if usual.relative_rms > NEARLY * usual.floor and _misses_where_quiet(usual, shape):
         return usual
     relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
@@ -194,6 +196,18 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     return _in_rounds(
         model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True
     )
+
+
+def _misses_where_quiet(fitted: Refit, shape: Noise) -> bool:
+    """Whether a fit is far off at that half of the points where a noise of this shape is least."""
+    measured = fitted.data.mean
+    size = np.abs(shape.parts) / measured.magnitude
+    quiet = size <= np.median(size)
+    misfit, told = (
+        np.sum(np.abs(each / measured.magnitude)[quiet] ** 2)
+        for each in (fitted.stiffness - measured.stiffness, fitted.noise.parts)
+    )
+    return bool(misfit > NEARLY**2 * told)
 
 
 def _in_rounds(model: Model, data: Averaged, fitted: Refit, uneven: bool) -> Refit:
