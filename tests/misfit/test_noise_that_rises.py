@@ -31,4 +31,4 @@ def test_a_misfit_that_swings_is_no_noise_that_rises():
     noise = 0.01 * (rng.normal(size=24) + 1j * rng.normal(size=24))
     data = Measurement(omega, stiffness * (1.0 + noise))
     fitted = fitted_to_floor(parse_model("fractional-kelvin"), data)
-    assert fitted.floor < 0.02 < 0.05 < fitted.relative_rms
+    assert fitted.floor < 0.03 < 0.05 < fitted.relative_rms
