@@ -44,6 +44,7 @@ def test_more_freedom_never_comes_out_worse():
     assert both.relative_rms < 1.01 * one.relative_rms
 
 
+@pytest.mark.soak
 def test_a_column_behind_a_misfit_is_offered_to_a_master_curve():
     found = springpot.diagnose(measured(0.004))
     assert any(

@@ -96,6 +96,7 @@ def test_nothing_is_invented_from_noise(seed: int):
         found.effect()
 
 
+@pytest.mark.soak
 def test_what_no_formula_is_is_called_so(stays):
     found = springpot.invent(swept(lambda k, x: k * (1.0 + 0.1 * np.sin(9.0 * np.log(OMEGA) + x))))
     assert found.verdict == "none"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from browsing import IN_A_BROWSER, Open
 
 pytestmark = IN_A_BROWSER
@@ -14,6 +15,7 @@ MOVE = """() => {
 }"""
 
 
+@pytest.mark.soak
 def test_what_a_hand_has_moved_is_held_on_every_rung_and_undone(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)

@@ -187,6 +187,7 @@ def test_another_model_is_accepted_with_the_error_that_its_rung_has(damper_data:
     assert preview["error"] == pytest.approx(step.relative_rms, rel=1e-3)
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, damper: bytes):
     here = page()

@@ -237,6 +237,7 @@ def another_model(here: Page) -> None:
     assert card.count() == 1
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     here = page()

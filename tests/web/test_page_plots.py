@@ -239,6 +239,7 @@ def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     assert here.page.locator("#plot-view .mark.loss").count() == 14
 
 
+@pytest.mark.soak
 def test_residuals_are_drawn_along_the_rows_of_the_file(page: Open, damper: bytes):
     here = page()
     here.drop("damper.csv", damper)
