@@ -70,9 +70,16 @@ def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
 
 @dataclass(frozen=True, eq=False)
 class GrownSets:
-    """The sets of a search of one sweep, and the effects of which others are made.
+    """The sets of a search of one sweep, and how others are made.
 
-    Of at most so many, as a misfit that nothing explains would be followed by one more for ever.
+    Attributes
+    ----------
+    search : Search
+        With the sets that were fitted so far.
+    effects : sequence of Effect
+        Of which others are made.
+    most : int
+        Effects of a set at most: a misfit that nothing explains takes one more for ever.
     """
 
     search: Search
