@@ -30,7 +30,7 @@ def test_a_record_with_a_mass_and_friction_names_both():
     found = discover([test], base, EFFECTS)
     assert {step.accepted for step in found.steps[1:]} == {"friction", "inertia"}
     assert found.verdict == "adequate"
-    sizes = [step.over_floor for step in found.steps]
+    sizes = [step.relative_rms for step in found.steps]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] > 3 > 1.3 > sizes[-1]
     named = discover([test], base, EFFECTS, accept=EFFECTS[:2])
