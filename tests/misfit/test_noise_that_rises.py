@@ -36,7 +36,7 @@ def test_a_misfit_that_swings_is_no_noise_that_rises():
 
 def test_a_point_far_from_the_others_does_not_tell_that_it_has_no_noise():
     """Frequencies in equal steps: the slow curves go through the first one of each sweep."""
-    rng = np.random.default_rng(2)
+    rng = np.random.default_rng(0)
     omega = np.tile(np.linspace(0.05, 18.0, 15), 4)
     scatter = 1.0 + 0.003 * (rng.normal(size=60) + 1j * rng.normal(size=60))
     data = Measurement(
