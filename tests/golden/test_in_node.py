@@ -37,6 +37,7 @@ APART = {"anywidget", "h11", "pytest", "resource", "starlette", "uvicorn"}
 """What guests need: the server, the notebook, contract tests, races."""
 
 
+@pytest.mark.soak
 def test_nothing_but_numpy_is_missing_where_python_runs_in_a_browser():
     site = Path(pluggy.__file__).parents[1]
     sources = Path(springpot.__file__).parents[1]

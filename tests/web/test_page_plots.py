@@ -260,6 +260,7 @@ def steps(places: list[float]) -> list[float]:
     return [after - before for before, after in pairwise(places)]
 
 
+@pytest.mark.soak
 def test_what_is_negative_is_drawn(page: Open, damper: bytes):
     here = page()
     # As its mass makes it; more is missing from a model that cannot follow, and takes longer.
@@ -318,6 +319,7 @@ def test_whatever_takes_room_all_stands_on_one_screen_and_choices_are_whole(
         here.page.evaluate("() => { document.querySelector('#lost').hidden = true; }")
 
 
+@pytest.mark.soak
 def test_an_example_is_an_answered_page_by_one_click(page: Open):
     here = page()
     here.page.click("[data-example='artificial-fractional-zener-noise1']")
@@ -325,6 +327,7 @@ def test_an_example_is_an_answered_page_by_one_click(page: Open):
     assert here.page.locator(".card").count() > 0
 
 
+@pytest.mark.soak
 def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True)
     here.open("damper.csv", damper, MODEL)

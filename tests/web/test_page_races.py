@@ -66,6 +66,7 @@ def test_a_model_that_is_named_before_its_data_are_read_is_judged(
     assert asked == [MODEL], "and nobody waited for another"
 
 
+@pytest.mark.soak
 def test_a_model_that_is_named_during_the_first_answer_takes_its_place(page: Open, damper: bytes):
     here = page()
     with here.held("answer"):
@@ -85,6 +86,7 @@ CAUSES = """() => {
 }"""
 
 
+@pytest.mark.soak
 def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes):
     here = page()
     here.name("fractional-maxwell")
@@ -269,6 +271,7 @@ def test_a_state_without_an_answer_says_why_even_after_another_message(page: Ope
     assert refused.is_hidden()
 
 
+@pytest.mark.soak
 def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: bytes):
     here = page()
     here.name(MODEL)
