@@ -29,7 +29,7 @@ def runs() -> bool:
 
 pytestmark = pytest.mark.skipif(
     not runs(),
-    reason="there is no Pyodide here: 'npm install --prefix .venv/node pyodide'",
+    reason="there is no Pyodide here: 'make pyodide'",
 )
 DISTRIBUTED = {"numpy", "scipy"}
 """What Pyodide brings along."""
