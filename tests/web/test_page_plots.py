@@ -228,6 +228,7 @@ def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
     assert places_of(here) == whole
 
 
+@pytest.mark.soak
 def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)

@@ -144,6 +144,7 @@ def test_five_who_use_one_server_hear_their_place_and_share_what_is_the_same(
     assert len(set(errors[:4])) == 1
 
 
+@pytest.mark.soak
 def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
     here = page()
     here.name(MODEL)
