@@ -91,6 +91,42 @@ def test_tissue_relaxes_an_exponential_of_its_strain():
     )
 
 
+def test_a_cracking_specimen_creeps_ever_faster():
+    k, c, rupture, p = 40.0, 900.0, 20.0, 0.3
+    model = parse_model("maxwell") + plugins().effect("creep-damage")
+    test = TimeTest.of_compliance(T[1:], T[1:])
+    left = 1.0 - T[1:] / rupture
+    crept = left**-p / k + rupture / c * (1.0 - left ** (1.0 - p)) / (1.0 - p)
+    assert recorded(model, np.array([k, c, rupture, p]), test).value == pytest.approx(
+        crept, rel=1e-4
+    )
+
+
+@pytest.mark.parametrize("rise", [0.13, 0.16])
+def test_a_ramp_that_one_sample_lies_within_is_found(rise: float):
+    rng = np.random.default_rng(5)
+    t = np.geomspace(0.1, 1000.0, 80)
+    test = TimeTest.of_relaxation(t, t)
+    theta = np.array([74.0, 249.0, 660.0, 0.4, rise])
+    clean = recorded(MODEL + plugins().effect("finite-ramp"), theta, test).value
+    noisy = clean * (1.0 + 0.01 * rng.standard_normal(len(t)))
+    found = diagnose(replace(test, response=noisy), MODEL)
+    assert (found.verdict, found.candidates[0].effect) == ("effect-missing", "finite-ramp")
+
+
+@pytest.mark.parametrize("exponent", [0.15, 0.3])
+def test_tertiary_creep_is_told_from_warming_and_drift(exponent: float):
+    rng = np.random.default_rng(5)
+    t = np.linspace(0.5, 300.0, 100)
+    test = TimeTest.of_compliance(t, t)
+    model = parse_model("burgers") + plugins().effect("creep-damage")
+    theta = np.array([10.0, 2000.0, 8.0, 80.0, 360.0, exponent])
+    clean = recorded(model, theta, test).value
+    noisy = clean * (1.0 + 0.003 * rng.standard_normal(len(t)))
+    found = diagnose(replace(test, response=noisy), parse_model("burgers"))
+    assert (found.verdict, found.candidates[0].effect) == ("effect-missing", "creep-damage")
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_loose_specimen_feels_what_goes_beyond_its_length(side: float):
     test = TimeTest.of_history(T, side * PULL, 3.0 * PULL, "mm", "N")

@@ -37,6 +37,18 @@ def test_no_mass_is_found_in_it(seed):
     assert found.leading == ()
 
 
+def test_nor_is_the_noise_read_from_what_a_mass_leaves_of_it():
+    rng, t = np.random.default_rng(4), 0.01 * np.arange(600)
+    stroke = 5.0 * np.sin(2.0 * np.pi * t) * np.minimum(1.0, 0.2 + t / 6.0)
+    model = parse_model("prony-2")
+    theta = model.theta(k0=19.0, k1=24.0, tau1=0.13, k2=9.0, tau2=0.9)
+    force = model.respond(theta, t, stroke)
+    force += 0.003 * np.sqrt(np.mean(force**2)) * rng.normal(size=600)
+    read = stroke + 0.01 * rng.normal(size=600)
+    found = diagnose(TimeTest.of_history(t, read, force, "mm", "kN"), model)
+    assert found.verdict == "adequate"
+
+
 def test_nor_in_coarse_digits_of_the_displacement():
     assert "inertia" not in judged(0.0, 1e-9, digit=0.05).leading
 

@@ -70,7 +70,10 @@ def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
     assert fall == pytest.approx(8.0 - 2.0 * np.log(3.0))
     # What the specimen never felt is no evidence; to answer more to it is no merit.
     felt = of([3.0, 1.0, 0.0], felt=5.0)
-    assert left.delta_bic(felt, other, [scatter()], 2) == pytest.approx(fall - 5.0)
+    beyond = (np.sqrt(8.0) - np.sqrt(5.0)) ** 2
+    assert left.delta_bic(felt, other, [scatter()], 2) == pytest.approx(fall - 8.0 + beyond)
+    all_of_it = of([3.0, 1.0, 0.0], felt=9.0)
+    assert left.delta_bic(all_of_it, other, [scatter()], 2) == pytest.approx(fall - 8.0)
     more = of([1.0, 1.0, 0.0], felt=5.0)
     assert left.delta_bic(base, more, [scatter()], 2) == pytest.approx(fall)
     # A line of a free spectrum takes one from the sum of squares, where nothing is.

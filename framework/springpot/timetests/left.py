@@ -277,9 +277,13 @@ def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
 
 def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
     """By how much the Bayesian information criterion falls with `more` parameters."""
-    # To answer less to what the specimen never felt is no evidence.
+    gain = base.squares(noise) - other.squares(noise)
+    # To answer less to what the specimen never felt is no evidence: so much is expected, and the
+    # root of such a fall, noncentral chi-square, varies by one.
     spared = max(base.squares_felt(noise) - other.squares_felt(noise), 0.0)
-    gain = (base.squares(noise) - other.squares(noise) - spared) / _alike(base, other, noise)
+    if gain > 0.0:
+        gain = max(float(np.sqrt(gain) - np.sqrt(spared)), 0.0) ** 2
+    gain /= _alike(base, other, noise)
     gain += base.lines - other.lines
     return float(gain - more * np.log(independent(base.residuals, noise)))
 

@@ -20,7 +20,7 @@ from springpot.diagnosis.scan import PARALLEL
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
-from springpot.rheology.effect import Effect, acting, on_loading, on_response
+from springpot.rheology.effect import Effect, acting, on_clock, on_loading, on_response
 from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
@@ -297,8 +297,9 @@ class TimeScan:
                 column = np.concatenate([view.of_course(effect, values) for view in self.views])
                 linear = False
             powers = np.zeros(len(values))
-            # A limit or a place is what it is; a ramp, a play or a clock go nearly with their size.
-            if linear or effect.composition != on_response:
+            # A limit or a place is what it is, and what reached the specimen hardly goes with the
+            # size of its cause: a ramp is another where samples lie within it. A clock nearly does.
+            if linear or effect.composition == on_clock:
                 powers[0] = 1.0
             atoms.append(
                 Atom(

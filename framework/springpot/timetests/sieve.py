@@ -297,7 +297,11 @@ def delta_of(
 def plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    variance = max(power_of(left), SMALLEST) / max(points - left.lines, 1)
+    power = power_of(left)
+    # What the fit answers to noise of the imposed channel is no misfit: a story that answers less
+    # to it is no better, as long as more than the signal's own noise is left.
+    power = max(power - sum(float(np.sum(value**2)) for value in left.felt), min(power, points))
+    variance = max(power, SMALLEST) / max(points - left.lines, 1)
     return float(points * np.log(variance) + left.count * np.log(points))
 
 

@@ -14,6 +14,7 @@ from springpot.measurement import Loading, TimeTest
 from springpot.rheology import (
     AMPLITUDE,
     FORCE,
+    PURE,
     AppliesTo,
     Dimension,
     Effect,
@@ -31,6 +32,10 @@ SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 """Shares of the way up to which a specimen may hang loose, where the search begins."""
 
 
+LEAST_LEFT = 1e-3
+"""Share of the life of a specimen that the last knot of its load leaves."""
+KNOTS = 257
+"""Of a load that grows until then: straight between them to 1e-4."""
 GROWTHS = (1.0, 4.0, 16.0)
 """Exponents at the largest strain at which stiffening is sought: tissue comes to ten and more."""
 
@@ -109,6 +114,32 @@ def slackened(loading: Loading, place: Any) -> tuple[Loading, tuple[Loading]]:
     return replace(loading, value=stretched), (slope,)
 
 
+def weakened(loading: Loading, rupture: Any, exponent: Any) -> tuple[Loading, tuple[Loading, ...]]:
+    """The stress of what is still sound while a step of load is held, up to near its rupture.
+
+    dD/dt = C / (1 - D)^n leaves 1 - D = (1 - t / rupture)^exponent, exponent = 1 / (n + 1).
+    """
+    when, sizes = loading.jumps
+    left = np.geomspace(1.0, LEAST_LEFT, KNOTS)
+    time = when[0] + rupture * np.concatenate([[0.0], 1.0 - left])
+    grown = sizes[0] * np.concatenate([[0.0], left**-exponent])
+    by_rupture = -exponent * grown[1:] * (1.0 - left) / left / rupture
+    by_exponent = -grown[1:] * np.log(left)
+    slopes = (Loading(time[1:], slope) for slope in (by_rupture, by_exponent))
+    return Loading(time, grown), tuple(slopes)
+
+
+def _held(test: TimeTest) -> bool:
+    """Whether the load is one step from nothing that is held."""
+    return len(test.loading.jumps[0]) == 1 and test.loading.smooth is None
+
+
+def _ruptures(test: TimeTest) -> list[tuple[float, float]]:
+    """Times and exponents from which to look further."""
+    last = float(test.time[-1] - test.start)
+    return [(beyond * last, exponent) for beyond in (1.05, 1.5) for exponent in (0.1, 0.4)]
+
+
 def _stepped(test: TimeTest) -> bool:
     return len(test.loading.jumps[0]) > 0
 
@@ -174,6 +205,25 @@ EFFECTS = (
         citation="Coulomb's friction; the specimen follows its load without overshoot",
         applies_to=AppliesTo(("force",), _returns),
         signature="after the load is taken off, the specimen comes back less, and stops early",
+    ),
+    Effect(
+        "creep-damage",
+        on_loading,
+        StageLaw(
+            weakened,
+            (
+                relaxation_time("rupture", "t_r"),
+                Parameter("exponent", "p", PURE, 0.0, 1.0, "linear", 0.25),
+            ),
+            _ruptures,
+        ),
+        "the specimen cracks under the load it carries: what is still sound bears ever more, until"
+        " it breaks at the time t_r",
+        citation="Kachanov 1958; Rabotnov, Creep Problems in Structural Members, 1969",
+        applies_to=AppliesTo(("force",), _held),
+        signature="a creep that slows down at first, and late grows ever faster",
+        aliases=("tertiary-creep",),
+        absent_at=np.inf,
     ),
     Effect(
         "strain-stiffening",
