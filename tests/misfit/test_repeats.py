@@ -128,7 +128,7 @@ def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, 
     assert ("if they are one specimen, it drifts" in notes) is told
 
 
-@pytest.mark.soak_cases("0.0-adequate")
+@pytest.mark.soak
 @pytest.mark.parametrize(("shared", "verdict"), [(0.012, "unexplained"), (0.0, "adequate")])
 def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_together(
     shared, verdict

@@ -249,6 +249,7 @@ def shared(monkeypatch):
 
 
 @pytest.mark.soak_cases(*(name for name in FILES if name != "nist"))
+@pytest.mark.usefixtures("asked_once")
 @pytest.mark.parametrize("name", list(FILES))
 def test_measured_files_have_one_answer_in_all_commands(name, shared):
     """Factors of frequency and stiffness, constants, and their intervals, to the last digit."""
