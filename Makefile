@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+EXTRAS ?= dev
 # Bytecode is made of what is imported, when it is: of all that is installed it takes as long as the rest of it.
 PIP := --quiet --disable-pip-version-check --no-compile
 
@@ -13,7 +14,7 @@ unexport PYTHONDONTWRITEBYTECODE
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help test lint demo bench soak lowest solvers site clean
+.PHONY: help test lint demo bench soak lowest solvers pyodide site clean
 
 help:  ## show this
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 8
@@ -49,6 +50,9 @@ lowest:  ## the lowest versions that pyproject.toml declares, in an environment 
 solvers: $(READY)  ## the solvers that the tests hand models to; without them these tests are skipped
 	$(BIN)/python -m pip install $(PIP) --editable '.[solvers]' --constraint constraints.txt
 
+pyodide: $(READY)  ## Python as it runs in a browser, for Node; without it the soak skips its test
+	npm install --silent --no-fund --no-audit --prefix $(VENV)/node pyodide@314.0.7
+
 site: $(READY)  ## the documentation as a site with its gallery, in build/site/
 	$(BIN)/python docs/make_gallery.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
@@ -61,5 +65,5 @@ clean:  ## remove the environment and whatever tools left behind
 # Made anew only when what it is made from has changed.
 $(READY): pyproject.toml constraints.txt
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install $(PIP) --editable '.[dev]' --constraint constraints.txt
+	$(BIN)/python -m pip install $(PIP) --editable '.[$(EXTRAS)]' --constraint constraints.txt
 	@touch $@

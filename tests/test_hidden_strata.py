@@ -320,6 +320,7 @@ def test_strata_run_by_themselves_with_their_seeds(tmp_path, monkeypatch, capfd)
     assert "no stratum nonsense; there are time, history" in capfd.readouterr().err
 
 
+@pytest.mark.soak
 def test_a_twin_that_ended_in_another_minimum_of_the_base_stands_beside_its_like(tmp_path):
     """A dashpot beside a stiff solid is a delay by its curve, wherever its own fit began."""
     case = draw("noise", 910050)

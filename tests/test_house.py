@@ -385,6 +385,18 @@ MACHINE = re.compile(
     r"|\bfarm-\w|[.]library\b"  # tools of one workplace
     r"|\b(?:artifactory|nexus|devpi)\b|\bindex-url\b",  # hosts that packages come from
 )
+PARTS = (
+    *("/work/", "/tmp/", "/home/", "/root/", "/Users/", "/mnt/"),
+    *("farm-", ".library", "artifactory", "nexus", "devpi", "index-url"),
+)
+"""Of these the pattern needs one: to look for them first takes a twentieth of the time."""
+
+
+def of_a_machine(text: str) -> list[str]:
+    """What in a text belongs to one machine."""
+    if not any(part in text for part in PARTS):
+        return []
+    return [found[0] for found in MACHINE.finditer(text)]
 
 
 def test_no_file_names_a_machine():
@@ -399,22 +411,27 @@ def test_no_file_names_a_machine():
         }:
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
-        guilty += [f"{path.relative_to(ROOT)}: {found[0]}" for found in MACHINE.finditer(text)]
+        guilty += [f"{path.relative_to(ROOT)}: {found}" for found in of_a_machine(text)]
     assert guilty == []
 
 
 @pytest.mark.parametrize(
-    "text", ["see /work/" + "main", "'/tmp/" + "x'", "farm-" + "run", "/home/" + "me"]
+    "text",
+    [
+        *("see /work/" + "main", "'/tmp/" + "x'", "farm-" + "run", "/home/" + "me"),
+        *("/root/" + "x", "/Users/" + "me", "/mnt/" + "x", "." + "library"),
+        *("an " + "artifactory", "ne" + "xus", "dev" + "pi", "--index-" + "url"),
+    ],
 )
 def test_the_pattern_finds_machines(text: str):
-    assert MACHINE.search(text)
+    assert of_a_machine(text)
 
 
 @pytest.mark.parametrize(
     "text", ["kN/m", "framework/springpot", "https://example.org/home/page", "tests/tmp/x"]
 )
 def test_the_pattern_lets_ordinary_text_pass(text: str):
-    assert not MACHINE.search(text)
+    assert not of_a_machine(text)
 
 
 def test_no_two_test_files_share_a_name():

@@ -158,15 +158,47 @@ def test_it_is_the_installed_springpot_that_runs(installed: Environment):
     assert not [path for path in ROOT.glob("build*") if path.is_dir()]
 
 
-def test_identify_works_outside_the_checkout(installed: Environment):
-    data = _csv(installed.home / "damper.csv", OMEGA, MAXWELL)
-    asked = (str(data), "fractional-maxwell"), ("nist-srm2491@temperature=20", "maxwell-3")
-    answer, embedded = map(
-        json.loads, installed.springpots(*(["identify", of, "-m", m, "--json"] for of, m in asked))
+ASKED = ("damper.csv", "fractional-maxwell"), ("nist-srm2491@temperature=20", "maxwell-3")
+
+
+def of_the_page() -> list[list[str]]:
+    """The commands of the page on plugins, in words."""
+    page = (ROOT / "docs" / "plugins.md").read_text()
+    blocks = re.findall(r"^```console\n(.*?)^```$", page, re.M | re.S)
+    return [shlex.split(line) for block in blocks for line in block.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def answers(installed: Environment) -> list[str]:
+    """What commands answer: to start each by itself would take as long as all of them together."""
+    _csv(installed.home / "damper.csv", OMEGA, MAXWELL)
+    return installed.springpots(
+        *(["identify", of, "-m", model, "--json"] for of, model in ASKED),
+        ["--help"],
+        ["peak-loss", "example-data"],
+        *(words for _, *words in of_the_page()),
     )
+
+
+def test_identify_works_outside_the_checkout(answers: list[str]):
+    answer, embedded = map(json.loads, answers[:2])
     found = {name: entry["value"] for name, entry in answer["parameters"].items()}
     assert found == pytest.approx({"k": 400.0, "c": 60.0, "alpha": 0.5}, rel=1e-6)
     assert embedded["relative_rms"] < 0.2
+
+
+def test_every_command_of_the_page_on_plugins_works(answers: list[str]):
+    called = of_the_page()
+    assert len(called) >= 4
+    assert {name for name, *_ in called} == {"springpot"}
+    assert len(answers) == 4 + len(called)
+    assert all(answers[4:])
+
+
+def test_the_command_stands_among_springpots_own(answers: list[str]):
+    listed, told = answers[2:4]
+    assert re.search(r"^  peak-loss +The frequency at which", listed, re.M)
+    assert told == "the loss is largest at 314.2 rad/s\n"
 
 
 @pytest.mark.soak
@@ -261,25 +293,6 @@ def test_the_optimiser_identifies_too(installed: Environment):
     ]
     assert answers[0]["optimiser"] == "example-optimiser"
     assert answers[0]["parameters"] == answers[1]["parameters"]
-
-
-def test_every_command_of_the_page_on_plugins_works(installed: Environment):
-    page = (ROOT / "docs" / "plugins.md").read_text()
-    commands = [
-        line
-        for block in re.findall(r"^```console\n(.*?)^```$", page, re.M | re.S)
-        for line in block.splitlines()
-    ]
-    assert len(commands) >= 4
-    called = [shlex.split(command) for command in commands]
-    assert {name for name, *_ in called} == {"springpot"}
-    assert all(installed.springpots(*(words for _, *words in called)))
-
-
-def test_the_command_stands_among_springpots_own(installed: Environment):
-    listed, told = installed.springpots(["--help"], ["peak-loss", "example-data"])
-    assert re.search(r"^  peak-loss +The frequency at which", listed, re.M)
-    assert told == "the loss is largest at 314.2 rad/s\n"
 
 
 @pytest.mark.soak

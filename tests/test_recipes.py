@@ -74,7 +74,7 @@ def alike(shown: list[str], real: list[str]) -> bool:
     )
 
 
-@pytest.mark.soak_cases("damper", "optimisers", "recipes")
+@pytest.mark.soak_cases("damper", "optimisers", "recipes", "wishes")
 @pytest.mark.usefixtures("asked_once", "unpainted")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_pages_print_what_they_show(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

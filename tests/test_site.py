@@ -87,6 +87,7 @@ def broken(folder: Path) -> Iterator[str]:
                 yield f"{path.relative_to(folder)}: {link}"
 
 
+@pytest.mark.soak
 def test_every_page_is_built_and_can_be_reached(site: Path):
     pages = {path.relative_to(site).with_suffix("").as_posix() for path in site.rglob("*.html")}
     # Reports, if they were made, and what pages show from beside the folder.
@@ -100,6 +101,7 @@ def test_every_page_is_built_and_can_be_reached(site: Path):
     assert (site / "schemas" / "identification.json").exists()
 
 
+@pytest.mark.soak
 def test_the_site_asks_no_other_host(site: Path):
     for page in site.rglob("*.html"):
         asked = [
@@ -110,6 +112,7 @@ def test_the_site_asks_no_other_host(site: Path):
         assert asked == [], page
 
 
+@pytest.mark.soak
 def test_no_link_or_picture_of_the_site_is_broken(site: Path):
     assert [link for link in broken(site) if not MADE_WITH_THE_SITE.search(link)] == []
     # Pictures of results were outside the site for long.
@@ -151,6 +154,7 @@ def test_the_reference_has_what_a_room_offers(room: str):
     assert set(absent) <= {"plugins"}
 
 
+@pytest.mark.soak
 def test_the_reference_is_written(site: Path):
     reference = (site / "reference.html").read_text(encoding="utf-8")
     for name in (

@@ -54,6 +54,7 @@ def test_local_workers_give_the_bytes_of_a_serial_run(serial, tmp_path, workers)
     assert tables(tmp_path) == serial
 
 
+@pytest.mark.soak
 def test_any_executor_gives_the_bytes_of_a_serial_run(serial, tmp_path):
     with ThreadPoolExecutor(2) as threads:
         run_study(small_study(), engine=threads, out=tmp_path / "threads", quiet=True)

@@ -19,17 +19,20 @@ def tables():
     return recomputed_suite.tables(*recomputed_suite.races(RESULTS, SUITE))
 
 
+@pytest.mark.soak
 def test_every_cell_is_what_numpy_makes_of_the_archive(tables):
     agree, wrong = recomputed_suite.compared(tables, RESULTS)
     assert wrong == []
     assert agree == 44 * (12 + 3) + 2 * 6 * 3
 
 
+@pytest.mark.soak
 def test_nobody_exceeds_95_percent_on_the_hard_half(tables):
     shares = {label: row[3] for label, row in tables["suite_race/parts"].items()}
     assert max(shares.values()) <= 0.95, shares
 
 
+@pytest.mark.soak
 def test_a_cell_that_is_off_is_found(tables, tmp_path):
     for name in tables:
         (tmp_path / name).parent.mkdir(exist_ok=True)

@@ -119,6 +119,7 @@ def test_two_runs_at_once_do_no_harm(tmp_path):
     assert summary(tmp_path) == summary(alone)
 
 
+@pytest.mark.soak
 def test_ctrl_c_ends_at_once_and_keeps_what_is_finished(tmp_path):
     begun = monotonic()
     process = start(script(tmp_path, pause=0.3, repetitions=100), tmp_path)

@@ -113,7 +113,7 @@ def test_swarm_and_recorder_cost_little_beside_the_exponentials(name, capsys):
     assert mine <= TIMES_EXPONENTIALS * least
 
 
-@pytest.mark.suite_cases("fractional-kelvin4")
+@pytest.mark.soak
 @pytest.mark.parametrize("name", MODELS)
 @patient
 def test_a_third_or_more_of_fifty_runs_is_the_objective(name, capsys):

@@ -32,6 +32,7 @@ def test_the_simplest_adequate_model_is_adequate_to_diagnose_too(whole):
     assert springpot.diagnose(data, ranking.best.model).verdict == "adequate"
 
 
+@pytest.mark.soak
 def test_none_whose_residual_has_a_pattern_is_adequate(whole):
     _, ranking = whole
     for one in ranking.adequate:

@@ -167,9 +167,7 @@ def test_a_trial_whose_square_is_no_number_ends_nothing():
     assert (found.verdict, found.best.effect) == ("effect-missing", "inertia")
 
 
-@pytest.mark.soak_cases(
-    "material-12", "fractional-kelvin-20", "fractional-kelvin-40", "material-20", "material-40"
-)
+@pytest.mark.soak
 @pytest.mark.parametrize("points", [12, 20, 40])
 @pytest.mark.parametrize("model", ["material", "fractional-kelvin"])
 def test_computed_data_lack_nothing(points, model):

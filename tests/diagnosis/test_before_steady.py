@@ -35,6 +35,7 @@ def found():
     return springpot.diagnose(record(transient=0.9))
 
 
+@pytest.mark.soak
 def test_the_start_is_told_as_such(found):
     assert found.verdict == "unexplained"
     assert "the first 9 points stand within one period of the start" in found.says

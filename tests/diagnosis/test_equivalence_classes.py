@@ -191,7 +191,7 @@ def test_two_words_for_one_effect(alias, name):
     assert [p.name for p in one.parameters] == [p.name for p in other.parameters]
 
 
-@pytest.mark.soak_cases("arrhenius-shift-300.0-1", "arrhenius-shift-30000.0-2", "wlf-shift-300.0-1")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("chi2", "seed"),
     [(300.0, 1), (30000.0, 2)]

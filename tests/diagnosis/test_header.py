@@ -59,6 +59,7 @@ def test_nothing_is_said_without_a_header_or_of_a_damper(measured):
     assert notes(measured, INERTIA, "N/m") == []
 
 
+@pytest.mark.soak
 def test_an_inertia_of_which_nothing_is_known_agrees_with_nothing(measured):
     said = replace(
         measured, provenance={"inertia as modulus": "1.4 Pa s^2"}, units=springpot.Units("Pa", "-")

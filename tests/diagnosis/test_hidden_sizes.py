@@ -161,7 +161,7 @@ MISSED_SIZE = {
 }
 
 
-@pytest.mark.soak_cases("time-delay", "arrhenius-shift", "friction", "series-spring")
+@pytest.mark.suite_cases("inertia")
 @pytest.mark.parametrize(
     "effect",
     [
@@ -186,7 +186,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
-@pytest.mark.suite_cases("self-heating")
+@pytest.mark.suite_cases("inertia")
 @pytest.mark.parametrize(
     "effect",
     ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],

@@ -23,9 +23,9 @@ def text(diagnosis):
     ).lower()
 
 
-@pytest.mark.soak_cases("8-1-sigma-unknown")
+@pytest.mark.soak
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
-@pytest.mark.parametrize(("draws", "flags"), [(8, 1), pytest.param(24, 2, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(("draws", "flags"), [(8, 1), (24, 2)])
 def test_noise_alone_is_seldom_flagged_and_never_accepted(draws, flags, known):
     """Two per cent may be flagged.
 

@@ -144,6 +144,7 @@ def test_a_ladder_begins_with_the_diagnosis_of_its_model():
     )
 
 
+@pytest.mark.soak
 def test_results_are_strict_json_of_the_agreed_form():
     diagnosis = diagnosed(data("inertia"))
     found = json.loads(strict(diagnosis))
@@ -172,6 +173,7 @@ def test_results_are_strict_json_of_the_agreed_form():
     )
 
 
+@pytest.mark.soak
 def test_a_ladder_is_strict_json_of_the_agreed_form():
     found = json.loads(strict(discovered("inertia")))
     assert found["schema"] == "springpot.discovery/2"

@@ -53,6 +53,7 @@ def delayed():
     return searched(DELAYED)
 
 
+@pytest.mark.soak
 def test_three_effects_of_which_no_two_explain_the_data_are_found_together(three):
     assert max(len(grown.effects) for grown in three.grown) == 2
     found = complete_set(case_of(three), np.random.default_rng(0))

@@ -36,6 +36,7 @@ def test_times_of_one_temperature_are_no_gain_of_the_chain():
     assert "measuring chain" not in says
 
 
+@pytest.mark.soak
 def test_a_gain_of_one_temperature_is_the_chain():
     says = told(CELSIUS, 1.0 + 0.1 * (CELSIUS == 30.0))
     assert "a gain of its own at each temperature: the measuring chain" in says

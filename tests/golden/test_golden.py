@@ -34,6 +34,7 @@ def questions():
     "fractional-zener-hides-time-delay",
     "any-material-hides-time-delay",
     "artificial-fractional-kelvin4-noise1-as-springpot",
+    "sweep-hides-inertia-beside-a-relaxation",
 )
 @pytest.mark.parametrize(("kind", "case"), list(questions()))
 def test_verdict_named_class_and_errors_are_the_committed_ones(kind, case, tmp_path):
@@ -47,7 +48,7 @@ def test_verdict_named_class_and_errors_are_the_committed_ones(kind, case, tmp_p
 FEW = (
     "fractional-kelvin hides inertia",
     "artificial-springpot-noise2 by springpot",
-    "sweep hides time-delay beside a relaxation",
+    "relaxation of nothing hidden",
 )
 
 

@@ -29,7 +29,7 @@ def runs() -> bool:
 
 pytestmark = pytest.mark.skipif(
     not runs(),
-    reason="there is no Pyodide here: 'npm install --prefix .venv/node pyodide'",
+    reason="there is no Pyodide here: 'make pyodide'",
 )
 DISTRIBUTED = {"numpy", "scipy"}
 """What Pyodide brings along."""
@@ -37,6 +37,7 @@ APART = {"anywidget", "h11", "pytest", "resource", "starlette", "uvicorn"}
 """What guests need: the server, the notebook, contract tests, races."""
 
 
+@pytest.mark.soak
 def test_nothing_but_numpy_is_missing_where_python_runs_in_a_browser():
     site = Path(pluggy.__file__).parents[1]
     sources = Path(springpot.__file__).parents[1]

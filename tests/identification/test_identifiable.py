@@ -52,6 +52,7 @@ def test_it_stands_in_text_and_json_and_opens_again(damper, tmp_path):
     assert "identifiable" not in springpot.identify(damper, "kelvin").to_dict()
 
 
+@pytest.mark.soak
 def test_tests_in_time_are_told_too():
     time = np.geomspace(0.01, 10.0, 40)
     noise = 1.0 + 0.01 * np.random.default_rng(2).standard_normal(40)

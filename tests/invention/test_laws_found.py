@@ -14,11 +14,6 @@ from springpot.errors import ModelError, OptionError
 from springpot.invention import grammar, inventing
 
 
-@pytest.fixture(scope="module")
-def found() -> Invention:
-    return springpot.invent(swept(lossy))
-
-
 def test_the_class_holds_the_law_its_exponent_and_what_would_tell_it_apart(found: Invention):
     assert found.verdict == "class"
     best = found.best

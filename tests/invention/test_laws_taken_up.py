@@ -8,29 +8,14 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from lawful_data import lossy, swept
 
 import springpot
 from springpot import Invention
 from springpot.cli.discover import accepted
 from springpot.cli.init import command as init
 from springpot.cli.init import plugin_of
-from springpot.cli.invent import command as invent
 from springpot.errors import DataError
 from springpot.testing import check_effect
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory) -> Path:
-    """A folder with data and the law that the command line finds of them."""
-    folder = tmp_path_factory.mktemp("invention")
-    springpot.write_measurement(swept(lossy), folder / "made.csv")
-    answer = CliRunner().invoke(
-        invent, [str(folder / "made.csv"), "-o", str(folder / "law.json")], catch_exceptions=False
-    )
-    assert answer.exit_code == 0
-    assert "next: springpot discover" in answer.output
-    return folder
 
 
 def test_its_file_is_loaded_as_it_was(files: Path):

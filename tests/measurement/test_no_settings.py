@@ -50,6 +50,23 @@ def test_numbers_of_specimens_and_values_that_differ_are_settings(pair):
     assert list(settings_of(table({"specimen": chosen}))) == ["specimen"]
 
 
+SWEEP = np.geomspace(1.0, 100.0, 8)
+
+
+@pytest.mark.parametrize("name", ["gap", "normal_force", "time"])
+def test_what_was_chosen_for_whole_sweeps_is_a_setting_whatever_its_name(name):
+    """Three sweeps, each in a gap of its own: rows of one frequency are no repeats."""
+    omega, chosen = np.tile(SWEEP, 3), np.repeat([0.5, 1.0, 2.0], 8)
+    data = springpot.Measurement(omega, 1j * omega, conditions={name: chosen})
+    assert list(settings_of(data)) == [name]
+
+
+def test_an_answer_that_stands_still_within_a_sweep_is_none():
+    force = np.repeat([0.1, 0.2], 4)
+    data = springpot.Measurement(SWEEP, 1j * SWEEP, conditions={"normal_force": force})
+    assert settings_of(data) == {}
+
+
 @pytest.mark.parametrize(
     ("number", "told"), [(NUMBER, False), (TWO_AT_EACH, True)], ids=["of temperatures", "of two"]
 )

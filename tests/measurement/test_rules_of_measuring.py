@@ -170,10 +170,10 @@ def test_a_long_list_of_values_is_cut_before_its_last():
         ([1] * 4, [1, 2] * 2, False),
     ],
 )
-def test_a_time_is_an_age_where_frequencies_come_again(ages, frequencies, age, monkeypatch):
+def test_a_time_stands_for_sweeps_where_frequencies_come_again(ages, frequencies, age, monkeypatch):
     monkeypatch.setattr(mixed_tests, "frequency_numbers", lambda data: np.array(frequencies))
     data = SimpleNamespace(conditions={mixed_tests.TIME: np.array(ages, float)})
-    assert mixed_tests._is_an_age(data) is age
+    assert mixed_tests._stands_for_sweeps(data, mixed_tests.TIME) is age
 
 
 @pytest.mark.parametrize(("moved", "told"), [(0.0, 0.0), (1e-3, 1.0)])

@@ -100,6 +100,7 @@ def test_the_floor_lies_below_a_model_with_effects(effect):
         assert judged.error.material_floor <= judged.error.relative_rms
 
 
+@pytest.mark.soak
 def test_the_floor_is_over_all_rows_that_the_error_is_over():
     """Of many rows a comparison looks at some."""
     rng = np.random.default_rng(5)

@@ -32,3 +32,18 @@ def test_a_misfit_that_swings_is_no_noise_that_rises():
     data = Measurement(omega, stiffness * (1.0 + noise))
     fitted = fitted_to_floor(parse_model("fractional-kelvin"), data)
     assert fitted.floor < 0.03 < 0.05 < fitted.relative_rms
+
+
+def test_a_point_far_from_the_others_does_not_tell_that_it_has_no_noise():
+    """Frequencies in equal steps: the slow curves go through the first one of each sweep."""
+    rng = np.random.default_rng(0)
+    omega = np.tile(np.linspace(0.05, 18.0, 15), 4)
+    scatter = 1.0 + 0.003 * (rng.normal(size=60) + 1j * rng.normal(size=60))
+    data = Measurement(
+        omega,
+        80.0 * (0.8 + 0.5 * (1j * omega) ** 0.6) * scatter,
+        conditions={"preload": np.repeat([0.2, 0.5, 1.0, 2.0], 15)},
+    )
+    fitted = fitted_to_floor(parse_model("fractional-kelvin"), data)
+    shares = fitted.noise.parts.real / data.magnitude
+    assert shares.min() > 0.5 * shares.max()

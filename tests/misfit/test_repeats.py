@@ -128,7 +128,7 @@ def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, 
     assert ("if they are one specimen, it drifts" in notes) is told
 
 
-@pytest.mark.soak_cases("0.0-adequate")
+@pytest.mark.soak
 @pytest.mark.parametrize(("shared", "verdict"), [(0.012, "unexplained"), (0.0, "adequate")])
 def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_together(
     shared, verdict
@@ -197,3 +197,17 @@ def test_two_specimens_at_four_temperatures_are_not_taken_for_one_that_drifts():
         drifts += found[1].own_gain == 0.0
     assert specimens >= 18
     assert drifts >= 18
+
+
+def test_repeats_at_a_floor_of_force_do_not_drift():
+    """Where K is small the same force is more of it: in order of frequency repeats calm down."""
+    omega = np.repeat(np.geomspace(0.1, 100.0, 30), 3)
+    stiffness, repeat = 80.0 * 1j * omega / (1.0 + 1j * omega), np.tile([1, 2, 3], 30)
+    chances = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        noise = 0.4 * (rng.normal(size=90) + 1j * rng.normal(size=90))
+        data = springpot.Measurement(omega, stiffness + noise, repeat=repeat)
+        chances.append(repeats_structure(average_repeats(data), rng).p_value)
+    # Of twelve chances none is below 0.01 but once in nine times, and these draws are fixed.
+    assert min(chances) > 0.01

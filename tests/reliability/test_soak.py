@@ -46,6 +46,7 @@ def test_an_unknown_part_is_refused(capsys):
     assert "no part nothing-of-that-kind" in capsys.readouterr().err
 
 
+@pytest.mark.soak
 def test_every_part_can_be_called_where_no_test_runs():
     """As `make soak` does: pytest would find more modules."""
     parts = [soak.PREFIX + name for name in soak.parts()]

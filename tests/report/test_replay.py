@@ -28,6 +28,7 @@ def ladder():
     return springpot.discover(data, "kelvin", accept=["inertia"])
 
 
+@pytest.mark.soak
 def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, monkeypatch):
     """Two steps and the frames between them, played for ever."""
     monkeypatch.setattr(replay, "FRAMES", 2)

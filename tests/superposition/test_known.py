@@ -97,6 +97,7 @@ def test_flat_sweeps_that_do_not_overlap_are_told_not_to(seed):
     assert note.startswith("45 degC, 60 degC")
 
 
+@pytest.mark.soak
 def test_sweeps_of_few_points_are_told_as_such():
     kept = measured(simple, noise=0.05, points=3, decades=0.3)
     curve = springpot.mastercurve(kept)
@@ -129,7 +130,7 @@ def test_a_line_that_misses_the_loss_is_not_called_noise():
     assert all("misses the loss" in failure.says for failure in missed)
 
 
-@pytest.mark.suite_cases("0")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(2))
 def test_a_part_that_scatters_as_much_as_it_is_is_not_missed(seed):
     """Noise in proportion to |K| drowns the loss of a glass.

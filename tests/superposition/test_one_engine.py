@@ -15,7 +15,9 @@ from springpot.identification import fit
 from springpot.identification.free_factors import FactorRows, factors_of
 from springpot.identification.known_factors import allowed_shifts, refused_in_words
 from springpot.identification.levels_alone import each_alone
+from springpot.identification.problem import relative_objective
 from springpot.registry import plugins
+from springpot.rheology.levels import Levels
 from springpot.superposition import laws
 
 pytestmark = pytest.mark.usefixtures("asked_once")
@@ -120,6 +122,23 @@ def test_a_law_that_shifts_sweeps_apart_which_have_moduli_in_common_is_refused()
     assert "moduli in common" in allowed.broken_by(steep)
     assert "0 degC and 15 degC apart by" in allowed.broken_by(steep)
     assert "endless" in allowed.broken_by(np.where(np.arange(5) == 0, np.inf, steep))
+
+
+def test_sweeps_on_a_plateau_may_be_shifted_further_than_they_are_wide():
+    """|K| rises there by less than it scatters: what they have in common is their scatter."""
+    decades = np.array([0.0, 3.0])
+    omega, number = np.tile(np.geomspace(1.0, 30.0, 20), 2), np.repeat([0, 1], 20)
+    s = 1j * omega * 10.0 ** (1.0 + decades[number])
+    gain = 1.0 + np.random.default_rng(3).normal(0.0, 0.01, 40)
+    data = springpot.Measurement(
+        omega,
+        gain * s / (1.0 + s),
+        conditions={"temperature": 20.0 - 10.0 * number},
+    )
+    levels = Levels("temperature").bound_to(data.points)
+    own = each_alone(data, 1 - number, relative_objective())
+    allowed = allowed_shifts(data, levels, np.zeros(40), own)
+    assert allowed.broken_by(np.log(10.0) * decades[::-1]) == ""
 
 
 def test_a_law_beyond_its_pole_is_told_with_the_model():
@@ -230,6 +249,7 @@ def shared(monkeypatch):
 
 
 @pytest.mark.soak_cases(*(name for name in FILES if name != "nist"))
+@pytest.mark.usefixtures("asked_once")
 @pytest.mark.parametrize("name", list(FILES))
 def test_measured_files_have_one_answer_in_all_commands(name, shared):
     """Factors of frequency and stiffness, constants, and their intervals, to the last digit."""

@@ -83,7 +83,7 @@ def creep(temperatures, t, noise, lift=0.0, seed=2):
     return tests
 
 
-@pytest.mark.suite_cases("0.02")
+@pytest.mark.soak
 @pytest.mark.parametrize("lift", [0.0, 0.02])
 def test_factors_of_creep_lie_in_their_intervals(lift):
     """Those of the modulus: a compliance falls where b rises."""

@@ -59,7 +59,7 @@ def test_it_is_said_in_one_line_where_a_and_b_cannot_be_told_apart(curve):
     assert "70 degC" in note.split(":")[0]
 
 
-@pytest.mark.soak_cases("curve1")
+@pytest.mark.soak_cases("curve0", "curve1")
 def test_there_is_a_law_of_the_shift(curve):
     assert "Arrhenius" in {law.law.name for law in curve.laws}
 

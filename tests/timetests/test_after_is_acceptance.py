@@ -121,6 +121,7 @@ def test_places_of_the_test_that_is_missed_most_come_first(rng: np.random.Genera
     assert "the model's loss is" in place.says
 
 
+@pytest.mark.soak
 def test_what_was_not_fitted_is_foretold_and_not_after(rng: np.random.Generator) -> None:
     for each in springpot.diagnose([relaxation(rng)], "zener").candidates:
         assert np.isfinite(each.error_after) != np.isfinite(each.predicted_error)

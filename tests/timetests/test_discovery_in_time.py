@@ -30,9 +30,9 @@ def test_a_record_with_a_mass_and_friction_names_both():
     found = discover([test], base, EFFECTS)
     assert {step.accepted for step in found.steps[1:]} == {"friction", "inertia"}
     assert found.verdict == "adequate"
-    sizes = [step.over_floor for step in found.steps]
-    assert sizes == sorted(sizes, reverse=True)
-    assert sizes[0] > 3 > 1.3 > sizes[-1]
+    errors = [step.relative_rms for step in found.steps]
+    assert errors == sorted(errors, reverse=True)
+    assert found.steps[0].over_floor > 3 > 1.3 > found.steps[-1].over_floor
     named = discover([test], base, EFFECTS, accept=EFFECTS[:2])
     assert [step.accepted for step in named.steps] == [None, "friction", "inertia"]
     assert (

@@ -33,6 +33,7 @@ def relaxations(noise: float, seed: int) -> list[TimeTest]:
     return tests
 
 
+@pytest.mark.soak
 def test_the_law_by_which_times_move_by_decades_is_what_is_missing():
     few = ["wlf-shift", "arrhenius-shift", "ageing", "force-drift"]
     answer = springpot.diagnose(relaxations(0.01, 1), only=few)

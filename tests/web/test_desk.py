@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import signal
@@ -14,6 +15,7 @@ import pytest
 from client import ask, head, raw, token_of
 
 from springpot.web import Workbench
+from springpot.web.desk import DeskWorker
 from springpot.web.sessions import State
 from springpot.web.tasks import TASKS, perform
 
@@ -81,6 +83,22 @@ def test_a_worker_that_dies_is_told_of_and_replaced(bench: Workbench, data: dict
             heard += part
     assert b"computation ended" in heard
     assert b"fault" in heard
+
+
+def test_of_a_worker_that_was_ended_nothing_is_left_open():
+    """Its pipes were closed as rubbish, after the loop, which could do so no more."""
+
+    async def serve() -> list[bool]:
+        worker, pipes = DeskWorker(), []
+        for _ in "ab":
+            await worker.start()
+            assert worker._process is not None
+            pipes.append(worker._process._transport)
+            worker.end()
+        await worker.close()
+        return [each.is_closing() for each in pipes]
+
+    assert asyncio.run(serve()) == [True, True]
 
 
 @pytest.mark.soak

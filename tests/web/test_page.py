@@ -488,7 +488,7 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, named: Workbench
     context.close()
 
 
-@pytest.mark.soak_cases("view1")
+@pytest.mark.soak
 @pytest.mark.parametrize("view", [{"view": "of a later version"}, {"plane": 3, "plan": "x"}])
 def test_a_session_with_an_unknown_view_is_opened_with_the_usual_one(
     page: Open, damper: bytes, view: dict[str, Any]

@@ -60,6 +60,7 @@ def test_number_and_preview_stay_in_sight_with_the_picture(phone: Page):
     assert "Tap one" in phone.reads("#missing")
 
 
+@pytest.mark.soak
 def test_two_fingers_come_closer_and_move_the_picture(phone: Page, touch: Touch):
     def spread() -> tuple[float, float]:
         found = phone.page.locator("#plot-view .mark.storage").evaluate_all(XS)

@@ -248,6 +248,7 @@ def test_other_models_are_cards_while_nobody_waits(page: Open, damper: bytes):
     assert here.violations() == []
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_points_are_seen_left_out_before_they_are(page: Open, damper: bytes):
     here = page()

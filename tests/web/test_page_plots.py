@@ -228,6 +228,7 @@ def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
     assert places_of(here) == whole
 
 
+@pytest.mark.soak
 def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)
@@ -260,6 +261,7 @@ def steps(places: list[float]) -> list[float]:
     return [after - before for before, after in pairwise(places)]
 
 
+@pytest.mark.soak
 def test_what_is_negative_is_drawn(page: Open, damper: bytes):
     here = page()
     # As its mass makes it; more is missing from a model that cannot follow, and takes longer.
@@ -318,6 +320,7 @@ def test_whatever_takes_room_all_stands_on_one_screen_and_choices_are_whole(
         here.page.evaluate("() => { document.querySelector('#lost').hidden = true; }")
 
 
+@pytest.mark.soak
 def test_an_example_is_an_answered_page_by_one_click(page: Open):
     here = page()
     here.page.click("[data-example='artificial-fractional-zener-noise1']")
@@ -325,6 +328,7 @@ def test_an_example_is_an_answered_page_by_one_click(page: Open):
     assert here.page.locator(".card").count() > 0
 
 
+@pytest.mark.soak
 def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True)
     here.open("damper.csv", damper, MODEL)

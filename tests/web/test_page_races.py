@@ -66,6 +66,7 @@ def test_a_model_that_is_named_before_its_data_are_read_is_judged(
     assert asked == [MODEL], "and nobody waited for another"
 
 
+@pytest.mark.soak
 def test_a_model_that_is_named_during_the_first_answer_takes_its_place(page: Open, damper: bytes):
     here = page()
     with here.held("answer"):
@@ -85,6 +86,7 @@ CAUSES = """() => {
 }"""
 
 
+@pytest.mark.soak
 def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes):
     here = page()
     here.name("fractional-maxwell")
@@ -142,6 +144,7 @@ def test_five_who_use_one_server_hear_their_place_and_share_what_is_the_same(
     assert len(set(errors[:4])) == 1
 
 
+@pytest.mark.soak
 def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
     here = page()
     here.name(MODEL)
@@ -269,6 +272,7 @@ def test_a_state_without_an_answer_says_why_even_after_another_message(page: Ope
     assert refused.is_hidden()
 
 
+@pytest.mark.soak
 def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: bytes):
     here = page()
     here.name(MODEL)

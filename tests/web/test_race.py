@@ -70,6 +70,7 @@ def told(name: str, **costs: int) -> dict[str, Any]:
     return {"name": name, **counts, "tables": [{**table, "rows": rows}], "attained": reached}
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_two_studies_stand_side_by_side_and_a_click_sorts_a_table(page: Open):
     """Numbers are sorted by size, up and down; each study has its curves of accuracy."""

@@ -98,6 +98,9 @@ def allowed_shifts(data: Measurement, bound: Levels, log_b: Real, own: Alone) ->
     """
     number = levels_of(bound.column, data.points.need(bound.column))
     low, high = ranges(number, np.log(data.magnitude) - log_b)
+    # Of a plateau the extremes are those of its scatter, and sweeps far apart on it share none.
+    fitted, factor = np.isfinite(own.low), np.bincount(number, log_b) / np.bincount(number)
+    low, high = np.where(fitted, own.low - factor, low), np.where(fitted, own.high - factor, high)
     # Beyond their scatter: where two ends only just meet, nobody knows that they do.
     surely = meeting(low, high, -ROOM * np.sqrt(scatter_between(own)))
     first, last = ranges(number, data.points.log_omega)

@@ -41,18 +41,22 @@ class Alone:
         Relative error.
     repeats : ndarray, shape (m,)
         Relative scatter of repeated points; zero where none is.
+    low, high : ndarray, shape (m,)
+        Least and largest ln|K| of its material where it was measured; nan where it was not fitted.
     """
 
     cost: Real
     dof: Real
     error: Real
     repeats: Real
+    low: Real
+    high: Real
 
     @classmethod
     def exact(cls, count: int) -> Alone:
         """Levels without any scatter, none of them fitted."""
         nothing = np.full(count, np.nan)
-        return cls(nothing, np.zeros(count), nothing, np.zeros(count))
+        return cls(nothing, np.zeros(count), nothing, np.zeros(count), nothing, nothing)
 
     @property
     def share(self) -> Real:
@@ -111,6 +115,7 @@ def each_alone(
     material = Model("material", unfitted)
     m = int(number.max()) + 1
     cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
+    low, high = np.full((2, m), np.nan)
     for level in range(m):
         part = measurement.subset(number == level, f"level {level}")
         # So few points a material follows nearly whatever they are.
@@ -120,7 +125,8 @@ def each_alone(
         line = own.model.stiffness(own.theta, part.points)
         cost[level], dof[level] = own.cost, own.dof
         error[level] = float(np.sqrt(np.mean(np.abs(line / part.stiffness - 1.0) ** 2)))
-    return Alone(cost, dof, error, repeat_scatter(measurement, number))
+        low[level], high[level] = np.log(np.abs(line).min()), np.log(np.abs(line).max())
+    return Alone(cost, dof, error, repeat_scatter(measurement, number), low, high)
 
 
 class StorageOrLoss(NamedTuple):

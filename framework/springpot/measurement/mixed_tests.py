@@ -58,9 +58,9 @@ RUNS = frozenset(
 _ANSWERS = frozenset(
     {"normal_force", "torque", "stress", "gap", "time", "axial_force", "displacement"}
 )
-"""Names of columns that hold what a specimen answered, or when.
+"""Names of columns that mostly hold what a specimen answered, or when.
 
-Rounded in the file they look like settings.
+Rounded in the file they look like settings, and are some only where they stand for whole sweeps.
 """
 TIME = "time"
 """The column in which files hold when a point was measured."""
@@ -197,8 +197,11 @@ def settings_of(data: TestRows) -> dict[str, NDArray[np.int64]]:
         for name, column in data.conditions.items()
         if name not in {*CONDITIONS, *_ANSWERS}
     }
-    if TIME in data.conditions and _is_an_age(data):
-        columns[TIME] = data.conditions[TIME]
+    columns |= {
+        name: data.conditions[name]
+        for name in sorted(_ANSWERS & data.conditions.keys())
+        if _stands_for_sweeps(data, name)
+    }
     numbered = {}
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)
@@ -211,22 +214,21 @@ def settings_of(data: TestRows) -> dict[str, NDArray[np.int64]]:
     return dict(sorted(numbered.items(), key=lambda each: int(each[1].max())))
 
 
-def _is_an_age(data: TestRows) -> bool:
-    """Whether a time stands for whole sweeps, few of them.
+def _stands_for_sweeps(data: TestRows, name: str) -> bool:
+    """Whether a column that holds answers has few values, each that of whole sweeps.
 
-    A waiting time that was chosen, not that of a point.
+    A gap or a waiting time that was chosen, not that of a point.
 
-    Within one sweep a time that is rounded stands still too, but no frequency comes again.
+    Within one sweep what is rounded stands still too, but no frequency comes again.
     """
-    time = data.conditions[TIME]
-    ages, number = np.unique(time, return_inverse=True)
-    # More tell a course in time.
-    if not 1 < len(ages) < COURSE.fewest_times:
+    values, number = np.unique(data.conditions[name], return_inverse=True)
+    # More times tell a course, more answers that they were measured.
+    if not 1 < len(values) < COURSE.fewest_times:
         return False
     frequency = frequency_numbers(data)
     seen = np.unique(np.column_stack([number.ravel(), frequency]), axis=0)
-    # Each frequency at most of the ages, on average.
-    return bool(2 * len(seen) > len(ages) * len(np.unique(frequency)))
+    # Each frequency at most of the values, on average.
+    return bool(2 * len(seen) > len(values) * len(np.unique(frequency)))
 
 
 def _was_held(values: NDArray[np.generic]) -> bool:

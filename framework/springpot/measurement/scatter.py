@@ -213,8 +213,8 @@ class Shape:
     price: float
     turn: Complex | None = None
 
-    def of(self, rows: NDArray[np.bool_]) -> Shape:
-        """The same for some of the points, (n,)."""
+    def of(self, rows: NDArray[np.int64]) -> Shape:
+        """The same for some of the points, (m,)."""
         turn = None if self.turn is None else self.turn[rows]
         return replace(self, real=self.real[rows], imag=self.imag[rows], turn=turn)
 
@@ -350,7 +350,7 @@ def _squares(residual: Complex, dof: Real) -> Scatter:
 def robust_noise_shape(
     measurement: Measurement,
     residual: Complex,
-    rows: NDArray[np.bool_],
+    rows: NDArray[np.int64],
     uneven: bool = False,
     turn: Complex | None = None,
 ) -> tuple[Complex, Complex | None]:
@@ -368,7 +368,7 @@ def robust_noise_shape(
         The data.
     residual : ndarray of complex, shape (m,)
         The scatter of some of them about slow curves, in the unit of K.
-    rows : ndarray of bool, shape (n,)
+    rows : ndarray of int, shape (m,)
         Which these are.
     uneven : bool
         Whether it may be larger at an end of the frequencies, or of another size in each part.

@@ -327,11 +327,15 @@ def _shapes(
     # they follow.
     followed = np.sum(frame.absorbed**2, axis=1) + np.sum(frame.structured**2, axis=1)
     left_of_noise = np.sqrt(np.maximum(1.0 - followed, LEAST_LEFT))
+    # A point far from the others they follow whatever its noise, such as the first of frequencies
+    # in equal steps: it would seem to have none, and the noise to rise from there.
+    tell = np.all(np.reshape(1.0 - followed > LEAST_LEFT, (2, -1)), axis=0)
+    tell |= not np.any(tell)
+    rows = np.flatnonzero(inside)[tell]
     for scatter in scatters:
-        scatter = scatter / left_of_noise
-        rough = free.noise.of_whitened(scatter)
+        rough = free.noise.of_whitened(scatter / left_of_noise)[tell]
         axes = turn_of(free, measurement)
-        sd, turn = robust_noise_shape(measurement, rough, inside, uneven, axes)
+        sd, turn = robust_noise_shape(measurement, rough, rows, uneven, axes)
         noise = Noise.shaped(sd, turn, float(max(frame.rough_dof, 1)), "estimated")
         yield noise.at_least_rounding(measurement)
 

@@ -193,7 +193,8 @@ def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
     # Slow waves are structure, and told of elsewhere. The spectrum counts in half waves along a
     # sweep.
     first = min(int(np.ceil(2.0 * longest / SLOWEST_RIPPLE)), 2 * SLOW_WAVES)
-    if first + 1 >= len(power):
+    # Of a computed curve nothing is left.
+    if first + 1 >= len(power) or scatter.variance == 0.0:
         return 0.0
     taken = np.sum(spectrum(frame.measurement, followed.T), axis=0)
     # Half a wave at least: where curves take all, the power is nothing too.

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from springpot.measurement.measurement import CONDITIONS
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged
+from springpot.measurement.scatter import noise_shape
 from springpot.plain_data import json_number, jsonable
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, REPEATS, VERDICT
@@ -545,8 +546,11 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     starts = np.searchsorted(data.group[order], np.arange(len(count)))
     mean = np.add.reduceat(noise[..., order], starts, axis=-1) / count
     noise -= mean[:, :, data.group]
-    measured = data.deviations()
-    sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
+    # In units of the noise at their place, which a load cell's floor makes large where K is small:
+    # there all runs would seem to change together.
+    sd = noise_shape(data.mean, data.scatter)[data.group]
+    off = data.deviations() * data.raw.magnitude
+    sample = np.concatenate([np.stack([off.real / sd.real, off.imag / sd.imag])[None], noise])
     # In units of their own scatter: how large repeats scatter is the noise itself, and only order
     # is evidence.
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))

@@ -15,6 +15,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """The matrices of a fit are small: more threads only wait for one another."""
 LONGEST_LINE = 256 << 20
 """Bytes of an answer: that to the largest upload with all its previews has a tenth."""
+LEAVING = 5.0
+"""Seconds that the pipes of a process that was ended may stay open."""
 KEPT = 64 << 20
 """Bytes of answers that are kept: some hundred rungs."""
 
@@ -35,6 +37,7 @@ class DeskWorker:
 
     def __init__(self, aside: bool = False) -> None:
         self._process: asyncio.subprocess.Process | None = None
+        self._leaving: set[asyncio.Task[Any]] = set()
         self._program = f"{ASIDE}; {PROGRAM}" if aside else PROGRAM
 
     async def start(self) -> None:
@@ -98,13 +101,18 @@ class DeskWorker:
         if process is not None and process.returncode is None:
             with suppress(ProcessLookupError):
                 process.kill()
+        if process is not None:
+            leaving = asyncio.ensure_future(process.communicate(b""))
+            self._leaving.add(leaving)
+            leaving.add_done_callback(self._leaving.discard)
 
     async def close(self) -> None:
-        """End the process and wait until it is gone."""
-        process = self._process
+        """End the process, and wait until it and all that were ended before are gone."""
         self.end()
-        if process is not None:
-            await process.wait()
+        # Its pipes too: those that are open when the loop closes cannot be closed any more. Not for
+        # ever: what a worker has left behind may hold them.
+        if self._leaving:
+            await asyncio.wait(self._leaving, timeout=LEAVING)
 
 
 class _Running:
