@@ -168,9 +168,9 @@ def _goes_back_and_forth(block: Block, choice: Choice) -> bool:
         first = columns_of(block, with_choice(block.headings, choice))[0].numbers(gaps=True)
     except DataError:
         return False
-    steps = np.sign(np.diff(first[np.isfinite(first)]))
-    back = np.count_nonzero(steps < 0.0) / max(np.count_nonzero(steps), 1)
-    return _BACK < back < 1.0 - _BACK
+    steps = np.diff(first[np.isfinite(first)])
+    back, onward = int((steps < 0.0).sum()), int((steps > 0.0).sum())
+    return min(back, onward) > _BACK * (back + onward)
 
 
 def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
