@@ -53,7 +53,8 @@ from ..readers.text import text_of
 from ..readers.titles import COMPLIANCE_UNITS
 from ..readers.written import OPPOSITE
 from .lacking import EXAMPLES, lacking
-from .tables import holds_sweep, in_seconds, recognises, tables_of, without_ties
+from .tables import as_strain, holds_sweep, in_seconds, recognises, tables_of, without_ties
+from .words import STRETCH
 
 ANSWERS = ("relaxation", "compliance", "force")
 """Columns whose titles tell which modulus it is of."""
@@ -188,9 +189,11 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
         origin["note columns"] = "; ".join(chosen.overruled)
     if block.name:
         origin["part"] = block.name
-    columns = [each for each in columns_of(block, chosen) if not is_blank(each)]
+    columns = [as_strain(each) for each in columns_of(block, chosen) if not is_blank(each)]
     warm = [each for each in columns if each.name == "temperature"][:1]
     used, unstated = _used(columns, block, manner)
+    if any(each.role == STRETCH for each in chosen.headings):
+        origin["note stretch"] = "a stretch is one more than the strain, which is taken"
     roles, others, notes = cleaned(dict(used), warm)
     origin |= notes | unstated | spare_note(used, columns, block.words.values)
     clock = _clock(roles.pop("time"))

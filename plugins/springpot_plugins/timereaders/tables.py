@@ -29,7 +29,7 @@ from ..readers.signal_layout import labview_units
 from ..readers.table import Column
 from ..readers.text import head_text, text_of
 from ..readers.transposed import upright
-from .words import DYNAMIC, IN_TIME, MEASURED
+from .words import DYNAMIC, IN_TIME, MEASURED, STRETCH, with_strain
 
 _BOOK = 0.3
 """Confidence of a workbook's reader from which a file is looked into."""
@@ -61,7 +61,7 @@ def recognises(head: bytes) -> float:
 
 def is_test(block: Block) -> bool:
     """Whether a table holds what was measured against time, or a loop without its time."""
-    loop = {"displacement", "force"} <= block.roles and not block.roles & DYNAMIC
+    loop = {"displacement", "force"} <= with_strain(block.roles) and not block.roles & DYNAMIC
     return loop or ("time" in block.roles and bool(block.roles & MEASURED))
 
 
@@ -153,7 +153,7 @@ def _unnamed(grid: Grid, choice: Choice) -> Block | None:
         chosen = with_choice(block.headings, of_columns, IN_TIME)
     except DataError:
         return None
-    roles = {str(each.role) for each in chosen.headings}
+    roles = with_strain({str(each.role) for each in chosen.headings})
     if roles & DYNAMIC or not ("time" in roles or roles >= {"displacement", "force"}):
         return None
     return block
@@ -258,3 +258,11 @@ def in_seconds(clock: Column) -> Column:
         for cell, moment in zip(clock.cells, now, strict=True)
     ]
     return replace(clock, cells=cells, unit="s", decimal_comma=False)
+
+
+def as_strain(moved: Column) -> Column:
+    """A column of stretches as strains, which are one less; others as they are."""
+    if moved.name != STRETCH or moved.unit not in (None, "-"):
+        return moved
+    cells = [repr(float(value) - 1.0) for value in moved.numbers(gaps=True)]
+    return replace(moved, name="displacement", cells=cells, unit="-", decimal_comma=False)

@@ -14,15 +14,22 @@ from springpot.measurement import (
 
 from ..readers.channels import UNITS as CHANNELS
 from ..readers.channels import channel_of
-from ..readers.names import EXACT, names_a_modulus, role_of
+from ..readers.names import EXACT, fold, names_a_modulus, role_of
 from ..readers.titles import COMPLIANCE_UNITS, UNITS, Heading, Vocabulary, plain_title
 
 MEASURED = frozenset({"relaxation", "compliance", "displacement", "force"})
 """What stands against time."""
 DYNAMIC = frozenset({"omega", "frequency", "storage", "loss", "phase", "loss_factor", "magnitude"})
 """Columns of a sweep, which may well list the time of each point."""
+STRETCH = "stretch"
+"""Of lengths, deformed over undeformed: what rubber is often told by, one more than the strain."""
+_STRETCHES = frozenset(
+    ("stretch", "stretchratio", "extensionratio", "elongationratio", "lambda", "λ", "streckung")
+    + ("verstreckung", "streckverhaltnis", "tauxdelongation", "伸长比", "拉伸比")
+)
 _UNITS = {
     **CHANNELS,
+    STRETCH: {"-": 1.0},
     "relaxation": MODULUS_UNITS,
     "compliance": COMPLIANCE_UNITS,
     "temperature": TEMPERATURE_UNITS,
@@ -38,6 +45,8 @@ _SYMBOLS = {
 
 def _role(name: str) -> str | None:
     """What a name stands for."""
+    if fold(name) in _STRETCHES:
+        return STRETCH
     role = role_of(name)
     if role in ("relaxation", "compliance") or EXACT.get(name) == "temperature":
         return role
@@ -63,6 +72,9 @@ def _by_unit(named: Heading) -> Heading:
             role = "temperature"
         elif unit in TIME_UNITS:
             role = "time"
+    elif role == STRETCH and named.unit and unit in CHANNELS["displacement"] and unit != "-":
+        # In mm or per cent it counts from nothing.
+        role = "displacement"
     elif role == "compliance" and named.unit and unit in STRAIN_UNITS:
         # A creep may be noted as the strain itself.
         role = "displacement"
@@ -83,10 +95,16 @@ def _by_unit(named: Heading) -> Heading:
     return replace(named, role=role)
 
 
+def with_strain(roles: set[str]) -> set[str]:
+    """These roles, with a displacement where there is a stretch, of which it is made."""
+    return roles | ({"displacement"} if STRETCH in roles else set())
+
+
 def _is_test(roles: set[str]) -> bool:
     """Whether columns of these roles are a test in time."""
     return "time" in roles and (
-        bool(roles & {"relaxation", "compliance"}) or roles >= {"displacement", "force"}
+        bool(roles & {"relaxation", "compliance"})
+        or with_strain(roles) >= {"displacement", "force"}
     )
 
 
