@@ -107,3 +107,13 @@ def test_a_springpot_of_order_one_has_the_name_of_a_dashpot_too():
     found = diagnose(tests, ZENER, plugins().items("effect"))
     assert found.verdict == "effect-missing"
     assert found.leading[0] == "parallel-dashpot"
+
+
+def test_what_only_bends_is_no_jump():
+    """Rubber pulled far and let go: from where on a straight line misses it, nothing lets go."""
+    stretch = 1.0 + np.interp(np.arange(60.0), [0.0, 30.0, 59.0], [0.0, 2.0, 0.0])
+    stress = 80.0 * (stretch - stretch**-2.0)
+    test = TimeTest.of_history(0.1 * np.arange(60), stretch - 1.0, stress, "-", "kPa", name="pull")
+    found = diagnose(test, parse_model("material"), library("asymmetric-stiffness", "inertia"))
+    assert "a jump in" not in found.says
+    assert "asymmetric-stiffness" in found.says

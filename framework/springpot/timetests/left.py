@@ -27,7 +27,7 @@ from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import NORMAL, SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import UPPER, ResidualScatter, likeliest_jump, rougher, scatter_of, times_noise
+from .scatter import UPPER, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of, times_noise
 from .specimen import stepped
 from .where import rms
 
@@ -363,6 +363,12 @@ def _heard(part: TestPart) -> float:
     return size * float(np.sqrt(1.0 + DOUBT * error))
 
 
+SHOWN = 0.5
+"""Share of a jump by which its two samples at least differ, beside what their neighbours do."""
+BESIDE = 3
+"""Such neighbours on either side."""
+UNLIKELY = 3.0
+"""Deviations of noise by which a jump may look smaller than it is."""
 FURTHER = 3
 """Steps by which the model makes way for a jump in tests that it misses plainly."""
 
@@ -378,16 +384,19 @@ class Slip(NamedTuple):
         What it leaves of them.
     places : int
         At how many samples it might have been.
+    shown : bool
+        Whether the two samples beside it differ as it says.
     """
 
     says: str
     left: Left
     places: int
+    shown: bool = True
 
     def delta(self, before: Left, noise: Sequence[ResidualScatter]) -> float:
         """By how much the Bayesian information criterion falls, its place one of all samples."""
         # One that leaves more than noise is not the whole story: what has a name goes before it.
-        if self.left.misfit:
+        if self.left.misfit or not self.shown:
             return -np.inf
         before, after, noise = _evened(before, self.left, noise)
         return delta_bic(before, after, noise, 1) - 2.0 * float(np.log(max(self.places, 1)))
@@ -435,7 +444,7 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
         jump = likeliest_jump(residuals, weights, before.noise)
         theta = stepped(base.model, theta, jump.moved)
     scatters = [part.scatter(value) for part, value in zip(plain, jump.left, strict=True)]
-    part = plain[jump.number]
+    part, (value, slopes) = plain[jump.number], residuals[jump.number]
     says = f"a jump in {part.test.name} at {part.at[jump.row]:.3g} s, as of what slips or lets go"
     # Its size is one number, and the choice of its place costs as much as two.
     left = replace(
@@ -444,7 +453,25 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
         residuals=tuple(jump.left),
         scatters=tuple(scatters),
     )
-    return Slip(says, left, jump.places)
+    return Slip(says, left, jump.places, _is_shown(value + slopes @ jump.moved, jump))
+
+
+def _is_shown(story: Real, jump: Jump) -> bool:
+    """Whether what the model misses (m,) jumps there by itself, as far as noise lets it be seen.
+
+    A bend may be missed like a jump, from where on the model lies beside the test: at it neighbours
+    differ little.
+    """
+    if jump.row == 0 or len(story) <= ORDER:
+        # None was found, or nothing tells the noise.
+        return jump.row > 0
+    height = float((story - jump.left[jump.number])[jump.row])
+    steps = np.sign(height) * np.diff(story)
+    row = jump.row - 1
+    around = np.concatenate([steps[max(row - BESIDE, 0) : row], steps[row + 1 : row + 1 + BESIDE]])
+    # A step holds the noise of two samples.
+    noise = np.sqrt(2.0) * imposed_noise(story)
+    return bool(steps[row] - np.median(around) > SHOWN * abs(height) - UNLIKELY * noise)
 
 
 @dataclass(frozen=True, eq=False)

@@ -334,8 +334,7 @@ def _name(above: list[list[str]]) -> str:
         filled = [cell for cell in row if cell]
         if len(filled) != 1:
             continue
-        # Brackets open a section of a report, a colon waits for a value, and a tab within a cell has
-        # one behind it.
+        # Brackets open a section of a report, a colon waits for a value, a tab in a cell has one.
         is_name = not filled[0].startswith("[") and not filled[0].endswith(":")
         is_name = is_name and "\t" not in filled[0]
         if is_name and len(filled[0]) < _SENTENCE:

@@ -24,8 +24,10 @@ DYNAMIC = frozenset({"omega", "frequency", "storage", "loss", "phase", "loss_fac
 STRETCH = "stretch"
 """Of lengths, deformed over undeformed: what rubber is often told by, one more than the strain."""
 _STRETCHES = frozenset(
-    ("stretch", "stretchratio", "extensionratio", "elongationratio", "lambda", "λ", "streckung")
-    + ("verstreckung", "streckverhaltnis", "tauxdelongation", "伸长比", "拉伸比")
+    (
+        *("stretch", "stretchratio", "extensionratio", "elongationratio", "lambda", "λ"),
+        *("streckung", "verstreckung", "streckverhaltnis", "tauxdelongation", "伸长比", "拉伸比"),
+    )
 )
 _UNITS = {
     **CHANNELS,

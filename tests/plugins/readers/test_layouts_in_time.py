@@ -361,3 +361,26 @@ def test_a_row_of_gaps_above_the_numbers_is_none_of_names(tmp_path):
         as_sweep(tmp_path, text)
     [test] = opened(tmp_path, text, "?1=stress[Pa],2=strain[-],3=time[s]")
     np.testing.assert_allclose(test.response[-len(LONG) :], LONG**-0.3)
+
+
+@pytest.mark.parametrize(
+    "title", ["stretch", "Stretch ratio [-]", "λ", "lambda (-)", "拉伸比", "Streckverhältnis"]
+)
+def test_a_stretch_is_one_more_than_the_strain(tmp_path, title):
+    pulled, clock = 1.0 + np.abs(ROUND), 0.1 * np.arange(len(ROUND))
+    text = f"time [s];{title};Nominal stress [kPa]\n{lines(clock, pulled, ROUND, separator=';')}"
+    [test] = opened(tmp_path, text.replace(".", ","))
+    np.testing.assert_allclose(test.loading.value, pulled - 1.0, atol=1e-12)
+    assert test.units.amplitude == "-"
+    assert "one more than the strain" in test.provenance["note stretch"]
+
+
+def test_a_stretch_may_be_said_and_may_be_a_length(tmp_path):
+    pulled = 1.0 + np.abs(ROUND)
+    said = "?1=stretch[-],2=stress[kPa],rate=10[Hz]"
+    [test] = opened(tmp_path, lines(pulled, ROUND), said)
+    np.testing.assert_allclose(test.loading.value, pulled - 1.0, atol=1e-12)
+    text = f"time [s],Stretch (mm),Force (N)\n{lines(0.1 * np.arange(len(ROUND)), pulled, ROUND)}"
+    [test] = opened(tmp_path, text)
+    np.testing.assert_allclose(test.loading.value, pulled)
+    assert test.units.amplitude == "mm"

@@ -71,6 +71,10 @@ def test_netzsch_with_a_curve_for_each_frequency(export):
     assert found.frequency.min() == pytest.approx(1.0)
     assert found.frequency.max() == pytest.approx(10.0)
     assert found.storage.max() == 1100.5
+    # A line of the header, whose cells another sign parts, is no name of the table.
+    head = [each.replace(";", "\t") for each in netzsch("COMMA")]
+    found = springpot.read(export("netzsch.csv", [*head, names, *rows]))
+    assert set(found.labels["step"]) == {"1.000 Hz", "10.000 Hz"}
 
 
 def test_netzsch_that_does_not_say_its_frequency_asks_for_it(export):
