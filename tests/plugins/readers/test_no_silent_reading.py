@@ -96,7 +96,7 @@ def test_degrees_under_the_unit_of_radians_are_asked_for(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "names", ["time [s],stretch,stress [MPa]", "time [s],strain rate [1/s],force [N]"]
+    "names", ["time [s],jaw,stress [MPa]", "time [s],strain rate [1/s],force [N]"]
 )
 def test_no_unknown_column_is_proposed_as_a_modulus(tmp_path, names):
     says, hints = asked(put(tmp_path, names, TIME, MOVED, PULLED))
