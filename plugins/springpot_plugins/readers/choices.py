@@ -399,8 +399,16 @@ def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) ->
     return OpenQuestion(f"{says}{hint}", [Question(each.title, "meaning", hints)])
 
 
-def ask_columns(count: int) -> OpenQuestion:
-    """The question for columns that have no names."""
+_LOOP = (
+    "of which the first goes back and forth, as a displacement does; of a loop say how many samples"
+    " there are a second, such as 'FILE?1=displacement[mm],2=force[N],rate=100[Hz]', or strain[-]"
+    " and stress[Pa]"
+)
+"""What two columns are that no clock and no frequency leads."""
+
+
+def ask_columns(count: int, is_loop: bool = False) -> OpenQuestion:
+    """The question for columns that have no names, the first of which may be a displacement."""
     spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
     weights = ""
     if count > 3:
@@ -415,7 +423,12 @@ def ask_columns(count: int) -> OpenQuestion:
             " needed; of tables one below the other write a line of titles above each, such as"
             ' "frequency [Hz], G\' [Pa]"'
         )
-    message += OR_IN_TIME.replace("FIRST", "1").replace("SECOND", "2")
+    if is_loop:
+        message = f"{count} columns of numbers without names, {_LOOP}"
+        if count > 2:
+            message += f"; of a sweep open {spec}"
+    else:
+        message += OR_IN_TIME.replace("FIRST", "1").replace("SECOND", "2")
     return OpenQuestion(
         message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS)
     )

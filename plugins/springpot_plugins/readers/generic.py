@@ -11,16 +11,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS
 from .channels import found_in
-from .choices import ask_columns, ask_each, numbered
+from .choices import ask_columns, ask_each, numbered, with_choice
 from .conditions_above import with_conditions_above
-from .dynamic import measurement_from, parts_from
-from .grid import COMMENT, Grid, grid_of, head_grid, holds_number, is_number
+from .dynamic import columns_of, measurement_from, parts_from
+from .grid import COMMENT, MISSING, Grid, grid_of, head_grid, holds_number, is_number
 from .header_facts import facts_of, pairs_in
 from .headings import headings_of, units_in
 from .names import FREQUENCIES, MODULI
@@ -35,6 +37,8 @@ from .transposed import upright
 
 _REARRANGED = 0.5
 """Confidence in a table whose quantities stand below each other."""
+_BACK = 0.2
+"""Share of the steps of a displacement that at least go either way."""
 _LOOKED_AT = 10
 """Rows below the names that tell whether a column holds complex numbers."""
 
@@ -152,10 +156,21 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     width = len(block.headings)
     # With names the question can show them; without, only the number of the columns is known.
     if block.headings == numbered(width):
-        raise ask_columns(width)
+        raise ask_columns(width, _goes_back_and_forth(block, choice))
     if any(each.role == "flow" for each in block.headings) and not block.roles & FREQUENCIES:
         raise DataError(block.holds())
     raise _ask_which(block.headings)
+
+
+def _goes_back_and_forth(block: Block, choice: Choice) -> bool:
+    """Whether the first column does: blocks one below the other only begin anew."""
+    try:
+        first = columns_of(block, with_choice(block.headings, choice))[0].numbers(gaps=True)
+    except DataError:
+        return False
+    steps = np.diff(first[np.isfinite(first)])
+    back, onward = int((steps < 0.0).sum()), int((steps > 0.0).sum())
+    return min(back, onward) > _BACK * (back + onward)
 
 
 def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
@@ -171,7 +186,10 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
         for row, n in zip(grid.rows, grid.lines, strict=True)
         if not row[0].strip().startswith(COMMENT)
     ]
-    start = next((i for i, (row, _) in enumerate(kept) if is_data(row) and len(row) > 1), None)
+    start = next(
+        (i for i, (row, _) in enumerate(kept) if len(row) > 1 and (is_data(row) or _is_gappy(row))),
+        None,
+    )
     if start is None:
         raise DataError(
             "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
@@ -193,6 +211,12 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
             units = [above.pop()]
         headings = headings_of(above.pop(), units, width, words)
     return Block("", headings, rows, lines, above, words=words)
+
+
+def _is_gappy(row: Sequence[str]) -> bool:
+    """Whether a row holds a number, and else what a program writes where it has none, as NaN."""
+    gaps = [cell.strip() for cell in row if not holds_number(cell)]
+    return len(gaps) < len(row) and all(gaps) and MISSING.issuperset(gaps)
 
 
 def _names(row: Sequence[str], width: int) -> bool:

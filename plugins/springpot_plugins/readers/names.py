@@ -256,6 +256,15 @@ _MOVED = frozenset(
 )
 """What is an amplitude where it counts from trough to crest, and may be a mean position otherwise.
 """
+_SINCE = re.compile(
+    r"(?:time|zeit|temps|tiempo|tempo)[\s_]+(?:from|since|after|seit|ab|nach|depuis|desde|da)[\s_]"
+    r"(?:.*[\s_])?[^\W\d_]{4,}\Z",
+    re.IGNORECASE,
+)
+"""A time that says from when it counts, as in ``time since loading``.
+
+A shorter last word may be a unit.
+"""
 _LOST = re.compile(r"[\s_.\-:,]+")
 
 
@@ -337,6 +346,8 @@ def role_of(name: str) -> str | None:
         return _ROLE_OF[folded]
     if _is_of_sample(name):
         return "temperature"
+    if _SINCE.match(name):
+        return "time"
     if folded.endswith("ampl"):
         return _ROLE_OF.get(f"{folded}itude")
     if (bare := without_swing(name)) != name:

@@ -146,13 +146,15 @@ def _unnamed(grid: Grid, choice: Choice) -> Block | None:
 
     As the user says, or as the only name that is known says.
     """
+    # A rate is said of all rows, and of none of the columns.
+    _, of_columns = sample_rate(choice, "", ())
     try:
         block = without_names(grid, IN_TIME)
-        chosen = with_choice(block.headings, choice, IN_TIME)
+        chosen = with_choice(block.headings, of_columns, IN_TIME)
     except DataError:
         return None
     roles = {str(each.role) for each in chosen.headings}
-    if "time" not in roles or roles & DYNAMIC:
+    if roles & DYNAMIC or not ("time" in roles or roles >= {"displacement", "force"}):
         return None
     return block
 

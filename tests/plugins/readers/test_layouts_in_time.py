@@ -300,3 +300,64 @@ def test_a_unit_that_is_one_over_another_is_said_as_any_other(tmp_path):
     (test,) = open_in_time(f"{path}?time=s,compliance=1/kPa")
     (in_pascal,) = open_in_time(f"{path}?time=s,compliance=1/Pa")
     assert (test.units.stiffness, in_pascal.units.stiffness) == ("kPa", "Pa")
+
+
+def as_sweep(folder, text):
+    path = folder / "test.csv"
+    path.write_text(text, encoding="utf-8")
+    return open_measurement(str(path))
+
+
+LONG = np.geomspace(0.1, 100.0, 9)
+ROUND = np.array([0.0, 0.6, 1.0, 0.4, -0.5, -1.1, -0.4, 0.5, 1.2, 0.6, -0.2])
+
+
+@pytest.mark.parametrize("ending", ["", ", "])
+def test_a_loop_without_names_and_time_is_opened_by_its_hint(tmp_path, ending):
+    """Load against displacement, as digitised; each line may end in a comma."""
+    text = "\n".join(f"{x:.12g}, {2.0 * x + 0.3:.12g}{ending}" for x in ROUND)
+    with pytest.raises(DataError, match=r"goes back and forth, as a displacement") as asked:
+        as_sweep(tmp_path, text)
+    hint = re.search(r"'\S*(\?1=displacement\[mm\],2=force\[N\],rate=100\[Hz\])'", str(asked.value))
+    assert hint is not None
+    [test] = opened(tmp_path, text, hint[1])
+    np.testing.assert_allclose(test.loading.value, ROUND, atol=1e-15)
+    np.testing.assert_allclose(test.loading.time, 0.01 * np.arange(len(ROUND)), atol=1e-15)
+    np.testing.assert_allclose(test.response, 2.0 * ROUND + 0.3)
+
+
+@pytest.mark.parametrize(
+    "said", ["1=displacement[mm],2=force[N]", "1=strain[-],2=stress[Pa]", "x=displacement[mm],y=N"]
+)
+def test_a_loop_whose_time_nobody_says_is_asked_for_its_rate(tmp_path, said):
+    text = lines(ROUND, 2.0 * ROUND)
+    if said.startswith("x"):
+        text, said = f"x,y\n{text}", "x=displacement[mm],y=force[N]"
+    with pytest.raises(DataError, match=r"without their time.*rate=1000\[Hz\]"):
+        opened(tmp_path, text, f"?{said}")
+    [test] = opened(tmp_path, text, f"?{said},rate=50[Hz]")
+    np.testing.assert_allclose(test.loading.time, 0.02 * np.arange(len(ROUND)), atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "time_from_loading_s",
+        "time since loading [s]",
+        "Zeit ab Lastbeginn (s)",
+        "time after step/s",
+    ],
+)
+def test_a_time_may_say_from_when_it_counts(tmp_path, title):
+    text = f"{title},stress_Pa,strain_frac\n" + lines(LONG, 0.0 * LONG + 2.0, 0.1 * LONG**0.3)
+    [test] = opened(tmp_path, text)
+    np.testing.assert_allclose(test.time, LONG)
+    np.testing.assert_allclose(test.response, 0.1 * LONG**0.3)
+
+
+def test_a_row_of_gaps_above_the_numbers_is_none_of_names(tmp_path):
+    text = "NaN,NaN,0\nNaN,0,0.25\n" + lines(LONG**-0.3, 0.0 * LONG + 0.1, LONG)
+    with pytest.raises(DataError, match="3 columns of numbers without names"):
+        as_sweep(tmp_path, text)
+    [test] = opened(tmp_path, text, "?1=stress[Pa],2=strain[-],3=time[s]")
+    np.testing.assert_allclose(test.response[-len(LONG) :], LONG**-0.3)
