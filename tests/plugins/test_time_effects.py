@@ -102,6 +102,7 @@ def test_a_cracking_specimen_creeps_ever_faster():
     )
 
 
+@pytest.mark.soak_cases("0.16")
 @pytest.mark.parametrize("rise", [0.13, 0.16])
 def test_a_ramp_that_one_sample_lies_within_is_found(rise: float):
     rng = np.random.default_rng(5)
@@ -114,6 +115,7 @@ def test_a_ramp_that_one_sample_lies_within_is_found(rise: float):
     assert (found.verdict, found.candidates[0].effect) == ("effect-missing", "finite-ramp")
 
 
+@pytest.mark.soak_cases("0.15")
 @pytest.mark.parametrize("exponent", [0.15, 0.3])
 def test_tertiary_creep_is_told_from_warming_and_drift(exponent: float):
     rng = np.random.default_rng(5)

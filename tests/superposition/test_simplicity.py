@@ -53,7 +53,7 @@ def test_a_branch_with_its_own_temperature_is_seen(seed):
     assert {failure.kind for failure in rest.failures} & {"branch", "level"}
 
 
-@pytest.mark.soak_cases("1", "2")
+@pytest.mark.soak
 def test_a_phase_error_at_one_temperature_shows_there(seed):
     """Loss and storage cannot follow one another at the temperature of the misread phase."""
     rest = springpot.mastercurve(measured(phase_error, seed=seed)).simplicity

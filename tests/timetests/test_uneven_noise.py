@@ -87,7 +87,7 @@ def test_at_the_noise_nothing_is_missing_from_a_real_relaxation(spec):
     assert "a jump in" not in springpot.diagnose(test).says
 
 
-@pytest.mark.soak_cases("1", "18")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", [1, 16, 18])
 def test_where_noise_grows_on_the_way_its_largest_swings_are_no_jumps(seed):
     t = np.geomspace(0.01, 1e4, 76)

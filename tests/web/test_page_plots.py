@@ -205,6 +205,7 @@ def by_shift_and_drag(here: Page) -> None:
     here.page.keyboard.up("Shift")
 
 
+@pytest.mark.soak
 def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)
