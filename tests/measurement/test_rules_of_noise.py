@@ -39,10 +39,13 @@ from springpot.thresholds import OUTLIERS, REPEATS, SCATTER, SEARCH, VERDICT
         ([0.0, 2.0, 0.9, 2.0, 0.0], False),
         ([0.0, 2.0, 1.1, 2.0, 0.0], True),
         ([0.0, 1.0, 2.0, 2.0], False),
+        ([*np.linspace(0.0, 2.0, 50), *np.linspace(2.0, 0.0, 50)], False),
+        ([*np.linspace(0.0, 2.0, 50), *np.linspace(2.0, 0.0, 40), *[0.0] * 10], True),
     ],
 )
-def test_a_load_is_released_that_goes_up_once_and_comes_back_to_nothing(course, released):
-    assert imposed.is_released(np.array(course), 2.0) is released
+def test_a_load_is_released_that_goes_up_once_and_stays_at_nothing(course, released):
+    clock = np.arange(float(len(course)))
+    assert imposed.is_released(clock, np.array(course), 2.0) is released
 
 
 @pytest.mark.parametrize("a", [0.005, 0.0199, 0.0201, 1.0])

@@ -197,13 +197,16 @@ def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
     return Loading(clock, imposed, sampled=True)
 
 
-def is_released(value: Real, largest: float) -> bool:
-    """Whether a load went up once, came back to nothing, and never to the other side.
+def is_released(clock: Real, value: Real, largest: float) -> bool:
+    """Whether a load went up once, came back to nothing and stays there, never to the other side.
 
-    A record that swings does.
+    A record that swings goes there, and one that is pulled and let go ends where it is at nothing.
     """
     # With the load counted upwards, compression and tension are one case.
     up = value * np.sign(value[np.argmax(np.abs(value))])
     # Half the largest value is crossed once on the way up and once on the way down.
     changes = int(np.count_nonzero(np.diff((up > 0.5 * largest).astype(int))))
-    return bool(abs(up[-1]) <= STEADY * largest and changes <= 2 and up.min() >= -STEADY * largest)
+    held = np.flatnonzero(up > STEADY * largest)
+    rest = clock[-1] - clock[held[-1]] if len(held) else 0.0
+    stays = rest > SHORT * (clock[-1] - clock[0])
+    return bool(stays and changes <= 2 and up.min() >= -STEADY * largest)

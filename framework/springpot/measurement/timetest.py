@@ -479,7 +479,9 @@ class TimeTest:
         released = len(after) > 0 and abs(after[-1]) < STEADY * largest
         if steady and not released and self.rise <= SHORT * self.duration:
             return {"displacement": "relaxation", "force": "creep"}[self.control]
-        if is_released(value, largest):
+        # The last value is held for as long as the test goes on.
+        until = np.append(clock, max(clock[-1], self.time[-1]))
+        if is_released(until, np.append(value, value[-1]), largest):
             return "recovery"
         # A startup is one ramp from its beginning to its end.
         line = (clock - self.start) / max(clock[-1] - self.start, SMALLEST) * value[-1]
