@@ -272,3 +272,26 @@ def test_runs_differ_by_an_analysis_of_variance(monkeypatch):
     ) == pytest.approx(
         np.hypot(0.01 * np.sqrt(2.0 * np.mean(found.scatter.dof + 1.0)), found.own_gain)
     )
+
+
+@pytest.mark.parametrize(
+    ("made", "power", "says"),
+    [
+        (TimeTest.of_compliance, 0.2, ""),
+        (TimeTest.of_compliance, -0.2, "the strain falls by 72 %"),
+        (TimeTest.of_relaxation, -0.2, ""),
+        (TimeTest.of_relaxation, 0.2, "the stress grows by 262 %"),
+    ],
+)
+def test_what_goes_back_under_a_load_that_is_held_is_noted(made, power, says):
+    """A recovery of which only the end is in the file looks like a creep."""
+    clock = np.geomspace(0.1, 100.0, 30)
+    note = mixed_up.history_note(made(clock, 2.0 * clock**power)).get("note history", "")
+    assert says in note
+    assert bool(says) is bool(note)
+
+
+def test_of_a_record_that_swings_nothing_is_held():
+    clock = np.linspace(0.0, 6.0, 60)
+    test = TimeTest.of_history(clock, np.sin(clock), np.exp(-clock), "mm", "N")
+    assert mixed_up.history_note(test) == {}

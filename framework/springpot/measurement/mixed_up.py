@@ -56,6 +56,8 @@ BEYOND = 100.0
 
 Its tails enter by (omega / r)^2.
 """
+BACK = 0.1
+"""Share by which a test goes back under a load that is held, from which a note says so."""
 FAR = 0.1
 """Relative rms from which no material is near.
 
@@ -202,6 +204,33 @@ def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
         return {}
     turn = f"if one channel counts the other way, open 'FILE?{hint}'"
     return {SIGN: f"{why}, as if the force had the wrong sign: {turn}"}
+
+
+def history_note(test: TimeTest) -> dict[str, str]:
+    """A note where a test goes back though its load is held, as after a load that nobody tells of.
+
+    The creep of any passive material only grows, and its relaxation only falls (Bernstein).
+
+    Parameters
+    ----------
+    test : TimeTest
+        Of any kind.
+    """
+    if not test.after_step:
+        return {}
+    size = test.response * np.sign(test.loading.value[np.argmax(np.abs(test.loading.value))])
+    few = max(1, len(size) // 10)
+    first, last = float(np.mean(size[:few])), float(np.mean(size[-few:]))
+    creeps = test.control == "force"
+    back = last / first - 1.0 if first > 0.0 else 0.0
+    if (-back if creeps else back) < BACK:
+        return {}
+    moved, held, went = ("strain", "stress", "falls") if creeps else ("stress", "strain", "grows")
+    return {
+        "note history": f"the {moved} {went} by {100.0 * abs(back):.0f} % while the {held} is held,"
+        " as after a load that the file does not tell of, or where the specimen changes: no"
+        " material does that by itself; give the record from its rest on"
+    }
 
 
 def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:

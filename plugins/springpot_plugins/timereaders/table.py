@@ -36,7 +36,7 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.from_signals import stiffness_unit
-from springpot.measurement.mixed_up import sign_note
+from springpot.measurement.mixed_up import history_note, sign_note
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 
@@ -204,6 +204,7 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
     common: Given = {"temperature": temperature, "name": name, "provenance": origin}
     values = {role: column.numbers()[kept] for role, column in roles.items()}
     test = _made(clock[kept], values, roles, manner, common)
+    test = replace(test, provenance={**test.provenance, **history_note(test)})
     if "force" in roles:
         turned = any(each.written == OPPOSITE for each in chosen.headings if each.role == "force")
         # The other way than it counts now.
