@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from springpot.diagnosis.grown import go_on_to_neighbours
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import discover, recorded
-from springpot.timetests.discovery import FoundSet
+from springpot.timetests.discovery import FoundSet, TimeSets
 
 NAMES = ("force-drift", "thermal-force", "cubic-stiffness", "friction", "asymmetric-stiffness")
 
@@ -38,6 +39,24 @@ def test_two_effects_of_which_neither_explains_much_are_accepted_together():
     assert found.verdict == "adequate"
     for name, size in values.items():
         assert found.steps[-1].parameters[name].value == pytest.approx(size, rel=0.1)
+
+
+def test_a_pair_is_no_worse_for_the_exponentials_by_which_it_was_found(monkeypatch):
+    def of(names, cost, fit=None):
+        effects = tuple(SimpleNamespace(name=name) for name in names)
+        return SimpleNamespace(key=tuple(names), effects=effects, cost=cost, fit=fit)
+
+    def fit_exactly(sets, one):
+        exact = 26.0 if one.key == ("a", "b") else one.cost
+        sets.fitted[one.key] = of(one.key, exact, fit="exact")
+
+    monkeypatch.setattr(TimeSets, "_fit_exactly", fit_exactly)
+    sets = TimeSets(None, None)
+    for names, cost in (("a", 270.0), ("b", 1700.0), ("c", 900.0), ("ab", 166.0), ("bcd", 77.0)):
+        sets.add(of(names, cost))
+    for names in ("bc", "bd", "cd"):
+        sets.add(of(names, 500.0, fit="exact"))
+    assert sets.settle().key == ("a", "b")
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from .left import Left, weight_of
 from .residuals_of_tests import Test
 from .scatter import ResidualScatter
 from .score import TimeScan
-from .sieve import MARGIN, leading_of_scan, nearly_fitted, noise_of_both, plain_bic
+from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both, plain_bic
 from .specimen import at_tests
 from .verdict import AskedTests, TimeCase
 
@@ -93,9 +93,12 @@ class TimeSets:
 
     def open(self, near: Sequence[TimeSet]) -> None:
         """Fit sets with one effect more, where there is more than noise to explain."""
+        # A linear step foretells little of what goes by no small one: from the likeliest set more
+        # are tried.
+        likeliest = self.likeliest()[0]
         for one in near:
             if one.left.doubtful:
-                self._extend(one, SEARCH.seconds)
+                self._extend(one, SEARCH.singles if one is likeliest else SEARCH.seconds)
 
     extend = open
     """Sets with an effect more are all the neighbours that are fitted."""
@@ -140,11 +143,18 @@ class TimeSets:
         while True:
             best = self.likeliest()[0]
             near = [one for one in self.likeliest() if one.cost < best.cost + MARGIN]
+            # By what fixed exponentials are off a smaller set that leaves noise alone may look as
+            # if it did not.
+            for fewer in range(1, len(best.effects)):
+                alike = [one for one in self.likeliest() if len(one.effects) == fewer]
+                near += alike[:EXACT]
             near += [self._without(best, effect) for effect in best.effects]
-            inexact = [one for one in near if one.fit is None and one.key not in self.given_up]
+            inexact = {
+                one.key: one for one in near if one.fit is None and one.key not in self.given_up
+            }
             if not inexact:
                 return best
-            for one in inexact:
+            for one in inexact.values():
                 self._fit_exactly(one)
 
     def _fit_exactly(self, one: TimeSet) -> None:
