@@ -40,7 +40,6 @@ def test_none_whose_residual_has_a_pattern_is_adequate(whole):
         assert not one.fails
 
 
-@pytest.mark.soak
 def test_nor_where_a_ripple_is_within_the_noise_by_size():
     """The errors of these fits are no larger than noise, but their residuals go up and down."""
     ranking = springpot.compare(sweep(np.random.default_rng(1), 12, ripple=0.0015))
