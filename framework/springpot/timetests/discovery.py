@@ -143,10 +143,10 @@ class TimeSets:
         while True:
             best = self.likeliest()[0]
             near = [one for one in self.likeliest() if one.cost < best.cost + MARGIN]
-            # By what fixed exponentials are off a smaller set that leaves noise alone may look as
-            # if it did not.
-            for fewer in range(1, len(best.effects)):
-                alike = [one for one in self.likeliest() if len(one.effects) == fewer]
+            # By what fixed exponentials are off, or from a start that leads astray, a set that
+            # leaves noise alone may look as if it did not.
+            for count in range(1, len(best.effects) + 1):
+                alike = [one for one in self.likeliest() if len(one.effects) == count]
                 near += alike[:EXACT]
             near += [self._without(best, effect) for effect in best.effects]
             inexact = {
@@ -164,9 +164,7 @@ class TimeSets:
                 self.asked.tests,
                 one.model,
                 seeds=[one.theta],
-                thorough=False,
                 noise=self.asked.known,
-                near=True,
             )
         except SpringpotError:
             self.given_up.add(one.key)
