@@ -221,13 +221,15 @@ def history_note(test: TimeTest) -> dict[str, str]:
     size = test.response * np.sign(test.loading.value[np.argmax(np.abs(test.loading.value))])
     few = max(1, len(size) // 10)
     first, last = float(np.mean(size[:few])), float(np.mean(size[-few:]))
-    creeps = test.control == "force"
-    back = last / first - 1.0 if first > 0.0 else 0.0
-    if (-back if creeps else back) < BACK:
+    if not first > 0.0:
         return {}
-    moved, held, went = ("strain", "stress", "falls") if creeps else ("stress", "strain", "grows")
+    moved, held, went, back = "stress", "strain", "grows", last / first - 1.0
+    if test.control == "force":
+        moved, held, went, back = "strain", "stress", "falls", 1.0 - last / first
+    if back < BACK:
+        return {}
     return {
-        "note history": f"the {moved} {went} by {100.0 * abs(back):.0f} % while the {held} is held,"
+        "note history": f"the {moved} {went} by {100.0 * back:.0f} % while the {held} is held,"
         " as after a load that the file does not tell of, or where the specimen changes: no"
         " material does that by itself; give the record from its rest on"
     }

@@ -139,7 +139,7 @@ class TimeSets:
         return TimeSet(rest, model, theta, left)
 
     def settle(self) -> TimeSet:
-        """The best set, beside others that are fitted as well: near it, or the best of a size."""
+        """The best set, once those near it and the best of each size are fitted exactly."""
         while True:
             best = self.likeliest()[0]
             near = [one for one in self.likeliest() if one.cost < best.cost + MARGIN]

@@ -27,7 +27,16 @@ from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import NORMAL, SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import UPPER, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of, times_noise
+from .scatter import (
+    TAILS,
+    UPPER,
+    Jump,
+    ResidualScatter,
+    likeliest_jump,
+    rougher,
+    scatter_of,
+    times_noise,
+)
 from .specimen import stepped
 from .where import rms
 
@@ -367,8 +376,6 @@ SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""
 BESIDE = 3
 """Such neighbours on either side."""
-UNLIKELY = 3.0
-"""Deviations of noise by which a jump may look smaller than it is."""
 FURTHER = 3
 """Steps by which the model makes way for a jump in tests that it misses plainly."""
 
@@ -471,7 +478,7 @@ def _is_shown(story: Real, jump: Jump) -> bool:
     around = np.concatenate([steps[max(row - BESIDE, 0) : row], steps[row + 1 : row + 1 + BESIDE]])
     # A step holds the noise of two samples.
     noise = np.sqrt(2.0) * imposed_noise(story)
-    return bool(steps[row] - np.median(around) > SHOWN * abs(height) - UNLIKELY * noise)
+    return bool(steps[row] - np.median(around) > SHOWN * abs(height) - TAILS * noise)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 LEAST_LEFT = 1e-3
 """Share of the life of a specimen that the last knot of its load leaves."""
 KNOTS = 257
-"""Of a load that grows until then: straight between them to 1e-4."""
+"""Of a load that grows until then: straight lines between them are within 2e-4 of it."""
 GROWTHS = (1.0, 4.0, 16.0)
 """Exponents at the largest strain at which stiffening is sought: tissue comes to ten and more."""
 
