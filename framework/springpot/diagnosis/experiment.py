@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -32,7 +32,7 @@ from springpot.misfit.frame import orthonormal
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
@@ -140,12 +140,17 @@ class Contest(ABC):
         def theta(x: Real) -> Real:
             return np.where(logs, np.exp(np.clip(x, -700.0, 700.0)), x)
 
+        # The solver asks for values and slopes of a place one after the other.
+        @lru_cache(maxsize=1)
+        def seen(*x: float) -> tuple[Real, Real]:
+            return self.seen(theta(np.array(x)))
+
         def residual(x: Real) -> Real:
-            return np.clip(np.nan_to_num(self.seen(theta(x))[0], nan=FAR), -FAR, FAR)
+            return np.clip(np.nan_to_num(seen(*x.tolist())[0], nan=FAR), -FAR, FAR)
 
         def jacobian(x: Real) -> Real:
             scale = np.where(logs, theta(x), 1.0)
-            by_x = self.seen(theta(x))[1] * scale[:, None]
+            by_x = seen(*x.tolist())[1] * scale[:, None]
             slopes: Real = np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
             return slopes
 
@@ -482,7 +487,7 @@ class Clash(Contest):
     @cached_property
     def _target(self) -> tuple[Complex, Complex]:
         """K of the truth at old and new points (n,), and their weights."""
-        new = self._evaluated(self.truth, self.truth.theta)[0]
+        new = self._evaluated(self._network_of(self.truth), self.truth.theta)[0]
         # The new points are taken to be as noisy as the median of the old ones.
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
         relative = (
@@ -517,22 +522,28 @@ class Clash(Contest):
         old = self.truth.fit.measurement.points
         with np.errstate(all="ignore"):
             response = self.rival.model.network.respond(theta, old, GRADIENT)
-        value, by_theta = self._evaluated(self.rival, theta)
+        value, by_theta = self._evaluated(self._rivals_network, theta)
         target, weights = self._target
         with np.errstate(over="ignore", invalid="ignore"):  # steps too far are cut off by `far`
             slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
             return weighted(target - np.concatenate([response.value, value]), weights), slopes
 
-    def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
-        """K and dK/dtheta where the action would measure.
+    @cached_property
+    def _rivals_network(self) -> Node:
+        return self._network_of(self.rival)
+
+    def _network_of(self, refit: Refit) -> Node:
+        """Of a fit where the action would measure.
 
         The specimen may be larger there, absent or a known mass.
         """
-        scale, mass = self.action.scale, self.action.mass
-        network = refit.model.network
-        if scale != 1.0:
-            # No specimen is one of hardly any size, as a network cannot be empty.
-            network = refit.model.resized(max(scale, ALIKE), mass)
+        if self.action.scale == 1.0:
+            return refit.model.network
+        # No specimen is one of hardly any size, as a network cannot be empty.
+        return refit.model.resized(max(self.action.scale, ALIKE), self.action.mass)
+
+    def _evaluated(self, network: Node, theta: Real) -> tuple[Complex, Complex]:
+        """K and dK/dtheta at the points of the action."""
         with np.errstate(all="ignore"):
             response = network.respond(theta, self.action.points, GRADIENT)
         return response.value, response.by_theta

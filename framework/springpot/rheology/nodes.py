@@ -598,10 +598,10 @@ def wave_factor(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
     # Where no point needs it the series is left out: this runs at every step of a search.
     if not small.any():
         return _closed(u, moving_side)
-    near = np.where(small, u, 0.0)
-    value, slope = (polyval(near, terms) for terms in _SERIES[moving_side])
-    far, far_slope = _closed(np.where(small, 1.0, u), moving_side)
-    return np.where(small, value, far), np.where(small, slope, far_slope)
+    value, slope = _closed(np.where(small, 1.0, u), moving_side)
+    near = u[small]
+    value[small], slope[small] = (polyval(near, terms) for terms in _SERIES[moving_side])
+    return value, slope
 
 
 def _closed(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
