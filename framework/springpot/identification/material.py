@@ -353,12 +353,12 @@ class SpectrumSearch:
         again = []
         for rows, value, by_theta in self._respond_alike([each.trial for each in going]):
             count = len(going[rows[0]].trial.weights)
-            sound = np.isfinite(value).all(axis=-1) & np.isfinite(by_theta).all(axis=(-2, -1))
+            sound = np.all(np.isfinite(value), axis=-1) & np.all(np.isfinite(by_theta), axis=(1, 2))
             with np.errstate(all="ignore"):
                 residuals, columns = self.weigh(self.data - value), self.weigh(by_theta[:, :count])
             again += [
                 i
-                for i, row in zip(rows, range(len(rows)), strict=True)
+                for row, i in enumerate(rows)
                 if sound[row] and self._weights_solved(going[i], residuals[row], columns[row])
             ]
         return sorted(again)
