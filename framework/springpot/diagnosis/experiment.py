@@ -487,7 +487,7 @@ class Clash(Contest):
     @cached_property
     def _target(self) -> tuple[Complex, Complex]:
         """K of the truth at old and new points (n,), and their weights."""
-        new = self._evaluated(self._network_of(self.truth), self.truth.theta)[0]
+        new = self._evaluated(self.truth, self.truth.theta)[0]
         # The new points are taken to be as noisy as the median of the old ones.
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
         relative = (
@@ -522,28 +522,28 @@ class Clash(Contest):
         old = self.truth.fit.measurement.points
         with np.errstate(all="ignore"):
             response = self.rival.model.network.respond(theta, old, GRADIENT)
-        value, by_theta = self._evaluated(self._rivals_network, theta)
+        value, by_theta = self._evaluated(self.rival, theta)
         target, weights = self._target
         with np.errstate(over="ignore", invalid="ignore"):  # steps too far are cut off by `far`
             slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
             return weighted(target - np.concatenate([response.value, value]), weights), slopes
 
     @cached_property
-    def _rivals_network(self) -> Node:
-        return self._network_of(self.rival)
-
-    def _network_of(self, refit: Refit) -> Node:
-        """Of a fit where the action would measure.
+    def _networks(self) -> tuple[Node, Node]:
+        """Those of truth and rival where the action would measure.
 
         The specimen may be larger there, absent or a known mass.
         """
+        truth, rival = self.truth.model, self.rival.model
         if self.action.scale == 1.0:
-            return refit.model.network
+            return truth.network, rival.network
         # No specimen is one of hardly any size, as a network cannot be empty.
-        return refit.model.resized(max(self.action.scale, ALIKE), self.action.mass)
+        size = max(self.action.scale, ALIKE), self.action.mass
+        return truth.resized(*size), rival.resized(*size)
 
-    def _evaluated(self, network: Node, theta: Real) -> tuple[Complex, Complex]:
+    def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
         """K and dK/dtheta at the points of the action."""
+        network = self._networks[int(refit is self.rival)]
         with np.errstate(all="ignore"):
             response = network.respond(theta, self.action.points, GRADIENT)
         return response.value, response.by_theta
