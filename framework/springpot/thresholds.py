@@ -8,8 +8,8 @@ are measured by ``studies/hidden_effect.py`` on data from which nothing is missi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log, pi, sqrt
+from typing import NoReturn
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
 """Ways in which intervals of parameters are worked out, the usual first.
@@ -21,8 +21,17 @@ INTERVAL = 0.95
 """Probability of an interval unless another is asked for (JCGM 100:2008, 6.3.3 and annex G)."""
 
 
-@dataclass(frozen=True)
-class SignalLevels:
+class DecidingLevels:
+    """Some levels, which nothing changes.
+
+    No dataclasses, for whose making every command would wait.
+    """
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"{name} is a level, and stays as it is")
+
+
+class SignalLevels(DecidingLevels):
     """What is made of recorded signals."""
 
     motion: float = 0.999
@@ -44,8 +53,7 @@ class SignalLevels:
 SIGNALS = SignalLevels()
 
 
-@dataclass(frozen=True)
-class VariedLevels:
+class VariedLevels(DecidingLevels):
     """What was set, what was held, and what only wandered."""
 
     amplitude_wanders: float = 0.1
@@ -85,8 +93,7 @@ class VariedLevels:
 VARIED = VariedLevels()
 
 
-@dataclass(frozen=True)
-class ScatterLevels:
+class ScatterLevels(DecidingLevels):
     """How large the noise is.
 
     As given, as repeats tell, or as estimated from the scatter about a fit.
@@ -123,8 +130,7 @@ class ScatterLevels:
 SCATTER = ScatterLevels()
 
 
-@dataclass(frozen=True)
-class SearchLevels:
+class SearchLevels(DecidingLevels):
     """Which grown models are fitted."""
 
     singles: int = 12
@@ -179,8 +185,7 @@ class SearchLevels:
 SEARCH = SearchLevels()
 
 
-@dataclass(frozen=True)
-class EvidenceLevels:
+class EvidenceLevels(DecidingLevels):
     """What a model's parameters cost, and prior odds."""
 
     credible: float = 0.93
@@ -263,8 +268,7 @@ class EvidenceLevels:
 EVIDENCE = EvidenceLevels()
 
 
-@dataclass(frozen=True)
-class VerdictLevels:
+class VerdictLevels(DecidingLevels):
     """From evidence to a word."""
 
     arithmetic: float = 2e-5
@@ -413,8 +417,7 @@ class VerdictLevels:
 VERDICT = VerdictLevels()
 
 
-@dataclass(frozen=True)
-class OutliersLevels:
+class OutliersLevels(DecidingLevels):
     """Single points that stand out."""
 
     rare: float = 0.0001
@@ -444,8 +447,7 @@ class OutliersLevels:
 OUTLIERS = OutliersLevels()
 
 
-@dataclass(frozen=True)
-class WhereLevels:
+class WhereLevels(DecidingLevels):
     """Places at which a model fails."""
 
     alarm: float = 0.003
@@ -467,8 +469,7 @@ class WhereLevels:
 WHERE = WhereLevels()
 
 
-@dataclass(frozen=True)
-class SuperpositionLevels:
+class SuperpositionLevels(DecidingLevels):
     """Whether sweeps at several temperatures are one curve."""
 
     nearly: float = 1.5
@@ -535,8 +536,7 @@ class SuperpositionLevels:
 SUPERPOSITION = SuperpositionLevels()
 
 
-@dataclass(frozen=True)
-class ExperimentLevels:
+class ExperimentLevels(DecidingLevels):
     """What could be measured next."""
 
     telling: float = 2.0
@@ -553,8 +553,7 @@ class ExperimentLevels:
 EXPERIMENT = ExperimentLevels()
 
 
-@dataclass(frozen=True)
-class RepeatsLevels:
+class RepeatsLevels(DecidingLevels):
     """What repeats and replicates tell."""
 
     enough: float = 8.0
@@ -574,8 +573,7 @@ class RepeatsLevels:
 REPEATS = RepeatsLevels()
 
 
-@dataclass(frozen=True)
-class ComparisonLevels:
+class ComparisonLevels(DecidingLevels):
     """Which of many models are as good as any material, and which are one curve."""
 
     chance: float = 0.001
@@ -596,8 +594,7 @@ class ComparisonLevels:
 COMPARISON = ComparisonLevels()
 
 
-@dataclass(frozen=True)
-class CourseLevels:
+class CourseLevels(DecidingLevels):
     """When a specimen is held to change with time."""
 
     fewest_times: int = 6
@@ -624,8 +621,7 @@ class CourseLevels:
 COURSE = CourseLevels()
 
 
-@dataclass(frozen=True)
-class InventionLevels:
+class InventionLevels(DecidingLevels):
     """When a law is called found, and what it costs to write it."""
 
     refined: int = 24

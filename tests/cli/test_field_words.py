@@ -102,7 +102,7 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
         fitted = SimpleNamespace(
             fit=known, noise=known, relative_rms=size, floor=0.01, error_dof=40
         )
-        return Quiet(fitted, Error(size, 0.01, "estimated", "", 0.005), 0.0, rng)
+        return Quiet.told(fitted, Error(size, 0.01, "estimated", "", 0.005), 0.0, {})
 
     far, near = judged(0.2), judged(0.012)
     assert (far.unclear, near.unclear) == (True, False)

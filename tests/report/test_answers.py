@@ -259,7 +259,8 @@ def test_a_notebook_shows_exact_data_without_a_ratio_to_no_floor():
     assert 'data-label="x floor"' not in exact._repr_html_()
     comparison = springpot.compare(data, ["fractional-maxwell", "kelvin"])
     first = comparison.judgements[0]
-    floorless = replace(first, error=replace(first.error, noise_floor=0.0))
+    floorless = replace(first)
+    vars(floorless).update(error=replace(first.error, noise_floor=0.0))
     page = replace(comparison, judgements=(floorless, *comparison.judgements[1:]))._repr_html_()
     assert 'data-label="x floor">-</td>' in page
 
