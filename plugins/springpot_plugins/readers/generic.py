@@ -157,7 +157,7 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     # With names the question can show them; without, only the number of the columns is known.
     if block.headings == numbered(width):
         raise ask_columns(width, _goes_back_and_forth(block, choice))
-    if any(each.role == "flow" for each in block.headings) and not block.roles & FREQUENCIES:
+    if block.is_steady:
         raise DataError(block.holds())
     raise _ask_which(block.headings)
 
@@ -195,6 +195,10 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
             "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
         )
     width = len(kept[start][0])
+    # Cells behind the last separator of each line, which no name stands above, are no column.
+    if not any("".join(row[width - 1 : width]).strip() for row, _ in kept):
+        kept = [(row[: width - 1], n) for row, n in kept]
+        width -= 1
     # A row of numbers above the names is no data: it tells the curves apart.
     if start + 2 < len(kept) and _names(kept[start + 1][0], width):
         start += 2
