@@ -95,3 +95,15 @@ def test_at_one_frequency_the_lines_may_be_the_spring_and_the_dashpot():
     found = springpot.identify(data, "material + payne").parameters
     for name in ("K_e", "c"):
         assert (found[name].low, found[name].high) == (0.0, np.inf)
+
+
+@pytest.mark.parametrize("seed", [2, 4, 7])
+def test_a_spring_and_a_dashpot_are_at_most_what_was_measured_of_all(seed):
+    """Lines slower and faster than the data stand in for both, and storage and loss add up."""
+    omega, rng = np.geomspace(0.1, 100.0, 12), np.random.default_rng(seed)
+    scatter = 1.0 + 0.03 * (rng.normal(size=12) + 1j * rng.normal(size=12))
+    data = springpot.Measurement(omega, 9.0 * (1j * omega) ** 0.1 * scatter)
+    known = Uncertainty.of(fit(springpot.parse_model("material"), data))
+    _, high = intervals_beside_material(known)
+    assert known.fit.theta[0] < high[0] < 1.15 * np.min(data.storage)
+    assert known.fit.theta[1] <= high[1] < np.min(data.loss / omega) + 0.1 * 9.0 / omega[-1]
