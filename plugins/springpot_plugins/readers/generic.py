@@ -19,7 +19,7 @@ from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reade
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS
 from .channels import found_in
-from .choices import ask_columns, ask_each, numbered, with_choice
+from .choices import ask_clock, ask_columns, ask_each, numbered, with_choice
 from .conditions_above import with_conditions_above
 from .dynamic import columns_of, measurement_from, parts_from
 from .grid import COMMENT, MISSING, Grid, grid_of, head_grid, holds_number, is_number
@@ -159,6 +159,9 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
         raise ask_columns(width, _goes_back_and_forth(block, choice))
     if block.is_steady:
         raise DataError(block.holds())
+    terms = [i for i, each in enumerate(block.headings) if each.role == "relaxation_time"]
+    if terms and not block.roles & {"time", *FREQUENCIES}:
+        raise ask_clock(block.headings[terms[0]], terms[0] + 1)
     raise _ask_which(block.headings)
 
 
