@@ -194,6 +194,11 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
         None,
     )
     if start is None:
+        if any(len(row) == 1 and holds_number(row[0]) for row, _ in kept):
+            raise DataError(
+                "a single column of numbers; put what belongs together side by side, such as"
+                " displacement [mm] and force [N], each with its title"
+            )
         raise DataError(
             "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
         )

@@ -264,6 +264,10 @@ REFUSED = {
         "Piston speed [mm/s],Rebound force [N]\n50,310\n100,520\n300,900\n",
         "force over velocity, as of the peaks of many strokes: no dynamic test; give the strokes",
     ),
+    "a column by itself": (
+        "1\n1.25\n1.5\n1.75\n",
+        "a single column of numbers; put what belongs together side by side",
+    ),
     "neither": (
         "Zeit [s];Temperatur [°C];Normalkraft [N]\n1;2;3\n",
         r"missing frequency \[Hz\] or omega \[rad/s\], and storage",
