@@ -516,6 +516,8 @@ def open_tests(spec: str | Path) -> tuple[Test, ...]:
         return problem.tests()
     try:
         return open_in_time(spec) or (open_measurement(spec),)
+    except OpenQuestion:
+        raise
     except DataError as error:
         # The question of a sweep's reader can be answered; what stops the other one would hide it.
         try:

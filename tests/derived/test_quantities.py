@@ -103,6 +103,19 @@ def test_a_solid_has_no_viscosity_and_a_power_law_no_time():
 
 
 @pytest.mark.parametrize(
+    ("expression", "values", "told"),
+    [
+        ("springpot", {"c": 7.0, "alpha": 0.22}, False),
+        ("maxwell-2", {"k1": 3.0, "tau1": 10.0, "k2": 6.0, "tau2": 0.01}, True),
+    ],
+)
+def test_lines_of_a_spectrum_make_no_plateau_by_themselves(expression, values, told):
+    """Between two of them the loss factor dips, by less than it is uncertain."""
+    names = {row.name for row in quantities(sweep(expression, values, noise=0.02), "material")}
+    assert ("plateau" in names) == told
+
+
+@pytest.mark.parametrize(
     ("name", "expression", "values"),
     [
         ("crossover frequency", "fractional-maxwell", {"k": 100.0, "c": 50.0, "alpha": 0.6}),

@@ -95,3 +95,31 @@ def test_at_one_frequency_the_lines_may_be_the_spring_and_the_dashpot():
     found = springpot.identify(data, "material + payne").parameters
     for name in ("K_e", "c"):
         assert (found[name].low, found[name].high) == (0.0, np.inf)
+
+
+@pytest.mark.parametrize("seed", [2, 4, 7])
+def test_a_spring_and_a_dashpot_are_at_most_what_was_measured_of_all(seed):
+    """Lines slower and faster than the data stand in for both, and storage and loss add up."""
+    omega, rng = np.geomspace(0.1, 100.0, 12), np.random.default_rng(seed)
+    scatter = 1.0 + 0.03 * (rng.normal(size=12) + 1j * rng.normal(size=12))
+    data = springpot.Measurement(omega, 9.0 * (1j * omega) ** 0.1 * scatter)
+    known = Uncertainty.of(fit(springpot.parse_model("material"), data))
+    _, high = intervals_beside_material(known)
+    assert known.fit.theta[0] < high[0] < 1.15 * np.min(data.storage)
+    assert known.fit.theta[1] <= high[1] < np.min(data.loss / omega) + 0.1 * 9.0 / omega[-1]
+
+
+@pytest.mark.parametrize(
+    ("expression", "values", "told"),
+    [
+        ("springpot", {"c": 40.0, "alpha": 0.2}, True),
+        ("zener", {"k1": 10.0, "k2": 90.0, "c": 30.0}, False),
+    ],
+)
+def test_what_still_falls_at_the_slowest_point_is_counted_as_its_spring(expression, values, told):
+    model, omega = springpot.parse_model(expression), np.geomspace(0.3, 15.0, 14)
+    real, imaginary = 0.002 * np.random.default_rng(5).normal(size=(2, 14))
+    stiffness = model.stiffness(model.vector(values), omega) * (1.0 + real + 1j * imaginary)
+    found = springpot.identify(springpot.Measurement(omega, stiffness), "material")
+    says = "K_e counts all that relaxes more slowly than 0.0477 Hz: storage still falls there"
+    assert any(note.startswith(says) for note in found.notes) is told

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import springpot
 from springpot.errors import DataError
 from springpot.registry import open_in_time, open_measurement
 
@@ -246,3 +247,20 @@ def test_a_ramp_that_is_said_to_take_no_time_is_heeded(tmp_path):
     path = put(tmp_path, "time [s],strain [-],stress [Pa]\n" + rows)
     [plain], [stepped] = open_in_time(path), open_in_time(f"{path}?ramp=0[s]")
     assert (plain.rise, stepped.rise) == (0.05, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("header", "clock"),
+    [
+        ("Mode,Relaxation time (s),Modulus (kPa)", "2=time[s]"),
+        ("i,lambda_i (ms),G_i (Pa)", "2=time[ms],3=relaxation[Pa]"),
+        ("k,tau_i,g_i", "2=time[s],3=relaxation[Pa]"),
+    ],
+)
+def test_terms_of_a_prony_series_are_no_test_unless_somebody_says_so(tmp_path, header, clock):
+    """They were read as a modulus that relaxes, without a word."""
+    path = put(tmp_path, f"{header}\n1,0.02,70\n2,0.3,40\n3,5,11\n4,60,2\n")
+    with pytest.raises(DataError, match=r"terms of a Prony series.*open '.*\?2=time\[m?s\]'"):
+        springpot.read(path)
+    [test] = open_in_time(f"{path}?{clock}")
+    assert (test.kind, len(test)) == ("relaxation", 4)

@@ -58,6 +58,16 @@ def test_a_record_is_missed_where_it_turns_or_is_fast_by_twice_the_power(slow, f
     assert where._manner(record(value=0.5 * TIME), residual) == ""
 
 
+def test_what_only_rises_turns_nowhere_and_closes_no_loop():
+    """An indentation that slows down, and a ramp that is held."""
+    for value in (np.sqrt(TIME), np.minimum(TIME, 1.0)):
+        pressed = record(value=value)
+        pressed.name, pressed.response = "pressed", value
+        residual = np.where(slow_of(value), 9.0, 3.0)
+        [place] = where.places(pressed, residual)
+        assert place.says.endswith("; all along, where the motion is slow")
+
+
 @pytest.mark.parametrize(("after", "told"), [(1.52, True), (1.48, False)])
 def test_a_loop_is_missed_after_its_turns_in_the_first_quarter_of_each_way(after, told):
     """Sixteen samples up, sixteen down: four of each way are fresh."""

@@ -194,7 +194,7 @@ class OfModel:
                 continue
             bend = after[1][0] - before[1][0]
             # What is flat but for rounding has no place where it is least.
-            if bend < ALIKE:
+            if bend < ALIKE or not self._rises_from(x, here):
                 continue
             moved = -(after[2][:, 0] - before[2][:, 0]) / bend
             size = here.storage_t[:, 0] + here.storage_x[0] * moved
@@ -202,6 +202,24 @@ class OfModel:
             says = "storage where the loss factor is least"
             unit = self.known.units.of(STIFFNESS)
             yield self.told("plateau", here.storage[0], size, unit, says, float(np.exp(x)), at)
+
+    def _rises_from(self, x: float, here: Logs) -> bool:
+        """Whether tan delta rises from its least by more than it is uncertain, on both sides.
+
+        The lines of a spectrum stand apart: between two of them it dips by less than that.
+        """
+        for way in (-1, 1):
+            outwards = self._grid[way * (self._grid - x) > 0.0][::way]
+            damping, slope, by_theta = self.logs(outwards).damping
+            # Up to where it falls again, or to the end of what was measured.
+            falls = way * slope < 0.0
+            top = int(np.argmax(falls)) if falls.any() else -1
+            change = by_theta[:, top] - here.damping[2][:, 0]
+            variance = float(change @ self.known.theta_covariance @ change)
+            least = student(INTERVAL, self.known.dof) * np.sqrt(max(variance, 0.0))
+            if damping[top] - here.damping[0][0] <= least:
+                return False
+        return True
 
     def _limits(self) -> Iterator[Quantity]:
         units, away = self.known.units, DECADE * np.arange(FARTHEST + 1.0)

@@ -18,6 +18,7 @@ from springpot.distributions import alike, f_sf, student
 from springpot.measurement.independence import at_one_frequency
 from springpot.numerics import MOST_STEPS, non_negative
 from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -230,6 +231,10 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
         Of a fit; of a model with a name its own intervals are given.
     """
     low, high = _ends_by_slopes_or_profile(known)
+    if is_material(known.fit.model) and asked_as_measured(known.fit.model.network):
+        # Neither end goes below the other, nor the upper one below the fit.
+        ends = max_of_parts(known)
+        high[: len(ends)] = np.minimum(high[: len(ends)], ends)
     for places, (least, most) in ends_of_factors(known):
         low[places], high[places] = least, most
     for i in shared_at_one_frequency(known.fit):
@@ -241,6 +246,23 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
             if parameter.name.startswith(f"{effect.name}."):
                 low[i], high[i] = parameter.lower, parameter.upper
     return low, high
+
+
+def max_of_parts(known: Uncertainty) -> Real:
+    """What K_e and c (2,) of a material are at most: its storage, and its loss over omega.
+
+    No part of a passive material takes anything from another, however well lines that are slower
+    or faster than what was measured stand in for it.
+    """
+    fit, points = known.fit, known.fit.measurement.points
+    own = fit.theta[: len(fit.model.material.parameters)]
+    found, weights = fit.model.material.respond(own, points).value, fit.task.weights[0]
+    with np.errstate(all="ignore"):
+        scatter = known.quantile * known.scale / np.array([weights.real, weights.imag])
+    if fit.task.logarithmic:
+        scatter = scatter * np.abs(fit.model.stiffness(fit.theta, points))
+    storage, loss = np.array([found.real, found.imag]) + scatter
+    return np.array([np.min(storage), np.min(loss / np.exp(points.log_omega))])
 
 
 def shared_at_one_frequency(fit: Fit) -> list[int]:

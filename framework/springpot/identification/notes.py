@@ -9,7 +9,9 @@ import numpy as np
 
 from springpot.distributions import chi2_quantile
 from springpot.measurement.measurement import CONDITIONS
+from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.model import Model
+from springpot.rheology.nodes import FULL
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 from springpot.writing import NAMED
@@ -18,6 +20,7 @@ from ..numerics import NEGLIGIBLE, ROUNDING
 from .fitted import Fit
 from .kept import note_on_levels, words_in
 from .known_factors import refused_in_words
+from .material import is_material
 from .normal import Bordered, variance_of
 from .population import FEWEST, told
 from .uncertainty import Uncertainty, printed_covariance
@@ -36,6 +39,8 @@ narrow.
 """
 ENOUGH = 6
 """Specimens from which their scatter is known within a factor of two and a half."""
+SETTLING = 0.5
+"""Power of omega by which the loss falls towards rest: level it were 0, at rest it is 1."""
 NEAR_END = 0.1
 """The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
 """
@@ -62,6 +67,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
         *notes_on_specimens(known.fit.model, words_in(known.fit.measurement)),
         *told(known.fit),
         *_bounds(known),
+        *_slower_still(known.fit, high),
         *_orders(known, low, high),
         *_weak(known, low, high),
         *_correlated(known),
@@ -124,6 +130,25 @@ def _bounds(known: Uncertainty) -> Iterator[str]:
             if unit != "-":
                 shown += f" {unit}"
             yield f"{name} rests on its bound {shown}: the data ask for more than the model allows"
+
+
+def _slower_still(fit: Fit, high: Real) -> Iterator[str]:
+    """What K_e of a material counts as well, where it has not come to rest at the slowest point."""
+    if not is_material(fit.model) or not asked_as_measured(fit.model.network):
+        return
+    points = fit.measurement.points
+    slow = int(np.argmin(points.log_omega))
+    own = fit.theta[: len(fit.model.material.parameters)]
+    response = fit.model.material.respond(own, points, FULL)
+    value, slope = response.value[slow], response.by_log_omega[slow]
+    # One that is zero has a note of its own.
+    falls = 0.0 < fit.theta[0] <= high[0] < value.real
+    if falls and slope.imag < SETTLING * value.imag:
+        slowest = fit.measurement.units.at(float(np.min(fit.measurement.frequency)))
+        yield (
+            f"K_e counts all that relaxes more slowly than {slowest}: storage still falls there,"
+            " and at rest it may be any less"
+        )
 
 
 def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:

@@ -222,6 +222,10 @@ class Shape:
         """A residual (n,) by the parts that this shape tells apart."""
         return residual if self.turn is None else residual * self.turn
 
+    def sd(self, scales: Sequence[float] | Real) -> Complex:
+        """Standard deviations (n,) by the scales of both parts."""
+        return np.asarray(scales[0] * self.real + 1j * scales[1] * self.imag, dtype=np.complex128)
+
     def fit(self, scatter: Scatter) -> tuple[float, Complex]:
         """Minus twice the log-likelihood plus its price, and the standard deviations (n,)."""
         # Each scale is profiled out: the best one for this shape is known in closed form.
@@ -239,8 +243,7 @@ class Shape:
         # As the Bayesian information criterion counts a parameter: by the logarithm of the number
         # of data.
         penalty = scales * np.log(2.0 * max(total, 1.0))
-        sd = np.sqrt(real) * self.real + 1.0j * np.sqrt(imag) * self.imag
-        return float(cost + penalty + self.price), np.asarray(sd, dtype=np.complex128)
+        return float(cost + penalty + self.price), self.sd(np.sqrt([real, imag]))
 
 
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
@@ -353,10 +356,12 @@ def robust_noise_shape(
     rows: NDArray[np.int64],
     uneven: bool = False,
     turn: Complex | None = None,
+    untold: Sequence[int] = (),
 ) -> tuple[Complex, Complex | None]:
     """Standard deviations (n,), up to a scale, of the shape that a residual favours, and its turn.
 
-    Whatever stands out from it.
+    Whatever stands out from it. Where nothing tells the noise of some points, the shape is the one
+    that leaves most to them, of all that the residual does not rule out.
 
     By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the
     noise of some points is larger, they must not be set aside as outliers before their noise is
@@ -375,19 +380,27 @@ def robust_noise_shape(
     turn : ndarray of complex, shape (n,), optional
         Unit numbers that turn K of a model to the real axis, where these parts may be those along K
         and across it.
+    untold : sequence of int
+        Those of which no residual says anything.
     """
     shapes = list(_shapes_of(measurement))
+    laws = len(shapes)
     if uneven:
         shapes += _uneven_shapes_of(measurement, turn)
     # Judged at some of the points, and then told for all: a shape is a law of the point, and not of
     # the residual.
     some = [shape.of(rows) for shape in shapes]
     scales = _student_scales(some, residual)
-    costs = [_student_cost(*each, residual) for each in zip(some, scales, strict=True)]
+    costs = np.array([_student_cost(*each, residual) for each in zip(some, scales, strict=True)])
     best = int(np.argmin(costs))
-    real, imag = scales[best]
-    sd = np.asarray(real * shapes[best].real + 1j * imag * shapes[best].imag, dtype=np.complex128)
-    return sd, shapes[best].turn
+    if len(untold) and best < laws:
+        # Of them the law alone speaks: of laws that are as good the one of the larger noise, or a
+        # point far from all others would be the surest.
+        costs -= [shape.price for shape in shapes]
+        possible = np.flatnonzero(costs[:laws] < np.min(costs[:laws]) + VERDICT.clear_evidence)
+        left = [np.sum(np.log(np.abs(shapes[k].sd(scales[k])[untold]))) for k in possible]
+        best = int(possible[np.argmax(left)])
+    return shapes[best].sd(scales[best]), shapes[best].turn
 
 
 def _student_scales(shapes: Sequence[Shape], residual: Complex) -> Real:

@@ -180,7 +180,10 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     first = refit(
         model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS
     )
-    usual = _in_rounds(model, data, first, uneven=False)
+    usual = _in_rounds(model, data, first)
+    # A misfit that noise would explain, of a law that the others allow, is none.
+    if usual.relative_rms > VERDICT.misfit * usual.floor and not np.all(telling(usual.frame())):
+        usual = _in_rounds(model, data, first, cautious=True)
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
@@ -210,14 +213,16 @@ def _misses_where_quiet(fitted: Refit, shape: Noise) -> bool:
     return bool(misfit > NEARLY**2 * told)
 
 
-def _in_rounds(model: Model, data: Averaged, fitted: Refit, uneven: bool) -> Refit:
-    """The fit in units of a noise that is estimated about it, in turns."""
+def _in_rounds(
+    model: Model, data: Averaged, fitted: Refit, uneven: bool = False, cautious: bool = False
+) -> Refit:
+    """The fit in units of a noise that is estimated about it, in turns; see `_shapes`."""
     free, inside = fitted, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
         tried = [
             _scaled(model, data, shape, fitted)
-            for shape in _shapes(free, data.mean, inside, uneven)
+            for shape in _shapes(free, data.mean, inside, uneven, cautious)
         ]
         fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
     return fitted
@@ -293,7 +298,11 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
 
 
 def _shapes(
-    free: Refit, measurement: Measurement, inside: NDArray[np.bool_], uneven: bool
+    free: Refit,
+    measurement: Measurement,
+    inside: NDArray[np.bool_],
+    uneven: bool,
+    cautious: bool = False,
 ) -> Iterator[Noise]:
     """Noise with the dependence on the point that the scatter about slow curves favours.
 
@@ -313,6 +322,8 @@ def _shapes(
     uneven : bool
         Whether the noise may be larger at an end of the frequencies, or of another size in each
         part.
+    cautious : bool
+        Whether points whose noise nothing tells are to have as much as may be.
     """
     frame = free.frame()
     scatters = [frame.rough]
@@ -323,21 +334,34 @@ def _shapes(
         left, frame.rough, atol=1e-6 * float(np.max(np.abs(frame.rough), initial=0.0))
     ):
         scatters.append(left)
-    # Curves bow to the ends of a sweep: what they leave there is less than the noise by as much as
-    # they follow.
-    followed = np.sum(frame.absorbed**2, axis=1) + np.sum(frame.structured**2, axis=1)
-    left_of_noise = np.sqrt(np.maximum(1.0 - followed, LEAST_LEFT))
-    # A point far from the others they follow whatever its noise, such as the first of frequencies
-    # in equal steps: it would seem to have none, and the noise to rise from there.
-    tell = np.all(np.reshape(1.0 - followed > LEAST_LEFT, (2, -1)), axis=0)
-    tell |= not np.any(tell)
-    rows = np.flatnonzero(inside)[tell]
+    left_of_noise, tell = np.sqrt(_left_over(frame)), telling(frame)
+    rows, untold = np.flatnonzero(inside)[tell], np.flatnonzero(inside)[~tell & cautious]
     for scatter in scatters:
         rough = free.noise.of_whitened(scatter / left_of_noise)[tell]
         axes = turn_of(free, measurement)
-        sd, turn = robust_noise_shape(measurement, rough, rows, uneven, axes)
+        sd, turn = robust_noise_shape(measurement, rough, rows, uneven, axes, untold.tolist())
         noise = Noise.shaped(sd, turn, float(max(frame.rough_dof, 1)), "estimated")
         yield noise.at_least_rounding(measurement)
+
+
+def _left_over(frame: NoiseFrame) -> Real:
+    """The share (2n,) of their noise that slow curves leave to the points.
+
+    Curves bow to the ends of a sweep: what they leave there is less than the noise by as much as
+    they follow.
+    """
+    followed = np.sum(frame.absorbed**2, axis=1) + np.sum(frame.structured**2, axis=1)
+    return np.asarray(np.maximum(1.0 - followed, LEAST_LEFT), dtype=np.float64)
+
+
+def telling(frame: NoiseFrame) -> NDArray[np.bool_]:
+    """Which points (n,) tell their noise.
+
+    One far from the others, such as the first of frequencies in equal steps, is followed whatever
+    its noise: it would seem to have none, and the noise to rise from there.
+    """
+    tell = np.all(np.reshape(_left_over(frame) > LEAST_LEFT, (2, -1)), axis=0)
+    return np.asarray(tell | (not np.any(tell)), dtype=np.bool_)
 
 
 def turn_of(fitted: Refit, measurement: Measurement) -> Complex:

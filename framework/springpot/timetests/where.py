@@ -87,8 +87,7 @@ def places(test: TimeTest, residual: Real) -> list[Where]:
         of the test, and the size the root mean square of the misfit over the noise.
     """
     candidates = [_in_time(test, residual)]
-    # Only what goes to and fro closes a loop.
-    if test.kind in ("history", "recovery"):
+    if test.kind in ("history", "recovery") and _goes_back(test):
         candidates.append(_in_loop(test, residual))
     return [place for place in candidates if place is not None and place.size > NOTABLE]
 
@@ -150,20 +149,30 @@ def places_in_sweep(sweep: Measurement, residual: Real) -> list[Where]:
     return [Where("stiffness", sweep.name, low, high, size, says)]
 
 
+def _speed(test: TimeTest) -> tuple[Real, NDArray[np.bool_]]:
+    """The speed of what was imposed at the samples, and where it is slow."""
+    imposed = np.interp(test.time, test.loading.time, test.loading.value)
+    speed = np.gradient(imposed, test.time)
+    # Friction and play show where a motion turns, what goes by the speed where it is fast.
+    return speed, np.abs(speed) < SLOW * np.percentile(np.abs(speed), USUAL_TOP)
+
+
+def _goes_back(test: TimeTest) -> bool:
+    """Whether what was imposed goes both ways: without it nothing turns and no loop closes."""
+    speed, slow = _speed(test)
+    return {-1.0, 1.0} <= set(np.sign(speed[~slow]).tolist())
+
+
 def _manner(test: TimeTest, residual: Real) -> str:
     """Whether a record is missed where its motion turns, or where it is fast."""
     if test.kind != "history":
         return ""
-    rate = np.abs(
-        np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time)
-    )
-    # Friction and play show where a motion turns, what goes by the speed where it is fast.
-    slow = rate < SLOW * np.percentile(rate, USUAL_TOP)
+    _, slow = _speed(test)
     if not slow.any() or slow.all():
         return ""
     turning, moving = (float(np.mean(residual[rows] ** 2)) for rows in (slow, ~slow))
     if turning > PLAINLY_MORE * moving:
-        return "; all along, where the motion turns"
+        return f"; all along, where the motion {'turns' if _goes_back(test) else 'is slow'}"
     if moving > PLAINLY_MORE * turning:
         return "; all along, where the motion is fast"
     return ""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from springpot.errors import DataError
-from springpot.measurement import MOST_TABLES
+from springpot.measurement import FORCE_UNITS, LENGTH_UNITS, MOST_TABLES, normal_unit
 
 from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
@@ -89,6 +89,15 @@ class Block:
         """Whether there are a frequency and a complex modulus."""
         return is_dynamic(self.roles)
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether it is a flow curve or the characteristic of a damper, over speeds alone."""
+        if self.roles & FREQUENCIES:
+            return False
+        units = {normal_unit(each.unit or "") for each in self.headings}
+        by_speed = units & {f"{unit}/s" for unit in LENGTH_UNITS} and units & set(FORCE_UNITS)
+        return "flow" in self.roles or (bool(by_speed) and "time" not in self.roles)
+
     def lacks(self) -> str:
         """What a table that is no dynamic test holds instead, in one line."""
         roles = self.roles
@@ -98,8 +107,13 @@ class Block:
             return "a relaxation test in time, no dynamic test"
         if "compliance" in roles:
             return "creep in time, no dynamic test"
-        if "flow" in roles and not roles & FREQUENCIES:
-            return "steady flow, no dynamic test"
+        if self.is_steady:
+            if "flow" in roles:
+                return "steady flow, no dynamic test"
+            return (
+                "force over velocity, as of the peaks of many strokes: no dynamic test; give the"
+                " strokes themselves, force and displacement over time"
+            )
         if "time" in roles and roles & _DRIVEN and not roles & {*FREQUENCIES, *MODULI}:
             return "a test in time, such as creep or a rest, no dynamic test"
         # A frequency in the titles of the columns does not lack: their parts are told apart by it.

@@ -387,6 +387,16 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
     return OpenQuestion(f"{says}; {hint}", [Question("frequency", "column", columns)])
 
 
+def ask_clock(title: Heading, place: int) -> OpenQuestion:
+    """The question whether a column of relaxation times is the clock of a test."""
+    spec = f"{place}=time[{stated_unit(title) or 's'}]"
+    says = (
+        f"'{title.title}' and what belongs to each are the terms of a Prony series: a model, no"
+        f" measurement; if it is the clock of a test, open 'FILE?{spec}'"
+    )
+    return OpenQuestion(says, [Question(title.title, "column", {"time": spec})])
+
+
 def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) -> OpenQuestion:
     """The question whether a modulus beside a loss angle is the magnitude or the part in phase."""
     place, unit = headings.index(each) + 1, stated_unit(each)

@@ -19,7 +19,7 @@ from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reade
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS
 from .channels import found_in
-from .choices import ask_columns, ask_each, numbered, with_choice
+from .choices import ask_clock, ask_columns, ask_each, numbered, with_choice
 from .conditions_above import with_conditions_above
 from .dynamic import columns_of, measurement_from, parts_from
 from .grid import COMMENT, MISSING, Grid, grid_of, head_grid, holds_number, is_number
@@ -157,8 +157,11 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     # With names the question can show them; without, only the number of the columns is known.
     if block.headings == numbered(width):
         raise ask_columns(width, _goes_back_and_forth(block, choice))
-    if any(each.role == "flow" for each in block.headings) and not block.roles & FREQUENCIES:
+    if block.is_steady:
         raise DataError(block.holds())
+    terms = [i for i, each in enumerate(block.headings) if each.role == "relaxation_time"]
+    if terms and not block.roles & {"time", *FREQUENCIES}:
+        raise ask_clock(block.headings[terms[0]], terms[0] + 1)
     raise _ask_which(block.headings)
 
 
@@ -191,10 +194,19 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
         None,
     )
     if start is None:
+        if any(len(row) == 1 and holds_number(row[0]) for row, _ in kept):
+            raise DataError(
+                "a single column of numbers; put what belongs together side by side, such as"
+                " displacement [mm] and force [N], each with its title"
+            )
         raise DataError(
             "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
         )
     width = len(kept[start][0])
+    # Cells behind the last separator of each line, which no name stands above, are no column.
+    if not any("".join(row[width - 1 : width]).strip() for row, _ in kept):
+        kept = [(row[: width - 1], n) for row, n in kept]
+        width -= 1
     # A row of numbers above the names is no data: it tells the curves apart.
     if start + 2 < len(kept) and _names(kept[start + 1][0], width):
         start += 2

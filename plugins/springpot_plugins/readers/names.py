@@ -218,6 +218,10 @@ _WORDS = {
         creeprecoverycompliance j(t) d(t) kriechnachgiebigkeit nachgiebigkeit complaisance
         complaisancedefluage
     """,
+    "relaxation_time": """
+        relaxationtime relaxationtimes relaxtime retardationtime retardationtimes taui lambdai
+        relaxationszeit relaxationszeiten retardationszeit tempsderelaxation tiempoderelajacion
+    """,
     "flow": """
         shearrate viscosity scherrate viskositat gradientdecisaillement viscosite
     """,
@@ -238,7 +242,7 @@ MODULI = frozenset(
         "damping",
     }
 )
-ROLES = frozenset(NAMES) - {"shift", "relaxation", "compliance", "flow"}
+ROLES = frozenset(NAMES) - {"shift", "relaxation", "compliance", "relaxation_time", "flow"}
 """What a user may say that a column is."""
 
 _PRIMES = str.maketrans(

@@ -12,6 +12,7 @@ from springpot.rheology import Real
 
 from ..readers.blocks import Block
 from ..readers.channels import UNITS as CHANNELS
+from ..readers.choices import ask_clock
 from ..readers.table import Column
 from .words import MEASURED
 
@@ -42,6 +43,9 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
                 " how many there are a second: 'FILE?rate=1000[Hz]'"
             )
         return DataError(f"{says} (columns: {there})")
+    for number, title in enumerate(block.headings, 1):
+        if title.role == "relaxation_time" and "time" not in roles:
+            return ask_clock(title, number)
     if any(each.role == "flow" for each in block.headings):
         # A rate or a viscosity beside a stress: no column of it, whatever it is called, would make
         # it a test.

@@ -62,7 +62,9 @@ def recognises(head: bytes) -> float:
 def is_test(block: Block) -> bool:
     """Whether a table holds what was measured against time, or a loop without its time."""
     loop = {"displacement", "force"} <= with_strain(block.roles) and not block.roles & DYNAMIC
-    return loop or ("time" in block.roles and bool(block.roles & MEASURED))
+    # Of relaxation times it is asked whether they are the clock, when they are read.
+    clocks = block.roles & {"time", "relaxation_time"}
+    return loop or (bool(clocks) and bool(block.roles & MEASURED))
 
 
 def holds_sweep(grid: Grid) -> bool:

@@ -36,6 +36,8 @@ _UNITS = {
     "compliance": COMPLIANCE_UNITS,
     "temperature": TEMPERATURE_UNITS,
 }
+_OWN = ("relaxation", "compliance", "relaxation_time")
+"""What a name as a whole says, though a part of it may name a channel."""
 # In a table against time a strain is the displacement, by whatever name.
 _AS_IN_SWEEPS = {"amplitude": "displacement", "stress": "force", "torque": "force"}
 _SYMBOLS = {
@@ -50,7 +52,7 @@ def _role(name: str) -> str | None:
     if fold(name) in _STRETCHES:
         return STRETCH
     role = role_of(name)
-    if role in ("relaxation", "compliance") or EXACT.get(name) == "temperature":
+    if role in _OWN or EXACT.get(name) == "temperature":
         return role
     return channel_of(name)[0] or _AS_IN_SWEEPS.get(str(role), role)
 
@@ -60,7 +62,7 @@ def _plain(title: str) -> Heading:
     named = plain_title(" ".join(title.lstrip("# ").split()))
     role = _role(named.name)
     channel, unit, bare = channel_of(title)
-    if role not in ("relaxation", "compliance", "temperature") and channel is not None:
+    if role not in (*_OWN, "temperature") and channel is not None:
         return Heading(title, bare, channel, unit or named.unit)
     return replace(named, title=title, role=role)
 

@@ -217,6 +217,14 @@ def test_columns_without_names_are_asked_for(folder, separator):
     same(folder.open(moduli(separator), BARE))
 
 
+def test_nothing_behind_the_last_separator_is_no_column(folder):
+    """As programs end each line; a gap in one row is none of it."""
+    ended = "".join(f"{line},\n" for line in moduli(",").splitlines())
+    with pytest.raises(DataError, match="3 columns of numbers without names"):
+        folder.open(ended)
+    same(folder.open(ended, BARE))
+
+
 def test_weights_may_be_left_out_or_named(folder):
     text = rows((OMEGA, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + 2, 0 * OMEGA + 3), " ")
     with pytest.raises(DataError, match="weights"):
@@ -252,6 +260,14 @@ REFUSED = {
         "steady flow, no dynamic test",
     ),
     "flow by one name": ("Shear Rate,Stress\n1,2\n10,3\n", "steady flow, no dynamic test"),
+    "peaks of a damper": (
+        "Piston speed [mm/s],Rebound force [N]\n50,310\n100,520\n300,900\n",
+        "force over velocity, as of the peaks of many strokes: no dynamic test; give the strokes",
+    ),
+    "a column by itself": (
+        "1\n1.25\n1.5\n1.75\n",
+        "a single column of numbers; put what belongs together side by side",
+    ),
     "neither": (
         "Zeit [s];Temperatur [°C];Normalkraft [N]\n1;2;3\n",
         r"missing frequency \[Hz\] or omega \[rad/s\], and storage",
