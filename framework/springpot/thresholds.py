@@ -8,8 +8,8 @@ are measured by ``studies/hidden_effect.py`` on data from which nothing is missi
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import log, pi, sqrt
-from typing import NoReturn
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
 """Ways in which intervals of parameters are worked out, the usual first.
@@ -21,17 +21,8 @@ INTERVAL = 0.95
 """Probability of an interval unless another is asked for (JCGM 100:2008, 6.3.3 and annex G)."""
 
 
-class DecidingLevels:
-    """Some levels, which nothing changes.
-
-    No dataclasses, for whose making every command would wait.
-    """
-
-    def __setattr__(self, name: str, value: object) -> NoReturn:
-        raise AttributeError(f"{name} is a level, and stays as it is")
-
-
-class SignalLevels(DecidingLevels):
+@dataclass(frozen=True)
+class SignalLevels:
     """What is made of recorded signals."""
 
     motion: float = 0.999
@@ -53,7 +44,8 @@ class SignalLevels(DecidingLevels):
 SIGNALS = SignalLevels()
 
 
-class VariedLevels(DecidingLevels):
+@dataclass(frozen=True)
+class VariedLevels:
     """What was set, what was held, and what only wandered."""
 
     amplitude_wanders: float = 0.1
@@ -93,7 +85,8 @@ class VariedLevels(DecidingLevels):
 VARIED = VariedLevels()
 
 
-class ScatterLevels(DecidingLevels):
+@dataclass(frozen=True)
+class ScatterLevels:
     """How large the noise is.
 
     As given, as repeats tell, or as estimated from the scatter about a fit.
@@ -130,7 +123,8 @@ class ScatterLevels(DecidingLevels):
 SCATTER = ScatterLevels()
 
 
-class SearchLevels(DecidingLevels):
+@dataclass(frozen=True)
+class SearchLevels:
     """Which grown models are fitted."""
 
     singles: int = 12
@@ -185,7 +179,8 @@ class SearchLevels(DecidingLevels):
 SEARCH = SearchLevels()
 
 
-class EvidenceLevels(DecidingLevels):
+@dataclass(frozen=True)
+class EvidenceLevels:
     """What a model's parameters cost, and prior odds."""
 
     credible: float = 0.93
@@ -268,7 +263,8 @@ class EvidenceLevels(DecidingLevels):
 EVIDENCE = EvidenceLevels()
 
 
-class VerdictLevels(DecidingLevels):
+@dataclass(frozen=True)
+class VerdictLevels:
     """From evidence to a word."""
 
     arithmetic: float = 2e-5
@@ -417,7 +413,8 @@ class VerdictLevels(DecidingLevels):
 VERDICT = VerdictLevels()
 
 
-class OutliersLevels(DecidingLevels):
+@dataclass(frozen=True)
+class OutliersLevels:
     """Single points that stand out."""
 
     rare: float = 0.0001
@@ -447,7 +444,8 @@ class OutliersLevels(DecidingLevels):
 OUTLIERS = OutliersLevels()
 
 
-class WhereLevels(DecidingLevels):
+@dataclass(frozen=True)
+class WhereLevels:
     """Places at which a model fails."""
 
     alarm: float = 0.003
@@ -469,7 +467,8 @@ class WhereLevels(DecidingLevels):
 WHERE = WhereLevels()
 
 
-class SuperpositionLevels(DecidingLevels):
+@dataclass(frozen=True)
+class SuperpositionLevels:
     """Whether sweeps at several temperatures are one curve."""
 
     nearly: float = 1.5
@@ -536,7 +535,8 @@ class SuperpositionLevels(DecidingLevels):
 SUPERPOSITION = SuperpositionLevels()
 
 
-class ExperimentLevels(DecidingLevels):
+@dataclass(frozen=True)
+class ExperimentLevels:
     """What could be measured next."""
 
     telling: float = 2.0
@@ -553,7 +553,8 @@ class ExperimentLevels(DecidingLevels):
 EXPERIMENT = ExperimentLevels()
 
 
-class RepeatsLevels(DecidingLevels):
+@dataclass(frozen=True)
+class RepeatsLevels:
     """What repeats and replicates tell."""
 
     enough: float = 8.0
@@ -573,7 +574,8 @@ class RepeatsLevels(DecidingLevels):
 REPEATS = RepeatsLevels()
 
 
-class ComparisonLevels(DecidingLevels):
+@dataclass(frozen=True)
+class ComparisonLevels:
     """Which of many models are as good as any material, and which are one curve."""
 
     chance: float = 0.001
@@ -594,7 +596,8 @@ class ComparisonLevels(DecidingLevels):
 COMPARISON = ComparisonLevels()
 
 
-class CourseLevels(DecidingLevels):
+@dataclass(frozen=True)
+class CourseLevels:
     """When a specimen is held to change with time."""
 
     fewest_times: int = 6
@@ -621,7 +624,8 @@ class CourseLevels(DecidingLevels):
 COURSE = CourseLevels()
 
 
-class InventionLevels(DecidingLevels):
+@dataclass(frozen=True)
+class InventionLevels:
     """When a law is called found, and what it costs to write it."""
 
     refined: int = 24
