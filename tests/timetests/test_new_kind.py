@@ -91,10 +91,10 @@ TRUTH = {"k": 4e5, "c": 6e3, "alpha": 0.5}
 @pytest.fixture
 def file(tmp_path, monkeypatch):
     """A moving mass of 0.9 kg hides in what the head has recorded."""
-    shelves = springpot.plugins().shelves
-    shelf = deepcopy(shelves["time reader"])
+    installed = springpot.plugins()
+    shelf = deepcopy(installed.shelf("time reader"))
     shelf.put(READER, Owner("impedance", "tests"))
-    monkeypatch.setitem(shelves, "time reader", shelf)
+    monkeypatch.setitem(installed._filled, "time reader", shelf)
     omega = 2.0 * np.pi * FREQUENCY
     stiffness = MODEL.stiffness(MODEL.theta(**TRUTH), omega) - 0.9 * omega**2
     noise = 0.01 * np.random.default_rng(8).normal(size=(2, 40))
