@@ -270,6 +270,18 @@ def test_springpot_s_own_plugins_come_first_and_have_no_faults():
     assert next(iter(plugins().shelves["reader"].owners.values())).startswith("builtin")
 
 
+def test_plugins_are_asked_for_the_kinds_that_are_wanted_alone():
+    code = (
+        "import sys; from springpot.registry import plugins; plugins().names('reader')\n"
+        "print(*sys.modules)"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert "springpot_plugins.readers.excel" in told
+    assert not {"springpot_plugins.optimisers.swarm", "springpot_plugins.models.paper"} & {*told}
+
+
 def test_heavy_libraries_are_not_imported_by_loading_the_plugins():
     code = (
         "import sys; from springpot.registry import plugins; found = plugins()\n"

@@ -222,7 +222,7 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
 def _alone(expression: str) -> Model | None:
     """A model of effects alone, beside nothing; None where the expression begins with a model."""
     names = [name.strip() for name in expression.split("+")]
-    first = plugins().shelves["effect"].find(names[0])
+    first = plugins().shelf("effect").find(names[0])
     if first is None or first.plane != "stiffness":
         return None
     model = Model("nothing", hold(spring("k"), {"k": 0.0}, {}))

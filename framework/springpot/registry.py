@@ -80,7 +80,8 @@ class Registry:
     """
 
     def __init__(self, points: Iterable[EntryPoint]) -> None:
-        self.faults: list[Fault] = []
+        self._faults: list[Fault] = []
+        self._filled: dict[str, Shelf[Any]] = {}
         self.manager = pluggy.PluginManager(hooks.GROUP)
         self.manager.add_hookspecs(hooks)
         self._owners: dict[str, Owner] = {}
@@ -91,7 +92,6 @@ class Registry:
             with self._guarded(owner), self._undone(owner, point.module):
                 self.manager.register(point.load(), name=owner.plugin)
         self._report_slips()
-        self.shelves = {word: self._fill(kind) for word, kind in KINDS.items()}
 
     def _owner(self, name: str, distribution: str) -> Owner:
         """The plugin of an entry point; two distributions may well choose the same name for it."""
@@ -131,7 +131,7 @@ class Registry:
         line = " ".join(reason.split())
         if len(line) > LONGEST_REASON:
             line = f"{line[: LONGEST_REASON - 3]}..."
-        self.faults.append(Fault(owner.plugin, owner.distribution, line))
+        self._faults.append(Fault(owner.plugin, owner.distribution, line))
 
     def _report_slips(self) -> None:
         # pluggy passes over a function whose name it does not know: its author would wait for it in
@@ -160,13 +160,31 @@ class Registry:
             self._fault(owner, says)
         return shelf
 
+    def shelf(self, word: str) -> Shelf[Any]:
+        """All things of one kind, asked of the plugins once, and only if somebody wants one."""
+        if word not in self._filled:
+            self._filled[word] = self._fill(KINDS[word])
+        return self._filled[word]
+
+    @property
+    def shelves(self) -> dict[str, Shelf[Any]]:
+        """All things of all kinds."""
+        return {word: self.shelf(word) for word in KINDS}
+
+    @property
+    def faults(self) -> list[Fault]:
+        """What could not be used, of all kinds."""
+        for word in KINDS:
+            self.shelf(word)
+        return self._faults
+
     def names(self, word: str) -> list[str]:
         """Names of all things of one kind whose name is not in dispute."""
-        return list(self.shelves[word].undisputed())
+        return list(self.shelf(word).undisputed())
 
     def items(self, word: str) -> Iterator[Any]:
         """All things of one kind whose name is not in dispute."""
-        return iter(self.shelves[word].undisputed().values())
+        return iter(self.shelf(word).undisputed().values())
 
     def find(self, word: str, name: str) -> Any:
         """The thing of that kind and name.
@@ -178,12 +196,12 @@ class Registry:
         PluginError
             If two plugins claim the name.
         """
-        item = self.shelves[word].find(name)
+        item = self.shelf(word).find(name)
         # Libraries of many optimisers are imported only when one of their names is asked for.
         if item is None and word == "optimiser":
             item = self._member(name)
         if item is None:
-            hint = _proposal(name, self.shelves[word].known(), f"{word.replace(' ', '')}s")
+            hint = _proposal(name, self.shelf(word).known(), f"{word.replace(' ', '')}s")
             raise ModelError(f"unknown {word} '{name}': {hint}")
         return item
 
@@ -210,14 +228,14 @@ class Registry:
     def problem(self, name: str) -> DataSet | None:
         """The problem of a suite, ``SUITE/NAME``; None where that is no such name."""
         of, stroke, _ = name.partition("/")
-        suite: Suite | None = self.shelves["suite"].find(of) if stroke else None
+        suite: Suite | None = self.shelf("suite").find(of) if stroke else None
         if suite is None:
             return None
         return suite.problem(name)
 
     def owner_of(self, word: str, name: str) -> str:
         """The plugin that offers a thing of that kind and name; empty for springpot's own."""
-        return _foreign(self.shelves[word].owner(name))
+        return _foreign(self.shelf(word).owner(name))
 
     def owner_of_module(self, module: str) -> str:
         """The plugin whose package a module is in; empty for springpot's own."""
@@ -236,7 +254,7 @@ class Registry:
 
     def model(self, name: str) -> Model:
         """The model without effects called `name`, a member of a family included."""
-        registered = self.shelves["model"].find(name)
+        registered = self.shelf("model").find(name)
         # A name of its own goes before that of a member of a family.
         if registered is None:
             registered = self._family_member(name) or self.find("model", name)
@@ -376,7 +394,7 @@ def parse_model(expression: str) -> Model:
     ('k', 'c', 'alpha', 'inertia.m')
     """
     registry = plugins()
-    known = registry.shelves["effect"].find
+    known = registry.shelf("effect").find
     parts = expression_parts(expression, lambda name: known(name.partition(":")[0]) is not None)
     if parts.by_formula:
         model = model_of(parts.model)
@@ -429,7 +447,7 @@ def _named(name: str) -> Model:
         return registry.model(name)
     except ModelError:
         # That an effect is no known model would be true, and help nobody.
-        if registry.shelves["effect"].find(name) is None:
+        if registry.shelf("effect").find(name) is None:
             raise
         raise ModelError(f"'{name}' is an effect: write MODEL + {name}") from None
 

@@ -70,7 +70,7 @@ def test_a_member_of_a_family_and_an_alias_can_be_named(springpot):
 
 def test_an_unavailable_plugin_is_listed_with_its_distribution_and_reason(springpot, monkeypatch):
     monkeypatch.setattr(
-        plugins(), "faults", [Fault("bad", "its-distribution", "ImportError: no module named q")]
+        plugins(), "_faults", [Fault("bad", "its-distribution", "ImportError: no module named q")]
     )
     assert (
         "plugin 'bad' of its-distribution: ImportError: no module named q"

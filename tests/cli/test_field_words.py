@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.diagnosis.result import Candidate, Diagnosis
+from springpot.diagnosis.result import AsTold, Candidate, Diagnosis
 from springpot.identification.value import PartResult, Value
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
@@ -102,7 +102,7 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
         fitted = SimpleNamespace(
             fit=known, noise=known, relative_rms=size, floor=0.01, error_dof=40
         )
-        return Quiet(fitted, Error(size, 0.01, "estimated", "", 0.005), 0.0, rng)
+        return Quiet.told(fitted, Error(size, 0.01, "estimated", "", 0.005), 0.0, {})
 
     far, near = judged(0.2), judged(0.012)
     assert (far.unclear, near.unclear) == (True, False)
@@ -172,11 +172,9 @@ def diagnosed_in_time() -> Diagnosis:
         score=nan,
         verdict="missing",
         predicted_error=nan,
-        error_after=0.0051,
         bound=inf,
-        over_floor=1.02,
-        parameters={"m": Value(0.25, 0.24, 0.26, "kg")},
         says="a mass " * 20,
+        alone=AsTold(0.0051, 1.02, {"m": Value(0.25, 0.24, 0.26, "kg")}),
     )
     says = "record is missed most " * 8
     return Diagnosis(

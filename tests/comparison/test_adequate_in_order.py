@@ -9,7 +9,7 @@ from springpot.comparison.ranking import _no_worse_than_rejected
 
 
 def judged(parameters, error):
-    refit = SimpleNamespace(theta=[0.0] * parameters)
+    refit = SimpleNamespace(theta=[0.0] * parameters, floor=0.1, least_error=0.0)
     return SimpleNamespace(refit=refit, error=SimpleNamespace(relative_rms=error, noise_floor=0.1))
 
 

@@ -190,6 +190,16 @@ def test_the_text_tells_both_floors_and_the_first_model(heavy):
     assert "  inertia.m = " in text
 
 
+def test_the_error_of_a_model_far_off_is_searched_for_where_it_is_asked_for():
+    found = ranked(measured("fractional-maxwell", [400.0, 60.0, 0.55]))
+    far = found.judgements[-1]
+    assert "error" not in vars(far)
+    assert "identified" not in vars(far.refit)
+    # Nor is any material: its floor lies below what such a model leaves at least.
+    assert far.refit.least_error < far.error.relative_rms
+    assert far.error.material_floor < far.refit.least_error
+
+
 def test_stages_are_told():
     told = []
     library = [springpot.registry.plugins().effect("inertia")]

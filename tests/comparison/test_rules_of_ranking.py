@@ -14,7 +14,7 @@ from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 def judged(name, bic=0.0, size=2, adequate=True, beside=1.0, rms=0.01, floor=0.01, points=20):
     """A judgement of a model, and the chance of what a spectrum gains on it."""
     refit = SimpleNamespace(
-        theta=np.zeros(size), beside=beside, exact=False,
+        theta=np.zeros(size), beside=beside, exact=False, floor=floor, least_error=0.0,
         fit=SimpleNamespace(measurement=np.zeros(points)),
     )  # fmt: skip
     error = SimpleNamespace(relative_rms=rms, noise_floor=floor)
@@ -32,7 +32,6 @@ def sort(monkeypatch):
         monkeypatch.setattr(ranking, "material_floors", lambda fits, rng: {})
         monkeypatch.setattr(ranking, "judgements", lambda fits, floors, rng: rows)
         monkeypatch.setattr(ranking, "chance_beside", lambda refit, floor: refit.beside)
-        monkeypatch.setattr(ranking, "error_of", lambda *given: None)
         monkeypatch.setattr(ranking, "is_arithmetic", lambda refit: refit.exact)
         rest = VERDICT.small_rest * 0.01
         error = SimpleNamespace(relative_rms=rest if far else 0.99 * rest)

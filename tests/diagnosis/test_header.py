@@ -7,6 +7,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis.notes import header_notes
+from springpot.diagnosis.result import AsTold
 
 INERTIA = 0.002
 OMEGA = np.geomspace(1.0, 300.0, 40)
@@ -70,9 +71,8 @@ def test_an_inertia_of_which_nothing_is_known_agrees_with_nothing(measured):
         if row.effect == "inertia"
     ]
     [known] = found.parameters.values()
-    open_ended = replace(
-        found, verdict="cannot-tell", parameters={"m": replace(known, low=0.0, high=np.inf)}
-    )
+    endless = AsTold(parameters={"m": replace(known, low=0.0, high=np.inf)})
+    open_ended = replace(found, verdict="cannot-tell", alone=endless)
     assert list(header_notes([open_ended], said)) == []
-    closed = replace(found, parameters={"m": replace(known, low=0.0, high=2.0)})
+    closed = replace(found, alone=AsTold(parameters={"m": replace(known, low=0.0, high=2.0)}))
     assert "agrees with it" in next(header_notes([closed], said))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 import springpot
+from springpot.diagnosis.result import AsTold
 from springpot.report.answers import ranked
 from springpot.report.told import told
 
@@ -68,7 +69,7 @@ def test_without_a_name_the_best_help_is_offered_and_said_to_be_no_proof(found):
 
 def test_an_effect_that_leaves_the_error_is_never_offered(found):
     stays = tuple(
-        replace(row, error_after=found.error.relative_rms, error_beside=float("nan"))
+        replace(row, alone=AsTold(found.error.relative_rms), error_beside=float("nan"))
         for row in found.candidates
     )
     bare = replace(found, verdict="unexplained", leading=("inertia",), candidates=stays)

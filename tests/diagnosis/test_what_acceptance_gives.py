@@ -37,6 +37,16 @@ def test_the_error_after_an_effect_is_that_of_accepting_it(data, model):
         assert identified.relative_rms == pytest.approx(row.error_after, rel=0.01), row.effect
 
 
+def test_an_error_is_searched_for_where_it_is_asked_for():
+    # Under another seed: no other test has asked for its errors.
+    found = springpot.diagnose("artificial-hidden", "fractional-maxwell", seed=20)
+    fits = [row.alone.refit for row in found.candidates if hasattr(row.alone, "refit")]
+    unasked = [each for each in fits if "identified" not in vars(each)]
+    assert len(unasked) > len(fits) / 2
+    assert unasked[0].error > 0.0
+    assert "identified" in vars(unasked[0])
+
+
 def test_what_weighs_the_points_changes_no_answer(rng):
     """Noise of another shape than |K| moves a fit.
 

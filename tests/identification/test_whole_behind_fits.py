@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 from test_whole_identification import DATA, EXACT, MODEL, OMEGA, made
 
 from springpot.identification import (
@@ -119,6 +120,19 @@ def test_least_squares_without_negative_amounts():
     )
     np.testing.assert_allclose(both[1], [1.0, 2.0])
     np.testing.assert_allclose(both[0], found)
+
+
+@pytest.mark.parametrize("count", [3, 5])
+def test_amounts_of_nearly_one_shape_are_the_best(count):
+    rng = np.random.default_rng(7)
+    columns = rng.normal(size=(50, 1, 28)) + 0.01 * rng.normal(size=(50, count, 28))
+    columns /= np.linalg.norm(columns, axis=-1, keepdims=True)
+    target = columns[:, 0] + 0.01 * rng.normal(size=(50, 28))
+    matrix = columns @ columns.transpose(0, 2, 1)
+    found, _ = starts.non_negative(matrix, np.matmul(columns, target[..., None])[..., 0])
+    left = np.linalg.norm(np.matmul(found[:, None], columns)[:, 0] - target, axis=1)
+    best = [nnls(shapes.T, each)[1] for shapes, each in zip(columns, target, strict=True)]
+    np.testing.assert_allclose(left, best, rtol=1e-6)
 
 
 NETWORKS = ("zener", "fractional-zener", "fractional-maxwell + inertia", "burgers", "prony-3")

@@ -33,7 +33,7 @@ HARMLESS = {
     ): "which of the fits, sorted later, are made first",
     (
         "comparison/ranking.py",
-        "judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)",
+        "judged = Judgement(floor, lowest, 0.0, rng)",
         "1.0",
     ): "evidence that nobody asks of any material",
     (

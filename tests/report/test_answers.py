@@ -8,6 +8,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis import Ladder
+from springpot.diagnosis.result import AsTold
 from springpot.measurement import Measurement, Units
 from springpot.report.answers import beside_floor, reference_note, worth_showing
 from springpot.report.html import report_html
@@ -228,7 +229,7 @@ def test_an_effect_that_leaves_the_error_is_not_shown_as_a_suggestion():
         damper(lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f))), "fractional-maxwell"
     )
     found = ladder.steps[-1].case.diagnosis
-    stays = {"error_after": found.error.relative_rms, "verdict": "cannot-tell"}
+    stays = {"alone": AsTold(found.error.relative_rms), "verdict": "cannot-tell"}
     hopeless = tuple(replace(row, **stays) for row in found.candidates[:3])
     told = replace(found, verdict="unexplained", candidates=hopeless, leading=())
     assert worth_showing(told) == []
@@ -244,7 +245,7 @@ def test_an_effect_that_leaves_the_error_is_not_shown_as_a_suggestion():
     assert told.says[1:] in section
     assert says not in section
     assert told.plot() is not None
-    half = replace(hopeless[0], error_after=0.5 * found.error.relative_rms, delta_bic=20.0)
+    half = replace(hopeless[0], alone=AsTold(0.5 * found.error.relative_rms), delta_bic=20.0)
     kept = replace(told, candidates=(half, *hopeless[1:]))
     assert [row.effect for row in worth_showing(kept)] == [name]
     assert f">{name}</td>" in kept._repr_html_()
@@ -258,7 +259,8 @@ def test_a_notebook_shows_exact_data_without_a_ratio_to_no_floor():
     assert 'data-label="x floor"' not in exact._repr_html_()
     comparison = springpot.compare(data, ["fractional-maxwell", "kelvin"])
     first = comparison.judgements[0]
-    floorless = replace(first, error=replace(first.error, noise_floor=0.0))
+    floorless = replace(first)
+    vars(floorless).update(error=replace(first.error, noise_floor=0.0))
     page = replace(comparison, judgements=(floorless, *comparison.judgements[1:]))._repr_html_()
     assert 'data-label="x floor">-</td>' in page
 

@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -366,7 +367,8 @@ def test_what_was_measured_twice_alone_is_a_repeat():
 def test_what_foreign_code_prints_is_no_answer(monkeypatch, capfd):
     monkeypatch.setattr(worker.sys, "stdin", [])
     monkeypatch.setattr(worker.signal, "signal", lambda *given: None)
-    monkeypatch.setattr("springpot.registry.plugins", dict)
+    installed = SimpleNamespace(shelf=lambda word: None)
+    monkeypatch.setattr("springpot.registry.plugins", lambda: installed)
     kept = os.dup(1)
     try:
         worker.main()

@@ -371,7 +371,7 @@ def _is_whole(value: object) -> TypeGuard[float]:
 def _each(given: Sequence[AnyData]) -> Iterator[AnyData]:
     """The data sets, each suite as all of its problems."""
     for data in given:
-        suite = plugins().shelves["suite"].find(data) if isinstance(data, str) else None
+        suite = plugins().shelf("suite").find(data) if isinstance(data, str) else None
         if suite is None:
             yield data
         else:
@@ -387,7 +387,7 @@ def _source(given: AnyData) -> Source:
     if problem is not None:
         return _source_of(given, problem.tests(), problem)
     measurement = open_measurement(given)
-    registered = plugins().shelves["data set"].find(given.partition("@")[0])
+    registered = plugins().shelf("data set").find(given.partition("@")[0])
     name = measurement.name
     if registered:
         # As the study writes it: its mapping of models names the data in the same words.

@@ -83,7 +83,7 @@ def _entrants() -> str:
     from springpot import plugins
 
     registry = plugins()
-    names = registry.shelves["optimiser"].items
+    names = registry.shelf("optimiser").items
     own = [name for name in names if registry.owner_of("optimiser", name)]
     return ", ".join(f'"{name}"' for name in [*own[:FEW], *RIVALS])
 

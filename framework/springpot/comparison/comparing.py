@@ -14,7 +14,7 @@ from springpot.identification.space import require_conditions
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.misfit.floor import STARTS_RESCALED, fitted_to_floor
-from springpot.misfit.material import MaterialFloor, error_of, material_floor
+from springpot.misfit.material import MaterialFloor, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.misfit.residual_tests import Finding
@@ -91,8 +91,8 @@ def judgements(
     # A generator for each: its tests may be asked for in any order, or not at all, and hang on no
     # other's draws.
     for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
-        error = error_of(found, floors[effects_of(found)])
-        yield Judgement(found, error, -2.0 * found.log_evidence - least, own_rng)
+        floor = floors[effects_of(found)]
+        yield Judgement(found, floor, -2.0 * found.log_evidence - least, own_rng)
 
 
 def material_floors(

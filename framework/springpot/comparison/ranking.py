@@ -26,7 +26,7 @@ from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor, is_arithmetic
 from springpot.misfit.frame import chance_of_squares
-from springpot.misfit.material import MaterialFloor, any_material, error_of, material_floor
+from springpot.misfit.material import MaterialFloor, any_material, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.rheology.effect import Effect
@@ -181,7 +181,7 @@ def _in_order(
     near: list[Judgement] = []
     # Where a material is adequate, a model that is not lacks what the material has: only chance
     # made it as near.
-    judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)
+    judged = Judgement(floor, lowest, 0.0, rng)
     if not judged.adequate:
         near = [one for one in as_near if one not in adequate]
     others = [one for one in ordered if one not in adequate and one not in near]
@@ -207,12 +207,12 @@ def _no_worse_than_rejected(
 
 
 def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
+    if len(other.refit.theta) > len(one.refit.theta):
+        return False
     # Crosswise, as a floor may be zero.
-    nearer = (
-        other.error.relative_rms * one.error.noise_floor
-        <= one.error.relative_rms * other.error.noise_floor
-    )
-    return nearer and len(other.refit.theta) <= len(one.refit.theta)
+    most, floor = one.error.relative_rms * other.refit.floor, one.refit.floor
+    # Of most models the fit by the noise tells, and the error itself need not be searched for.
+    return other.refit.least_error * floor <= most and other.error.relative_rms * floor <= most
 
 
 def _quietest_alone(
@@ -226,7 +226,7 @@ def _quietest_alone(
     found: list[Refit] = []
     for one in [one for one in others if not spends_most(one.refit)][:LOOKED_AT]:
         own = fitted_to_floor(one.model, one.refit.data.raw, [one.refit.theta])
-        alone = Judgement(own, error_of(own, lowest), 0.0, rng)
+        alone = Judgement(own, lowest, 0.0, rng)
         if alone.adequate:
             found.append(own)
     # One that is wrong takes part of its misfit for noise.

@@ -18,6 +18,7 @@ from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import Error, over_floor, percent, times
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known
+from springpot.misfit.material import MaterialFloor, error_of
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_tests import Battery, Finding, battery
 from springpot.misfit.values import printed
@@ -65,8 +66,8 @@ class Judgement:
     fitted : Refit, Identification or None
         Its fit, in units of the noise, of tests in time with all that it found; a file does not
         hold it.
-    error : Error
-        Its error, the noise floor and the material floor, relative to |K|.
+    floor : MaterialFloor, optional
+        Any material with the same effects.
     delta_bic : float
         Bayesian information criterion above that of the best model compared.
     rng : numpy.random.Generator, optional
@@ -74,7 +75,7 @@ class Judgement:
     """
 
     fitted: object | None
-    error: Error
+    floor: MaterialFloor | None
     delta_bic: float
     rng: np.random.Generator | None = None
 
@@ -82,6 +83,12 @@ class Judgement:
     def refit(self) -> Refit:
         """Its fit, in units of the noise."""
         return alive(self.fitted, Refit, "a judgement")
+
+    @cached_property
+    def error(self) -> Error:
+        """Its error, the noise floor and the material floor, relative to |K|."""
+        # It takes a search of its own: of many models that fail nobody asks for it.
+        return error_of(self.refit, alive(self.floor, MaterialFloor, self.model.name))
 
     @cached_property
     def battery(self) -> Battery:
@@ -227,9 +234,9 @@ class Judgement:
         cls, fitted: object | None, error: Error, delta_bic: float, known: Mapping[str, Any]
     ) -> Judgement:
         """One of which all is known that its fit would be asked for."""
-        judged = cls(fitted, error, delta_bic)
+        judged = cls(fitted, None, delta_bic)
         # Where a fit keeps what it was asked for once.
-        vars(judged).update(known)
+        vars(judged).update(known, error=error)
         return judged
 
 

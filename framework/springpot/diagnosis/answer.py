@@ -6,7 +6,8 @@ The table of effects: what each would do, how likely it is, and what it cannot b
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -117,10 +118,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         score=score.score,
         verdict="cannot-tell",
         predicted_error=_predicted(before, score.predicted),
-        error_after=np.nan,
-        over_floor=np.nan,
         bound=score.bound,
-        parameters={},
         says=effect.summary,
     )
     if grown is None:
@@ -129,9 +127,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         row,
         delta_bic=2.0 * (grown.refit.log_evidence - before.log_evidence),
         predicted_error=_predicted(before, grown.predicted),
-        error_after=grown.refit.error,
-        over_floor=in_floors(grown.refit.error, before.floor),
-        parameters=_parameters(grown.refit, effect, believed),
+        alone=AsFitted(grown.refit, before.floor, effect, believed),
     )
 
 
@@ -167,6 +163,43 @@ def _effect_verdict(
     if gain < 0.0 and score.bound < VERDICT.seen:
         return "absent"
     return "cannot-tell"
+
+
+@dataclass(frozen=True, eq=False)
+class AsFitted:
+    """What a fit with one more effect tells when it is asked: both take searches of their own.
+
+    Attributes
+    ----------
+    refit : Refit
+        The model with the effect.
+    floor : float
+        Relative error that noise leaves of the model without it.
+    effect : Effect
+        The effect.
+    by_profile : bool
+        Whether the intervals of its parameters are worth a profile.
+    """
+
+    refit: Refit
+    floor: float
+    effect: Effect
+    by_profile: bool
+
+    @property
+    def error(self) -> float:
+        """Relative error that `identify` leaves."""
+        return self.refit.error
+
+    @property
+    def over_floor(self) -> float:
+        """The same over the noise."""
+        return in_floors(self.error, self.floor)
+
+    @cached_property
+    def parameters(self) -> dict[str, Value]:
+        """The effect's own parameters."""
+        return _parameters(self.refit, self.effect, self.by_profile)
 
 
 def _parameters(refit: Refit, effect: Effect, by_profile: bool) -> dict[str, Value]:

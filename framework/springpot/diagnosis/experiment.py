@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -32,7 +32,7 @@ from springpot.misfit.frame import orthonormal
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
@@ -140,12 +140,17 @@ class Contest(ABC):
         def theta(x: Real) -> Real:
             return np.where(logs, np.exp(np.clip(x, -700.0, 700.0)), x)
 
+        # The solver asks for values and slopes of a place one after the other.
+        @lru_cache(maxsize=1)
+        def seen(*x: float) -> tuple[Real, Real]:
+            return self.seen(theta(np.array(x)))
+
         def residual(x: Real) -> Real:
-            return np.clip(np.nan_to_num(self.seen(theta(x))[0], nan=FAR), -FAR, FAR)
+            return np.clip(np.nan_to_num(seen(*x.tolist())[0], nan=FAR), -FAR, FAR)
 
         def jacobian(x: Real) -> Real:
             scale = np.where(logs, theta(x), 1.0)
-            by_x = self.seen(theta(x))[1] * scale[:, None]
+            by_x = seen(*x.tolist())[1] * scale[:, None]
             slopes: Real = np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
             return slopes
 
@@ -523,16 +528,22 @@ class Clash(Contest):
             slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
             return weighted(target - np.concatenate([response.value, value]), weights), slopes
 
-    def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
-        """K and dK/dtheta where the action would measure.
+    @cached_property
+    def _networks(self) -> tuple[Node, Node]:
+        """Those of truth and rival where the action would measure.
 
         The specimen may be larger there, absent or a known mass.
         """
-        scale, mass = self.action.scale, self.action.mass
-        network = refit.model.network
-        if scale != 1.0:
-            # No specimen is one of hardly any size, as a network cannot be empty.
-            network = refit.model.resized(max(scale, ALIKE), mass)
+        truth, rival = self.truth.model, self.rival.model
+        if self.action.scale == 1.0:
+            return truth.network, rival.network
+        # No specimen is one of hardly any size, as a network cannot be empty.
+        size = max(self.action.scale, ALIKE), self.action.mass
+        return truth.resized(*size), rival.resized(*size)
+
+    def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
+        """K and dK/dtheta at the points of the action."""
+        network = self._networks[int(refit is self.rival)]
         with np.errstate(all="ignore"):
             response = network.respond(theta, self.action.points, GRADIENT)
         return response.value, response.by_theta

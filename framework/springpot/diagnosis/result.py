@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from springpot.identification.value import PartResult, Quantities, Value, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
@@ -125,11 +125,49 @@ EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 Shelf = Literal["explains", "helps", "ruled-out"]
 
 SCHEMA = "springpot.diagnosis/2"
-RENAMED = frozenset({"physics", "alike"})
+TOLD = (
+    "probability",
+    "delta_bic",
+    "score",
+    "verdict",
+    "predicted_error",
+    "error_after",
+    "bound",
+    "over_floor",
+    "parameters",
+    "says",
+    "error_beside",
+)
+"""Of a candidate, in the order of its schema."""
 """Of a candidate: told as its effect and its class."""
 
 Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
+
+
+class WithEffect(Protocol):
+    """What a fit of the model with one more effect leaves, and what it makes of the effect."""
+
+    @property
+    def error(self) -> float:
+        """Relative error that `identify` leaves."""
+
+    @property
+    def over_floor(self) -> float:
+        """The same over the noise."""
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """The effect's own parameters."""
+
+
+@dataclass(frozen=True)
+class AsTold:
+    """The same as numbers."""
+
+    error: float = nan
+    over_floor: float = nan
+    parameters: dict[str, Value] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -150,18 +188,14 @@ class Candidate:
         Squared residual along what it would change, in units of noise variance, before any refit.
     verdict : {"missing", "absent", "cannot-tell"}
         In one word.
-    predicted_error, error_after : float
-        Relative error foretold by the scan, and left by `identify` of the model with this effect
-        alone; NaN where that was not fitted.
+    predicted_error : float
+        Relative error foretold by the scan.
     bound : float
         Relative change of K above which the effect would have been seen.
-    over_floor : float
-        The error with it over the noise; of several tests in time before and after, and this, are
-        of the one that the model misses most.
-    parameters : dict of str to Value
-        Its own parameters.
     says : str
         One sentence of physics.
+    alone : WithEffect
+        The fit of the model with this effect alone, if it was fitted.
     error_beside : float
         The error left with it and the leading effect, where it only shows beside that; else NaN.
 
@@ -183,17 +217,34 @@ class Candidate:
     score: float
     verdict: EffectVerdict
     predicted_error: float
-    error_after: float
     bound: float
-    over_floor: float
-    parameters: dict[str, Value]
     says: str
+    alone: WithEffect = AsTold()
     error_beside: float = nan
 
     @property
     def effect(self) -> str:
         """Its name."""
         return self.physics.name
+
+    @property
+    def error_after(self) -> float:
+        """Relative error that `identify` leaves of the model with it alone; NaN if not fitted."""
+        return self.alone.error
+
+    @property
+    def over_floor(self) -> float:
+        """That error over the noise.
+
+        Of several tests in time before and after, and this, are of the one that the model misses
+        most.
+        """
+        return self.alone.over_floor
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """Its own parameters."""
+        return self.alone.parameters
 
     @property
     def after(self) -> float:
@@ -215,7 +266,7 @@ class Candidate:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where `alike` is called class."""
-        row = {name: value for name, value in vars(self).items() if name not in RENAMED}
+        row = {name: getattr(self, name) for name in TOLD}
         named = {"effect": self.effect}
         # By its name alone a law that somebody typed would be lost.
         if self.physics.expression != self.effect:
@@ -234,11 +285,13 @@ class Candidate:
             score=json_number(row["score"]),
             verdict=row["verdict"],
             predicted_error=json_number(row["predicted_error"]),
-            error_after=json_number(row["error_after"]),
-            over_floor=json_number(row["over_floor"]),
             bound=json_number(row["bound"], inf),
-            parameters=values_of(row["parameters"]),
             says=row["says"],
+            alone=AsTold(
+                json_number(row["error_after"]),
+                json_number(row["over_floor"]),
+                values_of(row["parameters"]),
+            ),
             error_beside=json_number(row.get("error_beside")),
         )
 

@@ -283,31 +283,37 @@ class SpectrumSearch:
 
     def respond_each(self, trials: Sequence[Trial]) -> list[Response]:
         """The same of several, those of the same lines at once."""
+        responses: dict[int, Response] = {}
+        for rows, values, by_thetas in self._respond_alike(trials):
+            for i, value, by_theta in zip(rows, values, by_thetas, strict=True):
+                responses[i] = Response(value, by_theta)
+        return [responses[i] for i in range(len(trials))]
+
+    def _respond_alike(
+        self, trials: Sequence[Trial]
+    ) -> Iterator[tuple[list[int], Complex, Complex]]:
+        """Numbers of trials (k,) of the same lines, with their K (k, n) and dK/dtheta (k, p, n)."""
         self.evaluations += len(trials)
         alike: dict[bytes, list[int]] = {}
         for i, trial in enumerate(trials):
             alike.setdefault(trial.log_rates.tobytes(), []).append(i)
-        responses: dict[int, Response] = {}
         for rows in alike.values():
             one = trials[rows[0]]
             most = max(1, BLOCK // (len(one.weights) * len(self.data)))
             for some in (rows[k : k + most] for k in range(0, len(rows), most)):
-                for i, response in zip(some, self._at_once([trials[i] for i in some]), strict=True):
-                    responses[i] = response
-        return [responses[i] for i in range(len(trials))]
+                yield some, *self._at_once([trials[i] for i in some])
 
-    def _at_once(self, trials: Sequence[Trial]) -> Iterator[Response]:
-        """Responses of trials of the same lines."""
+    def _at_once(self, trials: Sequence[Trial]) -> tuple[Complex, Complex]:
+        """K (k, n) and dK/dtheta (k, p, n) of trials of the same lines."""
         network = self._network(trials[0].log_rates)
         own = self.theta_of(np.array([trial.u for trial in trials]))
         theta = np.concatenate([[trial.weights for trial in trials], own], axis=1)
         with np.errstate(all="ignore"):
             if len(trials) == 1:
-                yield network.respond(theta[0], self.points, GRADIENT)
-                return
-            both = network.respond(theta, self.points, GRADIENT)
-        for value, by_theta in zip(both.value, both.by_theta, strict=True):
-            yield Response(value, by_theta)
+                one = network.respond(theta[0], self.points, GRADIENT)
+                return one.value[None], one.by_theta[None]
+            each = network.respond(theta, self.points, GRADIENT)
+        return each.value, each.by_theta
 
     def solve(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
         """The best spectrum for the effects' `u`; of infinite cost where K is no number.
@@ -337,21 +343,31 @@ class SpectrumSearch:
         all_of_them = [Solving(trial, trial) for trial in begun]
         going = all_of_them
         for _ in range(INNER):
-            responses = self.respond_each([each.trial for each in going])
-            pairs = zip(going, responses, strict=True)
-            going = [each for each, response in pairs if self._solved_once(each, response)]
+            going = [going[i] for i in self._solved_once(going)]
             if not going:
                 break
         return [each.best for each in all_of_them]
 
-    def _solved_once(self, at: Solving, response: Response) -> bool:
-        """Solve for the weights with K as it is there, and tell whether to do so once more."""
-        trial, count = at.trial, len(at.trial.weights)
-        if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
-            return False
+    def _solved_once(self, going: Sequence[Solving]) -> list[int]:
+        """Solve for the weights with K as it is there, and tell which to do so once more."""
+        again = []
+        for rows, value, by_theta in self._respond_alike([each.trial for each in going]):
+            count = len(going[rows[0]].trial.weights)
+            sound = np.all(np.isfinite(value), axis=-1) & np.all(np.isfinite(by_theta), axis=(1, 2))
+            with np.errstate(all="ignore"):
+                residuals, columns = self.weigh(self.data - value), self.weigh(by_theta[:, :count])
+            again += [
+                i
+                for row, i in enumerate(rows)
+                if sound[row] and self._weights_solved(going[i], residuals[row], columns[row])
+            ]
+        return sorted(again)
+
+    def _weights_solved(self, at: Solving, residual: Real, columns: Real) -> bool:
+        """Take the weights of the columns (m, 2n) that leave least; whether to do so once more."""
+        trial = at.trial
         surprise = self.surprise(trial.u)
         beside = float(surprise @ surprise)
-        residual = self.weigh(self.data - response.value)
         with np.errstate(over="ignore"):
             cost = float(residual @ residual) + beside
         if not np.isfinite(cost):
@@ -364,7 +380,6 @@ class SpectrumSearch:
                 return False
         # What the last weights explain is put back: whole weights are found, and these must not be
         # negative.
-        columns = self.weigh(response.by_theta[:count])
         weights, left = non_negative(columns.T, residual + trial.weights @ columns)
         at.foretold = left + beside
         at.trial = replace(trial, weights=weights)

@@ -340,7 +340,9 @@ def _search(
     evaluations += quick.evaluations
     alike = max(ALIKE, STOPS * effort.negligible)
     agreed = _agreed(quick, task.floor[0], AGREE, alike)
-    if agreed or float(quick.cost.min()) > effort.hopeless:
+    # Where none but given starts are asked for, their ends are the answer.
+    ended = not starts and bool(quick.converged.all())
+    if agreed or ended or float(quick.cost.min()) > effort.hopeless:
         return quick, evaluations
     # What was reached goes along, so that the longer way cannot end higher.
     best = quick.u[np.argsort(quick.cost)[:1]]

@@ -27,7 +27,7 @@ from springpot.rheology.nodes import GRADIENT, Chain, Node, Parallel, Renamed, S
 from springpot.rheology.parameters import Coordinates, Parameter
 from springpot.rheology.points import Complex, Points, Real
 
-from ..numerics import SMALLEST
+from ..numerics import ROUNDING, SMALLEST
 
 if TYPE_CHECKING:
     from springpot.rheology.model import Model
@@ -178,16 +178,38 @@ def non_negative(matrix: Real, right: Real) -> tuple[Real, Real]:
     inverse = _inverse(matrix)
     x: Real = np.matmul(inverse, right[..., None])[..., 0]
     # Mostly all gains are positive at once; only the others need a search for those to be held.
-    held = x < LEAST_GAIN
-    if not held.any():
-        return x, inverse
-    wrong = held.any(axis=-1)
-    part, b = matrix[wrong], right[wrong]
-    x[wrong] = _descended(part, b, np.maximum(x[wrong], LEAST_GAIN))
-    free = x[wrong] > LEAST_GAIN
-    inner = free[:, :, None] & free[:, None, :]
-    inverse[wrong] = np.where(inner, _inverse(np.where(inner, part, np.eye(b.shape[-1]))), 0.0)
+    wrong = (x < LEAST_GAIN).any(axis=-1)
+    if wrong.any():
+        x[wrong], inverse[wrong] = _held(matrix[wrong], right[wrong], x[wrong])
     return x, inverse
+
+
+def _held(matrix: Real, right: Real, x: Real) -> tuple[Real, Real]:
+    """The same for those (r, m) of which some x have to be held at the least.
+
+    All that are on the wrong side change it at once, until none is (block pivoting: Portugal,
+    Júdice and Vicente 1994, doi:10.1090/S0025-5718-1994-1250776-4); where that goes round in
+    circles the last of them alone, which never does.
+    """
+    free, unit, m = x >= LEAST_GAIN, np.eye(x.shape[-1]), x.shape[-1]
+    for turn in range(3 * m):
+        inner = free[:, :, None] & free[:, None, :]
+        inverse = np.where(inner, _inverse(np.where(inner, matrix, unit)), 0.0)
+        least = np.where(free, 0.0, LEAST_GAIN)
+        x = least + _times(inverse, right - _times(matrix, least))
+        wrong = np.where(free, x < LEAST_GAIN, right - _times(matrix, x) > ROUNDING)
+        if not wrong.any():
+            break
+        if turn >= m:
+            wrong &= np.cumsum(wrong[:, ::-1], axis=1)[:, ::-1] == 1
+        free = free ^ wrong
+    return np.maximum(x, LEAST_GAIN), inverse
+
+
+def _times(matrix: Real, x: Real) -> Real:
+    """Products of matrices (r, m, m) and vectors (r, m)."""
+    product: Real = np.matmul(matrix, x[..., None])[..., 0]
+    return product
 
 
 def _inverse(matrix: Real) -> Real:
@@ -207,20 +229,6 @@ def _inverse(matrix: Real) -> Real:
     inverse[..., 0, 0] = inverse[..., 1, 1] = 1.0 / (1.0 - off * off + 1e-15)
     inverse[..., 0, 1] = inverse[..., 1, 0] = -off * inverse[..., 0, 0]
     return inverse
-
-
-def _descended(matrix: Real, right: Real, x: Real) -> Real:
-    """The same by coordinate descent from `x`, of shape (r, m)."""
-    m = x.shape[1]
-    passes = 6 * m
-    # Where one of two gains is held, a single pass finds the other.
-    if m == 2:
-        passes = 1
-    for _ in range(passes):
-        for i in range(m):
-            slope = right[:, i] - (matrix[:, i] * x).sum(axis=1)
-            x[:, i] = np.maximum(x[:, i] + slope, LEAST_GAIN)
-    return x
 
 
 def project(shares: Real, target: Real) -> tuple[Real, Real, Real]:

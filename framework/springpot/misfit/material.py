@@ -75,7 +75,7 @@ class MaterialFloor:
         """The same, lowered by fits with the same effects that any material comes near to."""
         lowest = self.relative_rms
         for found in fits:
-            if found.error < lowest:
+            if found.least_error < lowest and found.error < lowest:
                 best = found.identified
                 lowest = min(
                     lowest, lowest_error(best.model, found.data.raw, best.theta, found.error)

@@ -157,6 +157,16 @@ class Refit:
         return self.data.relative_rms(self.identified.model, self.identified.theta)
 
     @property
+    def least_error(self) -> float:
+        """Below which no parameters bring the error, as none leave less in units of the noise."""
+        size, parts = self.data.mean.magnitude, self.noise.parts
+        # Repeats weigh their mean otherwise than the noise does: nothing is known of their error.
+        if len(self.data.raw) > len(size):
+            return 0.0
+        quietest = min(float(np.min(parts.real / size)), float(np.min(parts.imag / size)))
+        return quietest * float(np.sqrt(self.rss / len(size)))
+
+    @property
     def floor(self) -> float:
         """The relative error that noise alone leaves, less what fitted parameters follow of it."""
         # Over the raw rows, as the error is: parameters follow means, and the scatter of repeats

@@ -55,7 +55,7 @@ class KindOfCard:
             return plugins.effect(name)
         if self.word != "model":
             return plugins.find(self.word, name)
-        models = plugins.shelves["model"].items
+        models = plugins.shelf("model").items
         # A family stands for itself here; `plugins.model` would ask which member is meant.
         if name in models:
             return models[name]

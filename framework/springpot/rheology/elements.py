@@ -10,7 +10,7 @@ or zero: a spring, a dashpot and as many Maxwell elements as the data can tell a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -265,6 +265,13 @@ EQUILIBRIUM = Parameter("K_e", "K_e", stiffness().unit)
 VISCOSITY = viscosity("c")
 
 
+@cache
+def _line(j: int) -> Parameter:
+    """The weight of line j: searches ask for thousands of spectra, whose weights are the same."""
+    # A detail: of forty weights none means anything by itself.
+    return Parameter(f"g{j}", f"g_{j}", EQUILIBRIUM.unit, detail=True)
+
+
 @dataclass(frozen=True)
 class Continuum(Node):
     """K = K_e + c s + sum of g_j s / (s + r_j) over the lines of a spectrum.
@@ -296,12 +303,7 @@ class Continuum(Node):
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
-        unit = EQUILIBRIUM.unit
-        # Details: of forty weights none means anything by itself.
-        lines = [
-            Parameter(f"g{j}", f"g_{j}", unit, detail=True) for j in range(1, len(self.rates) + 1)
-        ]
-        return (EQUILIBRIUM, VISCOSITY, *lines)
+        return (EQUILIBRIUM, VISCOSITY, *map(_line, range(1, len(self.rates) + 1)))
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -19,7 +19,6 @@ from itertools import pairwise
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from .parameters import Parameter
 from .points import Complex, Points, Real
@@ -558,7 +557,7 @@ SMALL = 0.02
 MOVING_SERIES = (1.0, -1 / 3, -1 / 45, -2 / 945, -1 / 4725, -2 / 93555, -1382 / 638512875)
 FIXED_SERIES = (1.0, 1 / 6, 7 / 360, 31 / 15120, 127 / 604800, 73 / 3421440, 1414477 / 653837184000)
 _SERIES = {
-    moving_side: (np.array(terms), np.arange(1, len(terms)) * terms[1:])
+    moving_side: (terms, [k * term for k, term in enumerate(terms)][1:])
     for moving_side, terms in ((True, MOVING_SERIES), (False, FIXED_SERIES))
 }
 
@@ -598,10 +597,18 @@ def wave_factor(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
     # Where no point needs it the series is left out: this runs at every step of a search.
     if not small.any():
         return _closed(u, moving_side)
-    near = np.where(small, u, 0.0)
-    value, slope = (polyval(near, terms) for terms in _SERIES[moving_side])
-    far, far_slope = _closed(np.where(small, 1.0, u), moving_side)
-    return np.where(small, value, far), np.where(small, slope, far_slope)
+    value, slope = _closed(np.where(small, 1.0, u), moving_side)
+    near = u[small]
+    value[small], slope[small] = (_power_series(near, terms) for terms in _SERIES[moving_side])
+    return value, slope
+
+
+def _power_series(u: Complex, terms: Sequence[float]) -> Complex:
+    """Sum of the terms times powers of u, by Horner's rule."""
+    total: Complex = terms[-2] + terms[-1] * u
+    for term in terms[-3::-1]:
+        total = term + total * u
+    return total
 
 
 def _closed(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:

@@ -17,6 +17,7 @@ import numpy as np
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import (
+    AsTold,
     Candidate,
     Diagnosis,
     EffectVerdict,
@@ -578,11 +579,9 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
         score=NAN,
         verdict=_open(each, alike),
         predicted_error=predicted,
-        error_after=reached,
-        over_floor=after.over_floor,
         bound=NAN,
-        parameters=parameters,
         says=each.effect.summary,
+        alone=AsTold(reached, after.over_floor, parameters),
     )
 
 

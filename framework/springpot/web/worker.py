@@ -21,6 +21,7 @@ def main() -> None:
     # What foreign code prints is no answer.
     os.dup2(2, 1)
 
+    from springpot.catalogue import KINDS
     from springpot.limits import own_process
     from springpot.registry import plugins
     from springpot.report.text import to_json
@@ -33,7 +34,8 @@ def main() -> None:
         out.flush()
 
     # Before the first task comes: what it needs is imported while nobody waits.
-    plugins()
+    for word in KINDS:
+        plugins().shelf(word)
     say({"ready": True})
 
     def told(stage: str | dict[str, Any]) -> None:

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.measurement import DataSet
 
-from . import artificial, folders, hidden, nist, reconstructions, rheodata
-
 
 @hookimpl
 def springpot_datasets() -> Iterable[DataSet]:
     """All of them; nothing is loaded before it is used."""
+    from . import artificial, folders, hidden, nist, reconstructions, rheodata
+
     return (
         *artificial.datasets(),
         *hidden.datasets(),

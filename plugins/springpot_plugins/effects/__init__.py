@@ -1,4 +1,7 @@
-"""The built-in effects, one small file for each way in which they act."""
+"""The built-in effects, one small file for each way in which they act.
+
+Files are imported when they are asked for.
+"""
 
 from __future__ import annotations
 
@@ -7,24 +10,23 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.rheology import Effect
 
-from . import (
-    amplitude,
-    clock,
-    compliance,
-    loading,
-    record,
-    signal,
-    specimen,
-    stiffness,
-    stops,
-    temperature,
-)
-
-OF_THE_NETWORK = (stiffness, compliance, amplitude, signal, temperature, specimen)
-OF_THE_TEST = (loading, clock, record, stops)
-
 
 @hookimpl
 def springpot_effects() -> Iterable[Effect]:
     """All of them."""
-    return [effect for file in (*OF_THE_NETWORK, *OF_THE_TEST) for effect in file.EFFECTS]
+    from . import (
+        amplitude,
+        clock,
+        compliance,
+        loading,
+        record,
+        signal,
+        specimen,
+        stiffness,
+        stops,
+        temperature,
+    )
+
+    of_the_network = (stiffness, compliance, amplitude, signal, temperature, specimen)
+    of_the_test = (loading, clock, record, stops)
+    return [effect for file in (*of_the_network, *of_the_test) for effect in file.EFFECTS]

@@ -1,4 +1,7 @@
-"""The built-in models, one small file for each family."""
+"""The built-in models, one small file for each family.
+
+Files are imported when they are asked for.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,12 @@ from springpot.hooks import hookimpl
 from springpot.rheology import Model
 from springpot.rheology.model import Family
 
-from . import asphalt, classical, fluids, fractional, paper, passive, relaxation, spectra
-
 
 @hookimpl
 def springpot_models() -> Iterable[Model | Family]:
     """All of them."""
+    from . import asphalt, classical, fluids, fractional, paper, passive, relaxation, spectra
+
     return (
         *paper.MODELS,
         *fluids.MODELS,

@@ -13,7 +13,6 @@ from springpot.rheology import (
     dashpot,
     parallel,
     relaxation_time,
-    rows,
     series,
     spring,
     stiffness,
@@ -43,8 +42,11 @@ def _product(theta: Real) -> Real:
 
 def _product_jacobian(theta: Real) -> Real:
     """Derivative of (k, k tau) by (k, tau)."""
-    k, tau = theta[..., 0], theta[..., 1]
-    return rows(columns(np.ones_like(k), 0.0), columns(tau, k))
+    jacobian = np.zeros((*theta.shape, 2), theta.dtype)
+    jacobian[..., 0, 0] = 1.0
+    # The second row is (tau, k).
+    jacobian[..., 1, :] = theta[..., ::-1]
+    return jacobian
 
 
 def _prony(n: int) -> Model:

@@ -1,4 +1,7 @@
-"""The built-in optimisers, one small file for each library or family."""
+"""The built-in optimisers, one small file for each library or family.
+
+Files are imported when they are asked for.
+"""
 
 from __future__ import annotations
 
@@ -7,33 +10,25 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.identification import Optimiser, OptimiserFamily
 
-from . import (
-    annealing,
-    auto,
-    dfo,
-    evolution,
-    hopping,
-    leastsquares,
-    lipo_library,
-    lshade,
-    minion,
-    minuit,
-    native,
-    nevergrad_library,
-    nloptlib,
-    presets,
-    pymoo_library,
-    sampling,
-    spso,
-    surrogate,
-    swarm,
-    unified,
-)
-
 
 @hookimpl
 def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
+    from . import (
+        annealing,
+        auto,
+        evolution,
+        hopping,
+        leastsquares,
+        lshade,
+        native,
+        nloptlib,
+        presets,
+        sampling,
+        spso,
+        swarm,
+    )
+
     return (
         swarm.PaperSwarm,
         swarm.ScalarSwarm,
@@ -69,6 +64,17 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
+    from . import (
+        dfo,
+        lipo_library,
+        minion,
+        minuit,
+        nevergrad_library,
+        pymoo_library,
+        surrogate,
+        unified,
+    )
+
     return (
         unified.FAMILY,
         minion.FAMILY,
