@@ -105,3 +105,21 @@ def test_a_material_of_each_level_leaves_as_much_as_its_degrees_of_freedom_say(p
         left, free = left + alone.cost.sum() / 0.005**2, free + alone.dof.sum()
     # So many squares of noise scatter by the root of twice their number.
     assert abs(left - free) < 2.6 * np.sqrt(2.0 * free)
+
+
+def test_a_step_that_is_too_long_is_no_size_of_a_shift():
+    """Two materials under one name, which share no decade: nothing shifts by 600 % less."""
+    omega = np.geomspace(0.6, 17.0, 11), np.geomspace(0.6, 600.0, 31)
+    laws = [11e3 * (1j * omega[0]) ** 0.24, 17e3 * (1j * omega[1]) ** 0.03 + 300.0j]
+    laws[1] -= 0.012 * omega[1] ** 2
+    scatter = np.exp(0.003 * np.random.default_rng(3).normal(size=42))
+    data = springpot.Measurement(
+        np.concatenate(omega),
+        np.concatenate(laws) * scatter,
+        conditions={"temperature": np.repeat([150.0, 37.0], [11, 31])},
+    )
+    failures = springpot.mastercurve(data).simplicity.failures
+    branches = [each for each in failures if each.kind == "branch"]
+    assert branches
+    for each in branches:
+        assert ("shifts otherwise than the others" in each.says) is (abs(each.size) >= 1.0)

@@ -68,6 +68,16 @@ def test_what_only_rises_turns_nowhere_and_closes_no_loop():
         assert place.says.endswith("; all along, where the motion is slow")
 
 
+def test_a_single_sample_is_missed_at_a_time_and_not_from_it_to_itself():
+    few = SimpleNamespace(
+        kind="creep", time=np.arange(1.0, 8.0), response=np.ones(7), name="few", words=("x", "y")
+    )
+    [place] = where.places(few, np.array([1.0, 1.0, 1.0, 9.0, 1.0, 1.0, 1.0]))
+    assert (
+        place.says == "few is missed most at 4 s, by 9 x the noise: the model's y is larger there"
+    )
+
+
 @pytest.mark.parametrize(("after", "told"), [(1.52, True), (1.48, False)])
 def test_a_loop_is_missed_after_its_turns_in_the_first_quarter_of_each_way(after, told):
     """Sixteen samples up, sixteen down: four of each way are fresh."""

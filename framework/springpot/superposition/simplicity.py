@@ -350,9 +350,13 @@ def _branches(rows: FactorRows, alone: Alone) -> list[Failure]:
         # The branch is a decade wide, and the place its middle.
         low, high = places[i] / 10.0**0.5, places[i] * 10.0**0.5
         shifted = float(size[i])
+        by = "otherwise than"
+        # A step that takes more than all of the shift, or doubles it, is too long to be a size.
+        if abs(shifted) < 1.0:
+            by = f"{_percent(abs(shifted))} {_direction(shifted)} than"
         says = (
-            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts"
-            f" {_percent(abs(shifted))} {_direction(shifted)} than the others{_of_all(share[i])}"
+            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts {by} the others"
+            f"{_of_all(share[i])}"
         )
         failures.append(
             Failure("branch", places[i], shifted, float(chance[i]), float(share[i]), says)

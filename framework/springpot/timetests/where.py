@@ -104,8 +104,11 @@ def _in_time(test: TimeTest, residual: Real) -> Where | None:
     side = "smaller"
     if way > 0.0:
         side = "larger"
+    between = f"at {first:.3g} s"
+    if len(worst) > 1:
+        between = f"from {first:.3g} to {last:.3g} s"
     says = (
-        f"{test.name} is missed most from {first:.3g} to {last:.3g} s, by {size:.2g} x the noise: "
+        f"{test.name} is missed most {between}, by {size:.2g} x the noise: "
         f"the model's {test.words[1]} is {side} there{_manner(test, residual)}"
     )
     return Where("signal", test.name, first, last, size, says)
