@@ -96,11 +96,6 @@ class ScatterLevels:
     """Degrees of freedom of the data's scatter below which it says nothing against given standard
     deviations: with ten its size is known to a quarter.
     """
-    force_range: float = 3.0
-    """Largest over smallest force from which such a floor can be told from noise proportional to
-    |K|: over less, a floor as large as the rest at the smallest force changes the noise by about a
-    third at most.
-    """
     believed: float = 0.1
     """Relative error beyond which scatter about a model is no noise unless repeats or given
     standard deviations say so: rigs and rheometers repeat a stiffness within a few per cent.

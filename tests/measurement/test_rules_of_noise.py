@@ -23,7 +23,7 @@ from springpot.measurement import (
     signals,
     timenoise,
 )
-from springpot.thresholds import OUTLIERS, REPEATS, SCATTER, SEARCH, VERDICT
+from springpot.thresholds import OUTLIERS, REPEATS, SEARCH, VERDICT
 
 
 @pytest.mark.parametrize(
@@ -141,10 +141,9 @@ def test_noise_with_heavy_tails_costs_its_scales_and_its_shape(spent, shape):
     assert found == pytest.approx(wanted)
 
 
-def test_noise_is_a_share_of_each_part_or_of_both_or_has_a_floor_of_force():
-    wide = 1.01 * SCATTER.force_range
+def test_noise_is_a_share_of_each_part_or_of_both_or_has_a_floor_of_stiffness_or_of_force():
     amplitude = np.array([1.0, 2.0])
-    size = np.array([1.0, wide / 2.0])
+    size = np.array([1.0, 1.5])
     data = Measurement(
         np.array([1.0, 2.0]), size * (0.6 + 0.8j), conditions={"amplitude": amplitude}
     )
@@ -154,14 +153,13 @@ def test_noise_is_a_share_of_each_part_or_of_both_or_has_a_floor_of_force():
     np.testing.assert_allclose([parts.real, parts.imag], [0.6 * size, 0.8 * size])
     assert [each.tied for each in (whole, apart, parts)] == [True, False, True]
     assert [each.price for each in (whole, apart, parts)] == [0.0, *[SEARCH.decisive] * 2]
-    assert len(floors) == len(scatter.FORCE_LEVELS)
-    for level, floor in zip(scatter.FORCE_LEVELS, floors, strict=True):
-        np.testing.assert_allclose(floor.real, np.hypot(size, level / amplitude))
+    levels = scatter.FORCE_LEVELS
+    told = [(level, unit) for unit in (np.ones(2), amplitude) for level in levels]
+    for (level, unit), floor in zip(told, floors, strict=True):
+        np.testing.assert_allclose(floor.real, np.hypot(size, level / unit))
         assert floor.price == VERDICT.clear_evidence
-    narrow = Measurement(
-        np.array([1.0, 2.0]), np.array([1.0, 0.49 * wide]) * 1j, conditions={"amplitude": amplitude}
-    )
-    assert len(list(scatter._shapes_of(narrow))) == 3
+    one = Measurement(np.array([1.0, 2.0]), size * 1j, conditions={"amplitude": np.full(2, 3.0)})
+    assert len(list(scatter._shapes_of(one))) == 3 + len(levels)
 
 
 @pytest.mark.parametrize(

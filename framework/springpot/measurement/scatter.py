@@ -247,7 +247,7 @@ class Shape:
 
 
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
-    """Noise proportional to |K|, to each part by itself, or beside a floor of constant force."""
+    """Noise proportional to |K|, to each part by itself, or beside a floor of stiffness or force."""
     size = measurement.magnitude
     parts = [
         np.maximum(np.abs(part), NEGLIGIBLE * size)
@@ -256,12 +256,16 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     yield Shape(size, size, True, 0.0)
     yield Shape(size, size, False, SEARCH.decisive)
     yield Shape(parts[0], parts[1], True, SEARCH.decisive)
-    # A load cell's floor is a force: in K it is the larger the smaller the amplitude.
-    amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
-    force = size * amplitude
-    if force.max() > SCATTER.force_range * force.min():
+    # A load cell's floor is a force: in K it is the larger the smaller the amplitude. Digits and
+    # drawn scatter are the same in all of K.
+    same = np.ones(len(measurement))
+    units = [same, measurement.conditions.get("amplitude", same)]
+    if np.ptp(units[1]) == 0.0:
+        units = [same]
+    for unit in units:
+        least = np.min(size * unit)
         for level in FORCE_LEVELS:
-            floor = np.hypot(size, level * force.min() / amplitude)
+            floor = np.hypot(size, level * least / unit)
             yield Shape(floor, floor, True, VERDICT.clear_evidence)
 
 
