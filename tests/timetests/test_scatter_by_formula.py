@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import toeplitz
 
-from springpot.timetests.left import periodogram
+from springpot.timetests.disturbances import periodogram
 from springpot.timetests.scatter import (
     FEWEST,
     LEVEL,

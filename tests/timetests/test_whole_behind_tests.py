@@ -35,7 +35,8 @@ from springpot.timetests import (
     start,
     where,
 )
-from springpot.timetests.left import Left, felt, imposed_noise, lines_in
+from springpot.timetests.disturbances import lines_in
+from springpot.timetests.left import Left, felt, imposed_noise
 from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.specimen import Scales, runs_against, tries_of

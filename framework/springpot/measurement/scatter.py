@@ -247,7 +247,7 @@ class Shape:
 
 
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
-    """Noise proportional to |K|, to each part by itself, or beside a floor of stiffness or force."""
+    """Noise proportional to |K|, to each part by itself or beside a floor of stiffness or force."""
     size = measurement.magnitude
     parts = [
         np.maximum(np.abs(part), NEGLIGIBLE * size)

@@ -45,10 +45,11 @@ from springpot.rheology.points import KELVIN, Real
 from springpot.thresholds import EXPERIMENT
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly
+from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, Tried, slip_beside
+from .left import Left, Tried
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,

@@ -40,8 +40,9 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import SMALLEST
+from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import TWINS, Left, Promise, Slip, Tried, lines_in
+from .left import TWINS, Left, Promise, Tried
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 from .where import worst_first
