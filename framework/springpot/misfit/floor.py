@@ -181,9 +181,10 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
         model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS
     )
     usual = _in_rounds(model, data, first)
-    # A misfit that noise would explain, of a law that the others allow, is none.
-    if usual.relative_rms > VERDICT.misfit * usual.floor and not np.all(telling(usual.frame())):
-        usual = _in_rounds(model, data, first, cautious=True)
+    # What noise would nearly explain, of a law that the others allow, is no misfit yet.
+    if _over(usual) > VERDICT.misfit and not np.all(telling(usual.frame())):
+        cautious = _in_rounds(model, data, first, cautious=True)
+        usual = usual if _over(cautious) > NEARLY else cautious
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
@@ -199,6 +200,11 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     return _in_rounds(
         model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True
     )
+
+
+def _over(fitted: Refit) -> float:
+    """The error in units of the noise floor."""
+    return fitted.relative_rms / fitted.floor
 
 
 def _misses_where_quiet(fitted: Refit, shape: Noise) -> bool:
