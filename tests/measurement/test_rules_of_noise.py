@@ -153,7 +153,7 @@ def test_noise_is_a_share_of_each_part_or_of_both_or_has_a_floor_of_stiffness_or
     np.testing.assert_allclose([parts.real, parts.imag], [0.6 * size, 0.8 * size])
     assert [each.tied for each in (whole, apart, parts)] == [True, False, True]
     assert [each.price for each in (whole, apart, parts)] == [0.0, *[SEARCH.decisive] * 2]
-    levels = scatter.FORCE_LEVELS
+    levels = scatter.FLOOR_LEVELS
     told = [(level, unit) for unit in (np.ones(2), amplitude) for level in levels]
     for (level, unit), floor in zip(told, floors, strict=True):
         np.testing.assert_allclose(floor.real, np.hypot(size, level / unit))

@@ -138,8 +138,7 @@ TOLD = (
     "says",
     "error_beside",
 )
-"""Of a candidate, in the order of its schema."""
-"""Of a candidate: told as its effect and its class."""
+"""Of a candidate, in the order of its schema; its effect and its class come before."""
 
 Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""

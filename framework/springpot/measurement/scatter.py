@@ -41,8 +41,8 @@ Rigs are weak where forces are small or masses pull.
 """
 END_POWERS = (2, 4)
 """How steeply it rises towards the end: over half of the logarithmic range, or over a quarter."""
-FORCE_LEVELS = 2.0 ** np.arange(-2.0, 10.0)
-"""Force, in units of the least one measured, at which the floor equals the rest of the noise.
+FLOOR_LEVELS = 2.0 ** np.arange(-2.0, 10.0)
+"""Stiffness or force, in units of the least one, at which the floor equals the other noise.
 
 Amplitudes and temperatures together span three decades of force.
 """
@@ -264,7 +264,7 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
         units = [same]
     for unit in units:
         least = np.min(size * unit)
-        for level in FORCE_LEVELS:
+        for level in FLOOR_LEVELS:
             floor = np.hypot(size, level * least / unit)
             yield Shape(floor, floor, True, VERDICT.clear_evidence)
 

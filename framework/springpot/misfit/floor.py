@@ -115,7 +115,7 @@ def beyond_floor(fitted: Refit) -> bool:
     The floor of an estimated noise leaves out the few frequencies that are far off, and simulated
     noise has their long tails too: no test sees them, and yet the model does not go through them.
     """
-    ratio = fitted.relative_rms / fitted.floor
+    ratio = _over(fitted)
     # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is
     # sure but small.
     dof = fitted.error_dof
@@ -132,7 +132,7 @@ def below_floor(fitted: Refit, certain: bool) -> bool:
     # Where given deviations were smaller, structure passed for scatter: what tests see is there.
     if fitted.noise.source != "estimated" or fitted.noise.overruled:
         return False
-    ratio = fitted.relative_rms / fitted.floor
+    ratio = _over(fitted)
     chance = f_sf(ratio**-2, fitted.noise.dof, fitted.error_dof)
     return bool(ratio < VERDICT.below and (not certain or chance < VERDICT.structure_alarm))
 
@@ -184,7 +184,8 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # What noise would nearly explain, of a law that the others allow, is no misfit yet.
     if _over(usual) > VERDICT.misfit and not np.all(telling(usual.frame())):
         cautious = _in_rounds(model, data, first, cautious=True)
-        usual = usual if _over(cautious) > NEARLY else cautious
+        if _over(cautious) <= NEARLY:
+            usual = cautious
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
@@ -192,7 +193,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # but noise that does rise is more than what its quiet points tell, and these are not missed.
     if usual.relative_rms > NEARLY * max(usual.floor, data.floor(shape)):
         return usual
-    if usual.relative_rms > NEARLY * usual.floor and _misses_where_quiet(usual, shape):
+    if _over(usual) > NEARLY and _misses_where_quiet(usual, shape):
         return usual
     relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
