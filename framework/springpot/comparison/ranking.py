@@ -11,8 +11,9 @@ it gains from noise. Adequate are those of them that leave no more than noise, b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -20,11 +21,12 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
+from springpot.identification.held_material import is_relaxing
 from springpot.identification.material import is_material
 from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.floor import fitted_to_floor, is_arithmetic
+from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.material import MaterialFloor, any_material, material_floor
 from springpot.misfit.refit import Refit, refit
@@ -34,7 +36,7 @@ from springpot.rheology.model import Family, Model
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 from .comparing import effects_of, harmonics_of, judgements, material_floors
-from .result import LOOKED_AT, Judgement, Ranking, Skipped
+from .result import LOOKED_AT, Judgement, RankedFit, Ranking, Skipped
 
 TOO_FREE = (
     "what a free spectrum leaves is less,"
@@ -63,7 +65,7 @@ def rank(
     measurement : Measurement
         The data.
     installed : sequence of Model or Family
-        What is ranked, alone and with the effects that any material needs; of a family, members
+        What is ranked, with the effects that any material needs; of a family, members
         until one is adequate or one more term brings no evidence. Those that need a column which
         the data lack are left out.
     library : sequence of Effect
@@ -84,21 +86,21 @@ def rank(
     # Any material with the accepted effects tells the noise for all: no model leaves less.
     floor = case.search.base
     skipped: list[Skipped] = []
-    fits = _fits(installed, floor, skipped, progress)
+    fits = fits_of(installed, floor, partial(_one, floor=floor, skipped=skipped), progress)
     if not fits:
         raise DataError(
             f"{measurement.name}: none of the installed models can be judged by {len(measurement)}"
             " points"
         )
-    order, notes = _in_order(fits, floor, case.floor, rng), []
+    order, notes = _beside(fits, floor, case.floor, rng), []
     if order.outgrown:
         progress("looking for a simpler model that is adequate by its own noise")
         quietest = _quietest_alone([*order.near, *order.others], case.floor, rng)
         if quietest is not None:
             notes.append(f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
             floor = refit(floor.model, floor.data, quietest.noise, [floor.theta])
-            fits = _fits(installed, floor, [], progress)
-            order = _in_order(fits, floor, material_floor(floor, rng), rng)
+            fits = fits_of(installed, floor, partial(_one, floor=floor, skipped=[]), progress)
+            order = _beside(fits, floor, material_floor(floor, rng), rng)
     notes += [_of_one_test(ladder), *floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
     return Ranking(
         measurement.name,
@@ -123,7 +125,7 @@ def _of_one_test(ladder: Ladder) -> str:
     return one_test_of(found.data.raw, column_behind(found.frame()))[1]
 
 
-class _Order(NamedTuple):
+class Order(NamedTuple):
     """Models sorted out, each list with its best first.
 
     Attributes
@@ -142,54 +144,48 @@ class _Order(NamedTuple):
     outgrown: bool
 
 
-def _fits(
-    installed: Sequence[Model | Family], floor: Refit, skipped: list[Skipped], progress: Progress
-) -> list[Refit]:
-    """All models with the accepted effects, and without them.
-
-    A model may make by itself what a spectrum cannot.
-    """
-    companions: list[tuple[Effect, ...]] = [()]
-    if floor.model.effects:
-        companions.insert(0, floor.model.effects)
-    fits: list[Refit] = []
-    for effects in companions:
-        for number, item in enumerate(installed, 1):
-            progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
-            fits += _fitted(item, effects, floor, skipped)
-    return fits
-
-
-def _in_order(
+def _beside(
     fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator
-) -> _Order:
+) -> Order:
     """The fits judged and sorted out, beside any material with the accepted effects."""
     # That with the accepted effects is known already; a model of a plugin may bring effects of its
     # own.
     unlike = [found for found in fits if effects_of(found) != effects_of(floor)]
     alike = [found for found in fits if effects_of(found) == effects_of(floor)]
     floors = material_floors(unlike, rng) | {effects_of(floor): lowest.beside(alike)}
+    return in_order(judgements(fits, floors, rng), Judgement(floor, lowest, 0.0, rng))
+
+
+def in_order(judged: Iterable[Judgement], material: Judgement) -> Order:
+    """Sort models out.
+
+    Parameters
+    ----------
+    judged : iterable of Judgement
+        All of them.
+    material : Judgement
+        Any material with the effects that it needs, in units of the same noise.
+    """
     # Those that are not adequate stand by evidence: how few parameters a model has is no merit
     # while it fails.
-    ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
-    near_enough = [one for one in ordered if chance_beside(one.refit, floor) >= COMPARISON.chance]
+    ordered, floor = sorted(judged, key=lambda one: one.delta_bic), material.ranked
+    near_enough = [one for one in ordered if chance_beside(one.ranked, floor) >= COMPARISON.chance]
     as_near = [one for one in near_enough if not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the
     # likelier comes first.
-    as_near.sort(key=lambda one: len(one.refit.theta))
+    as_near.sort(key=lambda one: len(one.ranked.theta))
     adequate = _no_worse_than_rejected([one for one in as_near if one.adequate], ordered)
     near: list[Judgement] = []
     # Where a material is adequate, a model that is not lacks what the material has: only chance
     # made it as near.
-    judged = Judgement(floor, lowest, 0.0, rng)
-    if not judged.adequate:
+    if not material.adequate:
         near = [one for one in as_near if one not in adequate]
     others = [one for one in ordered if one not in adequate and one not in near]
     # Where any material is far beyond the floor, no smaller noise is to blame.
-    outgrown = not near and judged.error.relative_rms < VERDICT.small_rest * floor.floor
+    outgrown = not near and material.error.relative_rms < VERDICT.small_rest * floor.floor
     if adequate:
-        outgrown = adequate[0] is not as_near[0] or spends_most(adequate[0].refit)
-    return _Order(adequate, near, others, outgrown)
+        outgrown = adequate[0] is not as_near[0] or spends_most(adequate[0].ranked)
+    return Order(adequate, near, others, outgrown)
 
 
 def _no_worse_than_rejected(
@@ -207,12 +203,12 @@ def _no_worse_than_rejected(
 
 
 def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
-    if len(other.refit.theta) > len(one.refit.theta):
+    if len(other.ranked.theta) > len(one.ranked.theta):
         return False
     # Crosswise, as a floor may be zero.
-    most, floor = one.error.relative_rms * other.refit.floor, one.refit.floor
+    most, floor = one.error.relative_rms * other.ranked.floor, one.ranked.floor
     # Of most models the fit by the noise tells, and the error itself need not be searched for.
-    return other.refit.least_error * floor <= most and other.error.relative_rms * floor <= most
+    return other.ranked.least_error * floor <= most and other.error.relative_rms * floor <= most
 
 
 def _quietest_alone(
@@ -233,7 +229,7 @@ def _quietest_alone(
     return min(found, key=lambda own: own.floor, default=None)
 
 
-def chance_beside(found: Refit, floor: Refit) -> float:
+def chance_beside(found: RankedFit, floor: RankedFit) -> float:
     """Chance that a free spectrum gains so much on a model from noise alone.
 
     The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more
@@ -242,55 +238,88 @@ def chance_beside(found: Refit, floor: Refit) -> float:
 
     Parameters
     ----------
-    found : Refit
+    found : RankedFit
         The model.
-    floor : Refit
+    floor : RankedFit
         Any material, in units of the same noise.
     """
-    spare = max(found.fit.dof - floor.fit.dof, 1)
+    spare = max(found.dof - floor.dof, 1)
     # Never below one: a spectrum that follows some of the noise must not make the noise seem
     # smaller than it is.
-    scale = max(floor.rss / max(floor.fit.dof, 1), 1.0)
-    return chance_of_squares(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
+    scale = max(floor.rss / max(floor.dof, 1), 1.0)
+    return chance_of_squares(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise_dof)
 
 
 def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
     """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
     # Of computed data only rounding is left, and it is no merit to follow that.
-    if is_arithmetic(one.refit):
+    if one.computed:
         return False
     # A free spectrum may fail to gain beyond chance where a model of a few more parameters does.
-    limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
+    limit, size = one.delta_bic - SEARCH.decisive, len(one.ranked.theta)
     better = [
-        other for other in others if other.delta_bic < limit and len(other.refit.theta) > size
+        other for other in others if other.delta_bic < limit and len(other.ranked.theta) > size
     ]
     # What one that spends most of the numbers gains on a model at the noise is noise that it
     # follows.
     if one.at_noise:
-        better = [other for other in better if not spends_most(other.refit)]
+        better = [other for other in better if not spends_most(other.ranked)]
     return bool(better)
 
 
-def spends_most(found: Refit) -> bool:
+def spends_most(found: RankedFit) -> bool:
     """Whether a model has more parameters than it leaves numbers to judge them by."""
-    return len(found.theta) > COMPARISON.most_spent * 2 * len(found.fit.measurement)
+    return len(found.theta) > COMPARISON.most_spent * found.numbers
 
 
-def _fitted(
-    item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
-) -> Iterator[Refit]:
-    """Fits of a model with effects.
+F = TypeVar("F", bound=RankedFit)
+Fits: TypeAlias = Callable[[Model, tuple[Effect, ...]], Iterable[F]]
 
-    Of a family, members up to the first that lacks nothing or gains nothing.
+
+def fits_of(
+    installed: Sequence[Model | Family],
+    floor: RankedFit,
+    one: Fits[F],
+    progress: Progress,
+) -> list[F]:
+    """All models with the effects that any material needs, or without them.
+
+    Without them only what may make by itself what a spectrum cannot: the others are no nearer than
+    any material alone, which needs the effects.
+
+    Parameters
+    ----------
+    installed : sequence of Model or Family
+        Of a family, members up to the first that lacks nothing or gains nothing.
+    floor : RankedFit
+        Any material with the effects.
+    one : callable
+        Gives the fit of a model with some effects, or none where the data cannot judge it.
+    progress : callable
+        Told in a few words what is being done.
     """
+    fits: list[F] = []
+    effects = floor.model.effects
+    for number, item in enumerate(installed, 1):
+        progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
+        fits += _members(item, effects, floor, one)
+        if effects and isinstance(item, Model) and not is_relaxing(item):
+            fits += one(item, ())
+    return fits
+
+
+def _members(
+    item: Model | Family, effects: tuple[Effect, ...], floor: RankedFit, one: Fits[F]
+) -> Iterator[F]:
+    """Fits of a model; of a family, members up to the first that lacks nothing or gains nothing."""
     if isinstance(item, Model):
         # The material itself is what all are judged by.
         if not is_material(item):
-            yield from _one(item, effects, floor, skipped)
+            yield from one(item, effects)
         return
     evidence = -np.inf
     for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
-        for found in _one(item.build(number), effects, floor, skipped):
+        for found in one(item.build(number), effects):
             yield found
             # One more term after that can only follow noise, and each costs a fit of more
             # parameters.

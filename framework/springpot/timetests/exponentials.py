@@ -344,7 +344,8 @@ class QuickPart(InTimePart):
             step = STEP * max(abs(float(theta[index])), STEP)
             more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
             columns.append((more - both[:, 0]) / step)
-        return both, np.column_stack(columns)
+        # An effect all of whose parameters are held has none.
+        return both, np.column_stack([np.zeros((len(self.t), 0)), *columns])
 
 
 def quick_parts(parts: Sequence[TestPart]) -> list[TestPart]:
