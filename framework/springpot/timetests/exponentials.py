@@ -103,8 +103,9 @@ class QuickPart(InTimePart):
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
-        """Which of them are no instant of a step."""
-        return ~np.isin(self.t, self.test.loading.unsure)
+        """Which of them are no instant of a step or a turn."""
+        loading = self.test.loading
+        return ~np.isin(self.t, np.union1d(loading.unsure, loading.turning))
 
     @cached_property
     def weight(self) -> Real:
