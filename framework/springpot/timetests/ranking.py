@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.comparison.ranking import TOO_FREE, Order, fits_of, in_order, spends_most
+from springpot.comparison.ordering import TOO_FREE, Order, fits_of, in_order, spends_most
 from springpot.comparison.result import LOOKED_AT, Judgement, Ranking, Skipped
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError, SpringpotError
