@@ -505,7 +505,7 @@ def _next_experiment(
     if verdict == "adequate" or only_points(search, outliers):
         return experiment_on_points(outliers)
     # The cheapest question of all, and no other measurement answers it.
-    if evidence.drift is not None:
+    if evidence.drift is not None or (verdict == "unexplained" and evidence.by_chain):
         return experiment_on_unknown(search.base.data.raw)
     if evidence.untold is not None:
         return experiment_on_untold(evidence.untold, search.base.data.raw)

@@ -457,6 +457,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
         return None
+    # Nor is what the measuring chain did: an effect only follows a part of it, and what that leaves
+    # then asks for another.
+    if verdicts[-1] == "unexplained" and case.evidence.by_chain:
+        return None
     # Where several others may be missing together in its place, or a cause that goes with what was
     # not varied by itself, nobody could decide.
     if case.evidence.instead or case.naming.confounded:

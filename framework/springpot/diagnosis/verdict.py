@@ -31,7 +31,6 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .evidence import Evidence, credible
 from .grown import Grown, Search
-from .marginal import likeliest_unknown
 from .result import Verdict
 
 DEALT = 1000
@@ -261,7 +260,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         unknown=unknown,
         ruled_out=evidence.nothing < VERDICT.ruled_out
         and search.base.fit.dof >= VERDICT.enough_spare,
-        chain=evidence.by_itself > VERDICT.likely and bool(likeliest_unknown(search).says),
+        chain=evidence.by_chain,
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
         few=is_hardly_known(search.base),

@@ -42,7 +42,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
-from springpot.thresholds import EXPERIMENT
+from springpot.thresholds import EXPERIMENT, SEARCH
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly
 from .disturbances import slip_beside
@@ -64,6 +64,7 @@ from .scatter import (
 )
 from .score import TimeScan
 from .sieve import (
+    alone,
     delta_of,
     exactly_fitted,
     from_the_best,
@@ -442,6 +443,9 @@ def _judged(
         nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
         nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
         tried = exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
+    better = _better_start(given, parts, base, before, tried, known)
+    if better is not None:
+        return _judged(given, model, effects, better, known, fitted)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
     tried = _one_of_each([_no_worse(each, before) for each in tried])
@@ -468,6 +472,33 @@ def _judged(
         left_out.pop(each.effect.name, None)
     case = answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
     return case._replace(asked=AskedTests(given, parts, quick, known, beside))
+
+
+def _better_start(
+    given: Sequence[Test],
+    parts: Sequence[TestPart],
+    base: Identification,
+    before: Left,
+    tried: Sequence[Tried],
+    known: Sequence[Real | None] | None,
+) -> Identification | None:
+    """The model alone, fitted from where effects have led it; None where that is no nearer.
+
+    As for sweeps: what a small effect seems to explain may be a minimum that was left behind, and
+    an order or a spring at the end of its range is one.
+    """
+    nearest = sorted(tried, key=lambda each: plain_bic(each.left))[: SEARCH.tried_alone]
+    if not tried or is_material(base.model):
+        return None
+    noise = noise_of_both(before, nearest[0].left)
+    if delta_of(before, nearest[0], noise, base) < SEARCH.decisive:
+        return None
+    seeds = [alone(each, base.model) for each in nearest]
+    fit = identify(given, base.model, seeds=seeds, thorough=False, noise=known)
+    left = Left.by(fit.model, fit.theta, fit.reference, parts)
+    if power_of(before) - power_of(left) <= 2.0 * SEARCH.better:
+        return None
+    return fit
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:

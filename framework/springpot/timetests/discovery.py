@@ -127,16 +127,15 @@ class TimeSets:
             self.add(TimeSet((*one.effects, each.effect), each.model, each.theta, each.left))
 
     def _without(self, best: TimeSet, effect: Effect) -> TimeSet:
-        """The fit of the others, or where they stand in the whole set."""
+        """The fit of the others, or where they stand in the whole set if that is better."""
         rest = tuple(other for other in best.effects if other is not effect)
-        key = tuple(sorted(other.name for other in rest))
-        if key in self.fitted:
-            return self.fitted[key]
         model = best.model - effect.name
         known = dict(zip(best.model.names, best.theta.tolist(), strict=True))
         theta = model.vector({name: known[name] for name in model.names})
         left = Left.by(model, theta, self.base.reference, self.asked.parts)
-        return TimeSet(rest, model, theta, left)
+        there = TimeSet(rest, model, theta, left)
+        # A fit that is worse was caught in another minimum, and an effect would only mend that.
+        return min(self.fitted.get(there.key, there), there, key=lambda one: one.cost)
 
     def settle(self) -> TimeSet:
         """The best set, once those near it and the best of each size are fitted exactly."""
