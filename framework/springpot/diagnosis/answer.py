@@ -511,7 +511,7 @@ def _next_experiment(
         return experiment_on_untold(evidence.untold, search.base.data.raw)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
-    if verdict != "unexplained" or leading:
+    if (verdict != "unexplained" and evidence.named) or leading:
         experiment = _between_effects(evidence)
     # Where repeats drift, the very question has been answered.
     if experiment is None and verdict in OPEN and not drifted(search):

@@ -247,6 +247,11 @@ class Evidence:
         return self.fault or left_unknown(self.search)
 
     @property
+    def named(self) -> bool:
+        """Whether some effect is preferred to nothing."""
+        return sum(one.probability for one in self.explanations) > self.nothing
+
+    @property
     def by_chain(self) -> bool:
         """Whether a fault of the measuring chain with a description explains more than effects."""
         return self.by_itself > VERDICT.likely and bool(likeliest_unknown(self.search).says)

@@ -255,7 +255,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         by_battery=search.structure.p_value < VERDICT.structure_alarm,
         certain=certain,
         gain=search.gain,
-        named=sum(one.probability for one in evidence.explanations) > evidence.nothing,
+        named=evidence.named,
         something=evidence.nothing < VERDICT.likely,
         unknown=unknown,
         ruled_out=evidence.nothing < VERDICT.ruled_out

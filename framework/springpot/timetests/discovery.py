@@ -128,14 +128,18 @@ class TimeSets:
 
     def _without(self, best: TimeSet, effect: Effect) -> TimeSet:
         """The fit of the others, or where they stand in the whole set if that is better."""
+        there = self._left_there(best, effect)
+        # A fit that is worse was caught in another minimum, and an effect would only mend that.
+        return min(self.fitted.get(there.key, there), there, key=lambda one: one.cost)
+
+    def _left_there(self, best: TimeSet, effect: Effect) -> TimeSet:
+        """A set without one of its effects, the rest as it is."""
         rest = tuple(other for other in best.effects if other is not effect)
         model = best.model - effect.name
         known = dict(zip(best.model.names, best.theta.tolist(), strict=True))
         theta = model.vector({name: known[name] for name in model.names})
         left = Left.by(model, theta, self.base.reference, self.asked.parts)
-        there = TimeSet(rest, model, theta, left)
-        # A fit that is worse was caught in another minimum, and an effect would only mend that.
-        return min(self.fitted.get(there.key, there), there, key=lambda one: one.cost)
+        return TimeSet(rest, model, theta, left)
 
     def settle(self) -> TimeSet:
         """The best set, once those near it and the best of each size are fitted exactly."""
