@@ -80,6 +80,10 @@ ASKED = {"verdict": "effect-missing", "leading": ["a"], "course": None, "outlier
         ({"verdict": "unexplained", "leading": []}, "unknown"),
         ({"verdict": "unexplained"}, "between"),
         ({"verdict": "unexplained", "leading": [], "drifted": True}, None),
+        ({"verdict": "unexplained", "by_chain": True}, "unknown"),
+        ({"by_chain": True}, "between"),
+        ({"verdict": "inconclusive", "leading": []}, "between"),
+        ({"verdict": "inconclusive", "leading": [], "named": False}, "unknown"),
     ],
 )
 def test_the_cheapest_question_comes_first(monkeypatch, state, question):
@@ -106,6 +110,8 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
         classes=[["a", "b"]],
         drift=state.get("drift"),
         untold=state.get("untold"),
+        by_chain=state.get("by_chain", False),
+        named=state.get("named", True),
     )
     found = answer._next_experiment(
         search, evidence, *(state[name] for name in ("verdict", "outliers", "leading", "course"))
