@@ -20,7 +20,7 @@ CAUGHT, LED = np.array([1.0, 1e9]), np.array([5.0, 7.0])
 def tried(name, squares, theta=LED):
     """An effect with what it leaves, and the model's parameters beside it."""
     grown = SimpleNamespace(names=[*MODEL.names, f"{name}.size"])
-    left = SimpleNamespace(squares_left=squares, residuals=(np.array([np.sqrt(squares)]),))
+    left = SimpleNamespace(squares_left=squares)
     return SimpleNamespace(
         effect=SimpleNamespace(name=name), model=grown, theta=np.r_[theta, 2.0], left=left
     )
@@ -81,7 +81,16 @@ def test_nothing_is_asked_anew_where_no_effect_explains_anything(monkeypatch, ba
     assert asked == []
 
 
-@pytest.mark.parametrize(("alone", "better"), [(895.0, True), (900.0, False)])
+@pytest.mark.parametrize(
+    ("alone", "better"),
+    [
+        ([895.0], True),
+        ([900.0], False),
+        # One test against another is no other minimum.
+        ([600.0, 150.0], True),
+        ([500.0, 201.0], False),
+    ],
+)
 def test_the_model_alone_is_fitted_from_where_an_effect_led_it(monkeypatch, base, alone, better):
     begun = []
 
@@ -89,20 +98,20 @@ def test_the_model_alone_is_fitted_from_where_an_effect_led_it(monkeypatch, base
         begun.extend(seed.tolist() for seed in seeds)
         return base
 
+    def left(*squares):
+        residuals = tuple(np.array([np.sqrt(each)]) for each in squares)
+        return SimpleNamespace(squares_left=sum(squares), residuals=residuals)
+
     monkeypatch.setattr(diagnosis, "identify", identify)
-    monkeypatch.setattr(diagnosis, "power_of", lambda left: left.squares_left)
-    left = SimpleNamespace(squares_left=alone)
-    monkeypatch.setattr(diagnosis.Left, "by", lambda *given: left)
-    before = SimpleNamespace(squares_left=900.0)
-    found = diagnosis._better_start([], [], base, before, [tried("friction", 800.0)], None)
+    monkeypatch.setattr(diagnosis.Left, "by", lambda *given: left(*alone))
+    before = left(*[900.0, 200.0][: len(alone)])
+    found = diagnosis._better_start([], [], base, before, [tried("friction", 700.0)], None)
     assert begun == [LED.tolist()]
     assert (found is not None) == better
 
 
 @pytest.mark.parametrize(("there", "chosen"), [(50.0, 50.0), (150.0, 100.0)])
-def test_a_smaller_set_stands_where_the_larger_led_it_if_that_is_better(
-    monkeypatch, there, chosen
-):
+def test_a_smaller_set_stands_where_the_larger_led_it_if_that_is_better(monkeypatch, there, chosen):
     a, b = SimpleNamespace(name="a"), SimpleNamespace(name="b")
     sets = TimeSets(None, None)
     sets.add(SimpleNamespace(key=("a",), effects=(a,), cost=100.0, fit="caught"))
