@@ -13,6 +13,9 @@ unexport PYTHONDONTWRITEBYTECODE
 # The matrices of a fit are small: more threads only wait for one another.
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
+# Arrays of a fit come and go: memory that is kept for the next ones is not asked for anew each time.
+export MALLOC_MMAP_THRESHOLD_ ?= 33554432
+export MALLOC_TRIM_THRESHOLD_ ?= 1073741824
 
 .PHONY: help test lint demo bench soak lowest solvers pyodide site clean
 

@@ -53,6 +53,7 @@ from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 from springpot.timetests.discovery import discover as discover_in_time
 from springpot.timetests.fitting import identify as identify_in_time
 from springpot.timetests.prediction import predict_test
+from springpot.timetests.ranking import rank as rank_in_time
 from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.where import TestPrediction
 
@@ -516,12 +517,13 @@ def compare(
     if models is not None:
         judged = [_model(model) for model in _listed(models)]
     data = sweep_of(tests)
-    if data is None:
-        # A family such as prony-N has no size of its own, and cannot be fitted before it is chosen.
-        sized = [item for item in plugins().items("model") if isinstance(item, Model)]
-        return compare_in_time(tests, judged or sized, progress)
     if judged is None:
-        return rank(data, list(plugins().items("model")), library(), rng, progress)
+        installed = list(plugins().items("model"))
+        if data is None:
+            return rank_in_time(tests, installed, library(), progress)
+        return rank(data, installed, library(), rng, progress)
+    if data is None:
+        return compare_in_time(tests, judged, progress)
     return compare_objects(data, judged, rng, progress)
 
 

@@ -5,12 +5,14 @@ Few numbers left to judge by are no merit.
 
 from types import SimpleNamespace
 
-from springpot.comparison.ranking import _no_worse_than_rejected
+from springpot.comparison.ordering import _no_worse_than_rejected
 
 
 def judged(parameters, error):
-    refit = SimpleNamespace(theta=[0.0] * parameters, floor=0.1, least_error=0.0)
-    return SimpleNamespace(refit=refit, error=SimpleNamespace(relative_rms=error, noise_floor=0.1))
+    ranked = SimpleNamespace(theta=[0.0] * parameters, floor=0.1, least_error=0.0)
+    return SimpleNamespace(
+        ranked=ranked, error=SimpleNamespace(relative_rms=error, noise_floor=0.1)
+    )
 
 
 def test_a_richer_model_farther_from_the_data_is_no_more_adequate():

@@ -7,20 +7,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.comparison import ranking, result
+from springpot.comparison import ordering, ranking, result
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 
 def judged(name, bic=0.0, size=2, adequate=True, beside=1.0, rms=0.01, floor=0.01, points=20):
     """A judgement of a model, and the chance of what a spectrum gains on it."""
-    refit = SimpleNamespace(
-        theta=np.zeros(size), beside=beside, exact=False, floor=floor, least_error=0.0,
-        fit=SimpleNamespace(measurement=np.zeros(points)),
-    )  # fmt: skip
+    ranked = SimpleNamespace(
+        theta=np.zeros(size), beside=beside, floor=floor, least_error=0.0, numbers=2 * points
+    )
     error = SimpleNamespace(relative_rms=rms, noise_floor=floor)
     return SimpleNamespace(
-        name=name, delta_bic=bic, adequate=adequate, at_noise=adequate, refit=refit, error=error
-    )
+        name=name, delta_bic=bic, adequate=adequate, at_noise=adequate, computed=False,
+        ranked=ranked, error=error,
+    )  # fmt: skip
 
 
 @pytest.fixture
@@ -28,17 +28,12 @@ def sort(monkeypatch):
     """Sorts judgements beside a floor of any material that is adequate or not."""
 
     def sorted_out(rows, material=True, far=False):
-        monkeypatch.setattr(ranking, "effects_of", lambda found: ())
-        monkeypatch.setattr(ranking, "material_floors", lambda fits, rng: {})
-        monkeypatch.setattr(ranking, "judgements", lambda fits, floors, rng: rows)
-        monkeypatch.setattr(ranking, "chance_beside", lambda refit, floor: refit.beside)
-        monkeypatch.setattr(ranking, "is_arithmetic", lambda refit: refit.exact)
+        monkeypatch.setattr(ordering, "chance_beside", lambda found, floor: found.beside)
         rest = VERDICT.small_rest * 0.01
         error = SimpleNamespace(relative_rms=rest if far else 0.99 * rest)
-        whole = SimpleNamespace(adequate=material, error=error)
-        monkeypatch.setattr(ranking, "Judgement", lambda *given: whole)
-        lowest = SimpleNamespace(beside=lambda fits: None)
-        order = ranking._in_order([], SimpleNamespace(floor=0.01), lowest, None)
+        ranked = SimpleNamespace(floor=0.01)
+        whole = SimpleNamespace(adequate=material, error=error, ranked=ranked)
+        order = ordering.in_order(rows, whole)
         names = [[one.name for one in kind] for kind in order[:3]]
         return (*names, order.outgrown)
 
@@ -73,8 +68,7 @@ def test_the_floor_is_outgrown_where_simpler_ones_are_beyond_it(sort):
     assert sort([judged("a", size=most + 1)])[3] is True
 
 
-def test_a_richer_model_outdoes_one_where_it_is_decisively_better(sort, monkeypatch):
-    monkeypatch.setattr(ranking, "is_arithmetic", lambda refit: refit.exact)
+def test_a_richer_model_outdoes_one_where_it_is_decisively_better():
     one = judged("one", SEARCH.decisive, 2)
     others = {
         "better": judged("b", -0.01, 3),
@@ -82,15 +76,15 @@ def test_a_richer_model_outdoes_one_where_it_is_decisively_better(sort, monkeypa
         "as simple": judged("b", -9.0, 2),
         "spends most": judged("b", -9.0, 30),
     }
-    found = {name: ranking._outdone(one, [other]) for name, other in others.items()}
+    found = {name: ordering._outdone(one, [other]) for name, other in others.items()}
     assert found == {
         "better": True, "not decisive": False, "as simple": False, "spends most": False,
     }  # fmt: skip
     # Of one that is not at the noise, what it misses may be more than noise.
     one.at_noise = False
-    assert ranking._outdone(one, [others["spends most"]])
-    one.refit.exact = True
-    assert not ranking._outdone(one, [others["better"]])
+    assert ordering._outdone(one, [others["spends most"]])
+    one.computed = True
+    assert not ordering._outdone(one, [others["better"]])
 
 
 def test_simpler_and_nearer_is_by_the_error_over_the_floor():
@@ -102,7 +96,7 @@ def test_simpler_and_nearer_is_by_the_error_over_the_floor():
         (judged("o", size=2, rms=0.01, floor=0.0), False),
         (judged("o", size=2, rms=0.0, floor=0.0), True),
     ):
-        assert ranking._is_simpler_and_nearer(other, one) == both
+        assert ordering._is_simpler_and_nearer(other, one) == both
 
 
 @pytest.mark.parametrize(
@@ -120,35 +114,34 @@ def test_what_a_spectrum_gains_is_told_in_units_of_what_it_leaves(
     rss, dof, floor_rss, floor_dof, squares, spare, monkeypatch
 ):
     asked = []
-    monkeypatch.setattr(ranking, "chance_of_squares", lambda *given: asked.append(given))
-    noise = SimpleNamespace(dof=7.0)
-    found = SimpleNamespace(rss=rss, fit=SimpleNamespace(dof=dof), noise=noise)
-    floor = SimpleNamespace(rss=floor_rss, fit=SimpleNamespace(dof=floor_dof))
-    ranking.chance_beside(found, floor)
+    monkeypatch.setattr(ordering, "chance_of_squares", lambda *given: asked.append(given))
+    found = SimpleNamespace(rss=rss, dof=dof, noise_dof=7.0)
+    floor = SimpleNamespace(rss=floor_rss, dof=floor_dof)
+    ordering.chance_beside(found, floor)
     assert asked == [(pytest.approx(squares), spare, 7.0)]
 
 
 def test_curves_are_grouped_by_the_first_of_each(monkeypatch):
-    monkeypatch.setattr(result, "_distance", lambda one, other: abs(one - other))
+    monkeypatch.setattr(result, "_distance", lambda one, other: abs(one.at - other.at))
     step = 0.6 * COMPARISON.alike
-    rows = [SimpleNamespace(refit=i * step) for i in range(4)]
+    rows = [SimpleNamespace(at=i * step) for i in range(4)]
     found = result.grouped(rows)
-    assert [[round(one.refit / step) for one in group] for group in found] == [[0, 1], [2, 3]]
-    edge = [SimpleNamespace(refit=0.0), SimpleNamespace(refit=COMPARISON.alike)]
+    assert [[round(one.at / step) for one in group] for group in found] == [[0, 1], [2, 3]]
+    edge = [SimpleNamespace(at=0.0), SimpleNamespace(at=COMPARISON.alike)]
     assert len(result.grouped(edge)) == 2
 
 
 def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(monkeypatch):
     def tried(evidence, chances, largest=9):
-        monkeypatch.setattr(ranking, "chance_beside", lambda found, floor: found.chance)
+        monkeypatch.setattr(ordering, "chance_beside", lambda found, floor: found.chance)
 
-        def one(number, effects, floor, skipped):
+        def one(number, effects):
             i = number - 2
             yield SimpleNamespace(number=number, log_evidence=evidence[i], chance=chances[i])
 
-        monkeypatch.setattr(ranking, "_one", one)
-        family = SimpleNamespace(largest=largest, build=lambda number: number)
-        return [found.number for found in ranking._fitted(family, (), None, [])]
+        family = SimpleNamespace(name="a", largest=largest, build=lambda number: number)
+        floor = SimpleNamespace(model=SimpleNamespace(effects=()))
+        return [found.number for found in ordering.fits_of([family], floor, one, lambda told: None)]
 
     low, edge = [0.0] * 5, COMPARISON.chance
     assert tried([1.0, 2.0, 3.0, 4.0, 5.0], low) == [2, 3, 4, 5, 6]

@@ -10,6 +10,7 @@ from springpot.comparison import Ranking
 from springpot.comparison.result import Judgement
 from springpot.measurement import Measurement, Units
 from springpot.misfit.error import Error
+from springpot.misfit.floor import beyond_floor
 
 NAMED = SimpleNamespace(name="zener")
 
@@ -87,8 +88,9 @@ def judged(name, relative_rms=0.01, source="estimated"):
         refit.floor = relative_rms
     error = Error(relative_rms, refit.floor, "estimated")
     return SimpleNamespace(
-        model=SimpleNamespace(name=name), refit=refit, error=error, says="a pattern", name=name
-    )
+        model=SimpleNamespace(name=name), beyond=beyond_floor(refit), error=error,
+        says="a pattern", name=name,
+    )  # fmt: skip
 
 
 def ranking(judgements, adequate=0, near=0):
@@ -128,10 +130,8 @@ def test_a_ranking_is_told_by_its_first_model():
 def test_beside_the_first_of_each_group_three_further_curves_are_shown():
     rows = [judged(name) for name in "abcdefgh"]
     for level, row in enumerate(rows):
-        row.refit.stiffness = np.array([level + 0j])
-        row.refit.noise = SimpleNamespace(weights=np.array([10.0 + 10.0j]), turn=None)
-    rows[1].refit.stiffness = rows[0].refit.stiffness
-    rows[5].refit.stiffness = rows[4].refit.stiffness
+        row.ranked = SimpleNamespace(curve=np.array([10.0 * level]))
+    rows[1].ranked, rows[5].ranked = rows[0].ranked, rows[4].ranked
     found = ranking(rows, 2, 1)
     assert [[one.name for one in group] for group in found.groups] == [["a", "b"], ["c"]]
     assert [one.name for one in found.next] == ["d", "e", "g"]

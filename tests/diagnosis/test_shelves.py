@@ -12,8 +12,8 @@ from springpot.report.told import told
 pytestmark = pytest.mark.usefixtures("asked_once")
 
 
-@pytest.fixture(scope="module")
-def found():
+@pytest.fixture
+def found(asked_once):
     return springpot.diagnose("artificial-hidden", "fractional-maxwell")
 
 

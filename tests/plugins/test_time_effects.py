@@ -110,6 +110,7 @@ def assert_missing(effect, test, clean, noise, model):
     assert (found.verdict, found.candidates[0].effect) == ("effect-missing", effect)
 
 
+@pytest.mark.soak_cases("0.13")
 @pytest.mark.parametrize("rise", [0.13, 0.16])
 def test_a_ramp_that_one_sample_lies_within_is_found(rise: float):
     t = np.geomspace(0.1, 1000.0, 80)

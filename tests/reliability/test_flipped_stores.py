@@ -17,7 +17,7 @@ def sound(tmp_path_factory):
     return pristine(tmp_path_factory.mktemp("sound"))
 
 
-@pytest.mark.soak_cases("0")
+@pytest.mark.suite_cases(*map(str, range(1, 9)))
 @pytest.mark.parametrize("seed", range(25))
 def test_a_flipped_bit_is_never_a_fault_and_never_another_number(sound, tmp_path, seed):
     path, seen = sound

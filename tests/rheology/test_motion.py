@@ -46,6 +46,20 @@ def test_a_corner_in_the_last_step_but_one_is_seen_and_the_samples_beside_it_are
     assert Between.of(T, np.abs(T - T[1])).unsure == pytest.approx(T[:2])
 
 
+def test_a_motion_turns_where_it_went_one_way_and_goes_the_other_and_noise_does_not(rng):
+    t = np.linspace(0.0, 12.0, 1200, endpoint=False)
+    x = np.sin(2.5 * np.pi * t)
+    turns = 0.2 + 0.4 * np.arange(30)
+    assert Between.of(t, x).turning == pytest.approx(turns)
+    assert Between.of(t, x + 1e-4 * rng.normal(size=1200)).turning == pytest.approx(turns, abs=0.02)
+    assert len(Between.of(t, rng.normal(size=1200)).turning) < 30
+    # The last sample, when the motion has just turned.
+    assert Between.of(t[:22], x[:22]).turning == pytest.approx([0.2])
+    assert Between.of(t[:21], x[:21] + 1e-4 * t[:21]).turning.size == 0
+    falling = np.cos(2.0 * np.pi * (t[:14] - 0.128))
+    assert Between.of(t[:14], falling).turning == pytest.approx([0.13])
+
+
 def test_noise_steps_and_polylines_stay_straight(rng):
     for x in (rng.normal(size=301), np.where(T > 3.0, 1.0, 0.0), np.round(wave(T), 1)):
         motion = Between.of(T, x)

@@ -29,7 +29,7 @@ RECORD = "time [s],acceleration [g]\n" + "".join(
 
 
 @pytest.fixture
-def frame(springpot, damper, write, tmp_path):
+def frame(springpot, damper, write, asked_once):
     path = write(FRAME, "frame.toml")
     (path.parent / "fit.json").write_text(
         springpot("identify", damper, "-m", "fractional-maxwell", "--json").out

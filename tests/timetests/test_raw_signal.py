@@ -43,7 +43,7 @@ def record(effect="", values=(), seed=1):
 HIDDEN = {
     "backlash-in-time": ([0.15], "flank, displacement rising"),
     "asymmetric-stop": ([60.0, 0.7], "at the upper end"),
-    "force-clipping": ([90.0], "at the lower end, displacement falling"),
+    "force-clipping": ([90.0], "at the upper end, displacement rising"),
 }
 
 

@@ -27,6 +27,7 @@ from .hints import Waiting, suggested
 if TYPE_CHECKING:
     from springpot.comparison.result import Comparison
     from springpot.measurement.measurement import Measurement
+    from springpot.measurement.opening import Test
     from springpot.rheology.model import Model
 
 MODELS = "A model expression; give several, or none to rank all installed models."
@@ -62,9 +63,9 @@ def command(
 
     How far each is off, where, and how sure that is.
 
-    Without --model all installed models are ranked, alone and with the effects that no material can
-    do without: the simplest that follows the data as well as any material does comes first. Tests
-    in time serve as well as sweeps.
+    Without --model all installed models are ranked, with the effects that no material can do
+    without: the simplest that follows the data as well as any material does comes first. Tests in
+    time serve as well as sweeps.
     """
     from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
@@ -75,15 +76,9 @@ def command(
     # A model that was named twice is judged once.
     expressions = [parse_model(model) for model in dict.fromkeys(models)]
     tests = timetests.named_tests([data], geometry)
-    if tests is not None:
-        timetests.compare(tests, expressions, figure, as_json)
-        return
-    comparison = _compared(opened(data, geometry), expressions, seed or 0)
+    comparison = _compared(tests or opened(data, geometry), expressions, seed or 0)
     if figure is not None:
-        # Only where a picture is wanted: text needs none of its modules.
-        from springpot.report.residuals import figure_compared
-
-        figure_compared(comparison, figure)
+        comparison.plot(figure)
     emit(comparison, as_json, lambda: _show(comparison, data, models, figure))
 
 
@@ -121,7 +116,7 @@ def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> s
     return suggested(verb, data, *with_model(best.model.name))
 
 
-def _compared(measurement: Measurement, models: list[Model], seed: int) -> Any:
+def _compared(measurement: Measurement | Sequence[Test], models: list[Model], seed: int) -> Any:
     """The given models, or all that are installed."""
     from springpot.api import compare
 

@@ -113,27 +113,6 @@ def _show(
         print(f"\nnext: {suggested('diagnose', *data, *with_model(expression))}")
 
 
-def compare(
-    tests: Sequence[Test], models: Sequence[Model], figure: Path | None, as_json: bool
-) -> None:
-    """``springpot compare`` of models of tests in time.
-
-    Without any, all installed ones that have a fixed size.
-    """
-    from springpot.api import compare as compared
-    from springpot.report.told import told
-
-    from .hints import Waiting
-
-    with Waiting() as waiting:
-        comparison: Any = compared(tests, models or None, progress=waiting.told)
-    if figure is not None:
-        comparison.plot(figure)
-    emit(comparison, as_json, lambda: print(told(comparison, window())))
-    if figure is not None and not as_json:
-        print(f"\nwritten: {figure}")
-
-
 def diagnose(
     tests: Sequence[Test],
     data: Sequence[str],

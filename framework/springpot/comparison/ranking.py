@@ -12,7 +12,7 @@ it gains from noise. Adequate are those of them that leave no more than noise, b
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from functools import partial
 
 import numpy as np
 
@@ -20,33 +20,24 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
-from springpot.identification.material import is_material
 from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.floor import fitted_to_floor, is_arithmetic
-from springpot.misfit.frame import chance_of_squares
+from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.material import MaterialFloor, any_material, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
-from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 from .comparing import effects_of, harmonics_of, judgements, material_floors
+from .ordering import TOO_FREE, Order, fits_of, in_order, spends_most
 from .result import LOOKED_AT, Judgement, Ranking, Skipped
 
-TOO_FREE = (
-    "what a free spectrum leaves is less,"
-    " but by it none or only models of many parameters would be adequate"
-)
-"""Why the floor of any material is not taken."""
 MOST_AT_ONE_FREQUENCY = 2
 """Parameters of a linear model that can be told there: a storage and a loss are all that it has."""
 ONE_FREQUENCY = "at one frequency any two parameters do the same"
 """Why a model of more is not fitted there."""
-FIRST_MEMBER, LAST_MEMBER = 2, 6
-"""Members of a family of sums that are tried; the first of each has a name of its own."""
 
 
 def rank(
@@ -63,7 +54,7 @@ def rank(
     measurement : Measurement
         The data.
     installed : sequence of Model or Family
-        What is ranked, alone and with the effects that any material needs; of a family, members
+        What is ranked, with the effects that any material needs; of a family, members
         until one is adequate or one more term brings no evidence. Those that need a column which
         the data lack are left out.
     library : sequence of Effect
@@ -84,21 +75,21 @@ def rank(
     # Any material with the accepted effects tells the noise for all: no model leaves less.
     floor = case.search.base
     skipped: list[Skipped] = []
-    fits = _fits(installed, floor, skipped, progress)
+    fits = fits_of(installed, floor, partial(_one, floor=floor, skipped=skipped), progress)
     if not fits:
         raise DataError(
             f"{measurement.name}: none of the installed models can be judged by {len(measurement)}"
             " points"
         )
-    order, notes = _in_order(fits, floor, case.floor, rng), []
+    order, notes = _beside(fits, floor, case.floor, rng), []
     if order.outgrown:
         progress("looking for a simpler model that is adequate by its own noise")
         quietest = _quietest_alone([*order.near, *order.others], case.floor, rng)
         if quietest is not None:
             notes.append(f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
             floor = refit(floor.model, floor.data, quietest.noise, [floor.theta])
-            fits = _fits(installed, floor, [], progress)
-            order = _in_order(fits, floor, material_floor(floor, rng), rng)
+            fits = fits_of(installed, floor, partial(_one, floor=floor, skipped=[]), progress)
+            order = _beside(fits, floor, material_floor(floor, rng), rng)
     notes += [_of_one_test(ladder), *floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
     return Ranking(
         measurement.name,
@@ -123,96 +114,16 @@ def _of_one_test(ladder: Ladder) -> str:
     return one_test_of(found.data.raw, column_behind(found.frame()))[1]
 
 
-class _Order(NamedTuple):
-    """Models sorted out, each list with its best first.
-
-    Attributes
-    ----------
-    adequate, near, others : list of Judgement
-        As in a ranking.
-    outgrown : bool
-        Whether the floor of any material may be too low: none is adequate though that material is,
-        or the first adequate one spends most of the numbers, or simpler ones as near as any
-        material are beyond the floor.
-    """
-
-    adequate: list[Judgement]
-    near: list[Judgement]
-    others: list[Judgement]
-    outgrown: bool
-
-
-def _fits(
-    installed: Sequence[Model | Family], floor: Refit, skipped: list[Skipped], progress: Progress
-) -> list[Refit]:
-    """All models with the accepted effects, and without them.
-
-    A model may make by itself what a spectrum cannot.
-    """
-    companions: list[tuple[Effect, ...]] = [()]
-    if floor.model.effects:
-        companions.insert(0, floor.model.effects)
-    fits: list[Refit] = []
-    for effects in companions:
-        for number, item in enumerate(installed, 1):
-            progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
-            fits += _fitted(item, effects, floor, skipped)
-    return fits
-
-
-def _in_order(
+def _beside(
     fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator
-) -> _Order:
+) -> Order:
     """The fits judged and sorted out, beside any material with the accepted effects."""
     # That with the accepted effects is known already; a model of a plugin may bring effects of its
     # own.
     unlike = [found for found in fits if effects_of(found) != effects_of(floor)]
     alike = [found for found in fits if effects_of(found) == effects_of(floor)]
     floors = material_floors(unlike, rng) | {effects_of(floor): lowest.beside(alike)}
-    # Those that are not adequate stand by evidence: how few parameters a model has is no merit
-    # while it fails.
-    ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
-    near_enough = [one for one in ordered if chance_beside(one.refit, floor) >= COMPARISON.chance]
-    as_near = [one for one in near_enough if not _outdone(one, ordered)]
-    # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the
-    # likelier comes first.
-    as_near.sort(key=lambda one: len(one.refit.theta))
-    adequate = _no_worse_than_rejected([one for one in as_near if one.adequate], ordered)
-    near: list[Judgement] = []
-    # Where a material is adequate, a model that is not lacks what the material has: only chance
-    # made it as near.
-    judged = Judgement(floor, lowest, 0.0, rng)
-    if not judged.adequate:
-        near = [one for one in as_near if one not in adequate]
-    others = [one for one in ordered if one not in adequate and one not in near]
-    # Where any material is far beyond the floor, no smaller noise is to blame.
-    outgrown = not near and judged.error.relative_rms < VERDICT.small_rest * floor.floor
-    if adequate:
-        outgrown = adequate[0] is not as_near[0] or spends_most(adequate[0].refit)
-    return _Order(adequate, near, others, outgrown)
-
-
-def _no_worse_than_rejected(
-    adequate: Sequence[Judgement], ordered: Sequence[Judgement]
-) -> list[Judgement]:
-    """The adequate models that are nearer than every inadequate one of no more parameters.
-
-    The fewer numbers a model leaves to judge it by, the larger an error passes for noise: without
-    this a richer model could be adequate at an error at which a simpler one is not.
-    """
-    rejected = [one for one in ordered if one not in adequate]
-    return [
-        one for one in adequate if not any(_is_simpler_and_nearer(other, one) for other in rejected)
-    ]
-
-
-def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
-    if len(other.refit.theta) > len(one.refit.theta):
-        return False
-    # Crosswise, as a floor may be zero.
-    most, floor = one.error.relative_rms * other.refit.floor, one.refit.floor
-    # Of most models the fit by the noise tells, and the error itself need not be searched for.
-    return other.refit.least_error * floor <= most and other.error.relative_rms * floor <= most
+    return in_order(judgements(fits, floors, rng), Judgement(floor, lowest, 0.0, rng))
 
 
 def _quietest_alone(
@@ -231,72 +142,6 @@ def _quietest_alone(
             found.append(own)
     # One that is wrong takes part of its misfit for noise.
     return min(found, key=lambda own: own.floor, default=None)
-
-
-def chance_beside(found: Refit, floor: Refit) -> float:
-    """Chance that a free spectrum gains so much on a model from noise alone.
-
-    The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more
-    than the model has parameters. Where any material leaves more than noise, that remainder is not
-    the model's fault and sets the scale.
-
-    Parameters
-    ----------
-    found : Refit
-        The model.
-    floor : Refit
-        Any material, in units of the same noise.
-    """
-    spare = max(found.fit.dof - floor.fit.dof, 1)
-    # Never below one: a spectrum that follows some of the noise must not make the noise seem
-    # smaller than it is.
-    scale = max(floor.rss / max(floor.fit.dof, 1), 1.0)
-    return chance_of_squares(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
-
-
-def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
-    """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
-    # Of computed data only rounding is left, and it is no merit to follow that.
-    if is_arithmetic(one.refit):
-        return False
-    # A free spectrum may fail to gain beyond chance where a model of a few more parameters does.
-    limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
-    better = [
-        other for other in others if other.delta_bic < limit and len(other.refit.theta) > size
-    ]
-    # What one that spends most of the numbers gains on a model at the noise is noise that it
-    # follows.
-    if one.at_noise:
-        better = [other for other in better if not spends_most(other.refit)]
-    return bool(better)
-
-
-def spends_most(found: Refit) -> bool:
-    """Whether a model has more parameters than it leaves numbers to judge them by."""
-    return len(found.theta) > COMPARISON.most_spent * 2 * len(found.fit.measurement)
-
-
-def _fitted(
-    item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
-) -> Iterator[Refit]:
-    """Fits of a model with effects.
-
-    Of a family, members up to the first that lacks nothing or gains nothing.
-    """
-    if isinstance(item, Model):
-        # The material itself is what all are judged by.
-        if not is_material(item):
-            yield from _one(item, effects, floor, skipped)
-        return
-    evidence = -np.inf
-    for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
-        for found in _one(item.build(number), effects, floor, skipped):
-            yield found
-            # One more term after that can only follow noise, and each costs a fit of more
-            # parameters.
-            if found.log_evidence <= evidence or chance_beside(found, floor) >= COMPARISON.chance:
-                return
-            evidence = found.log_evidence
 
 
 def _one(
@@ -329,9 +174,3 @@ def _is_read_at_one_frequency(model: Model, effects: Sequence[Effect], data: Mea
     # Hz.
     shifted = any(effect.plane == "shift" for effect in (*model.effects, *effects))
     return at_one_frequency(data) and not model.needs and not shifted
-
-
-def _with(effects: tuple[Effect, ...]) -> str:
-    if not effects:
-        return ""
-    return f" with {' and '.join(effect.name for effect in effects)}"

@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.identification.material import is_material
-from springpot.identification.problem import weighted
 from springpot.identification.value import PartResult, Value, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.measurement import Measurement
@@ -26,6 +25,7 @@ from springpot.misfit.where import Where, where
 from springpot.plain_data import alive, json_number, jsonable, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 from springpot.thresholds import COMPARISON, SUPERPOSITION
 from springpot.writing import FEW, NAMED
 
@@ -57,6 +57,60 @@ LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
 
 
+class RankedFit(Protocol):
+    """A fit of a sweep or of tests in time, in units of a noise that all models share."""
+
+    @property
+    def model(self) -> Model:
+        """What was fitted."""
+        ...
+
+    @property
+    def theta(self) -> Real:
+        """Its parameters, shape (p,)."""
+        ...
+
+    @property
+    def rss(self) -> float:
+        """Sum of squares of the residual over the noise."""
+        ...
+
+    @property
+    def dof(self) -> float:
+        """Numbers that its parameters do not follow."""
+        ...
+
+    @property
+    def numbers(self) -> float:
+        """How many numbers it was judged by, those counted once whose noise is alike."""
+        ...
+
+    @property
+    def noise_dof(self) -> float:
+        """Degrees of freedom of the noise."""
+        ...
+
+    @property
+    def floor(self) -> float:
+        """The relative error that noise alone leaves."""
+        ...
+
+    @property
+    def least_error(self) -> float:
+        """Below which its relative error is not."""
+        ...
+
+    @property
+    def log_evidence(self) -> float:
+        """Minus half the Bayesian information criterion, but for what all models share."""
+        ...
+
+    @property
+    def curve(self) -> Real:
+        """What it says of each number over the noise, but for what all models share, shape (m,)."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Judgement:
     """One model against the data.
@@ -83,6 +137,11 @@ class Judgement:
     def refit(self) -> Refit:
         """Its fit, in units of the noise."""
         return alive(self.fitted, Refit, "a judgement")
+
+    @cached_property
+    def ranked(self) -> RankedFit:
+        """Its fit, as models are put in order by it."""
+        return self.refit
 
     @cached_property
     def error(self) -> Error:
@@ -153,7 +212,7 @@ class Judgement:
     def fails(self) -> bool:
         """Whether it leaves more than noise, by the tests that `diagnose` makes too."""
         # What rounding leaves of computed data is full of patterns, and nothing is missing.
-        if is_arithmetic(self.refit):
+        if self.computed:
             return False
         return self.battery.alarm
 
@@ -165,13 +224,23 @@ class Judgement:
         """
         return not self.fails and not self.at_noise
 
-    @property
+    @cached_property
     def at_noise(self) -> bool:
         """Whether its error is as large as noise makes it.
 
         What pattern it has, is another question.
         """
         return at_noise(self.refit, self.error)
+
+    @cached_property
+    def beyond(self) -> bool:
+        """Whether its error is beyond what noise makes of it by more than chance."""
+        return beyond_floor(self.refit)
+
+    @cached_property
+    def computed(self) -> bool:
+        """Whether its error is that of arithmetic: the data were computed."""
+        return is_arithmetic(self.refit)
 
     @property
     def adequate(self) -> bool:
@@ -182,7 +251,7 @@ class Judgement:
     @cached_property
     def says(self) -> str:
         """The judgement in one sentence."""
-        if is_arithmetic(self.refit):
+        if self.computed:
             return (
                 f"error {percent(self.error.relative_rms)}: that of arithmetic,"
                 " and nothing is missing"
@@ -192,7 +261,7 @@ class Judgement:
             ratio = (
                 f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
             )
-        if self.unclear and self.error.is_hardly_noise and not beyond_floor(self.refit):
+        if self.unclear and self.error.is_hardly_noise and not self.beyond:
             return f"{ratio}; nothing is left but noise, but {self.error.advice}"
         # Before "nothing is left but noise", which no error beyond the floor may be called.
         if self.unclear:
@@ -488,7 +557,7 @@ class Ranking(Comparison):
             return (
                 f"the simplest model that follows these data as well as any material does is {name}"
             )
-        if self.near and beyond_floor(self.best.refit):
+        if self.near and self.best.beyond:
             return (
                 f"{name} is as near as any linear material, but not at the noise: what is missing"
                 " is no part of the material"
@@ -551,7 +620,7 @@ def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...
     # are far apart.
     for one in judgements:
         known = next(
-            (group for group in groups if _distance(group[0].refit, one.refit) < COMPARISON.alike),
+            (group for group in groups if _distance(group[0], one) < COMPARISON.alike),
             None,
         )
         if known is None:
@@ -561,7 +630,6 @@ def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...
     return tuple(map(tuple, groups))
 
 
-def _distance(one: Refit, other: Refit) -> float:
+def _distance(one: Judgement, other: Judgement) -> float:
     """Standard deviations of the noise between two fitted curves, over all points together."""
-    apart = weighted(one.stiffness - other.stiffness, one.noise.weights, one.noise.turn)
-    return float(np.linalg.norm(apart))
+    return float(np.linalg.norm(one.ranked.curve - other.ranked.curve))

@@ -187,12 +187,23 @@ def is_passive(effect: Effect) -> bool:
     """
     if effect.plane not in ("stiffness", "compliance") or effect.needs:
         return False
+    return is_relaxing(Model(effect.name, effect.element))
+
+
+def is_relaxing(model: Model) -> bool:
+    """Whether a sum of relaxations follows a model: springs, dashpots, springpots and modes.
+
+    Parameters
+    ----------
+    model : Model
+        Any.
+    """
+    if model.needs or any(not is_passive(effect) for effect in model.effects):
+        return False
     # Inside its range no parameter decides whether an element is passive: any value will do.
-    bounds = np.array(
-        [(parameter.lower, parameter.upper) for parameter in effect.element.parameters]
-    )
+    bounds = np.array([(parameter.lower, parameter.upper) for parameter in model.parameters])
     theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
-    stiffness = Model(effect.name, effect.element).stiffness(theta, OMEGA)
+    stiffness = model.stiffness(theta, OMEGA)
     s = 1j * OMEGA[:, None]
     columns = (
         np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]

@@ -128,6 +128,13 @@ class Loading:
             return times
         return np.union1d(times, self.smooth.motion.unsure)
 
+    @property
+    def turning(self) -> Real:
+        """Times of the samples at which it turns: dry friction holds there with any force."""
+        if self.smooth is None or self.smooth.motion is None:
+            return np.zeros(0)
+        return self.smooth.motion.turning
+
 
 def controlled(moved: Real, pulled: Real) -> str:
     """The channel that is held or released for nearly all of the record, or stands still.

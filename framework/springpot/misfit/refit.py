@@ -65,6 +65,26 @@ class Refit:
         """Whitened residual sum of squares."""
         return self.fit.cost
 
+    @property
+    def numbers(self) -> float:
+        """How many numbers it was judged by: two for each averaged point."""
+        return 2.0 * len(self.fit.measurement)
+
+    @property
+    def dof(self) -> float:
+        """Those less what its parameters follow, of which the lines of a spectrum need no whole."""
+        return float(self.fit.dof)
+
+    @property
+    def noise_dof(self) -> float:
+        """Degrees of freedom of the noise."""
+        return self.noise.dof
+
+    @cached_property
+    def curve(self) -> Real:
+        """K of the fitted model over the noise, shape (2n,)."""
+        return weighted(self.stiffness, self.noise.weights, self.noise.turn)
+
     @cached_property
     def stiffness(self) -> Complex:
         """K of the fitted model at the measured points, shape (n,)."""

@@ -253,7 +253,7 @@ def _found_onto(result: Ladder, axes: Any) -> None:
 
 @whole.register
 def _compared(result: Comparison, path: Any) -> Any:
-    fits = fits_in_time(each.fitted for each in result.judgements)
+    fits = fits_in_time(each.fitted for each in result.shown)
     if fits:
         return figure_tests(fits, fits[0].data, path)
     return figure_compared(result, path)

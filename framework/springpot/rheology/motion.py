@@ -24,6 +24,8 @@ SHARP = 8.0
 """Times as much as the samples beside it a corner bends the motion; at the peaks of a sine of eight
 samples a cycle it would be nearly five.
 """
+STEPS_OF_A_WAY = 3
+"""Steps that a motion goes each way about a turn at least."""
 APART = 1e-3
 """Share of a step by which a corner is off a sample at least to be a knot of its own."""
 
@@ -42,6 +44,8 @@ class Between:
         Speed at the beginning and the end of each interval; the mean speed where it is straight.
     unsure : ndarray, shape (k,)
         Times of the samples next to a corner: whether it was passed there nobody knows.
+    turning : ndarray, shape (l,)
+        Times of the samples at which the motion turns.
     """
 
     time: Real
@@ -51,6 +55,7 @@ class Between:
     leaving: Real
     arriving: Real
     unsure: Real
+    turning: Real
 
     @classmethod
     def of(cls, t: Real, x: Real) -> Between:
@@ -85,7 +90,8 @@ class Between:
         push[both] = 2.0 * push[both] - (speed[both + 1] - speed[both - 1]) / (
             step[both] + step[both - 1]
         )
-        whole = cls(t, x, speed, push, leaving, arriving, t[nearest])
+        turning = _turning(slope, speed)
+        whole = cls(t, x, speed, push, leaving, arriving, t[nearest], t[turning])
         return whole._cornered(corners, slope)
 
     def _cornered(self, after: NDArray[np.intp], slope: Real) -> Between:
@@ -110,6 +116,7 @@ class Between:
             knotted(leaving, other),
             knotted(arriving, other),
             self.unsure,
+            self.turning,
         )
 
     def at(self, times: Real) -> Between:
@@ -141,7 +148,7 @@ class Between:
         arriving[ends] = self.arriving[place[:-1][ends]]
         for column, old in ((value, self.value), (speed, self.speed), (push, self.push)):
             column[known] = old
-        return Between(grid, value, speed, push, leaving, arriving, self.unsure)
+        return Between(grid, value, speed, push, leaving, arriving, self.unsure, self.turning)
 
     @property
     def _shapes(self) -> tuple[Real, Real, Real]:
@@ -165,6 +172,21 @@ class Between:
         more, step = self.value - self.value[0], np.diff(self.time)
         area = step * (0.5 * (more[1:] + more[:-1]) - self.changes[1:, 1] / 6.0)
         return np.concatenate([[0.0], np.cumsum(area)])
+
+
+def _turning(slope: Real, speed: Real) -> NDArray[np.intp]:
+    """Samples (k,) at which a motion turns, of which noise is no part.
+
+    That turns with every other step, and a motion goes some steps each way.
+    """
+    way, k = np.sign(slope), STEPS_OF_A_WAY
+    # Beyond its ends it goes on as it went there.
+    ways = np.lib.stride_tricks.sliding_window_view(np.pad(way, k - 1, mode="edge"), 2 * k)
+    before, after = ways[:, :k].sum(axis=1), ways[:, k:].sum(axis=1)
+    turns = (np.abs(before) == k) & (after == -before)
+    # At an end only the bend of the motion tells that it has just turned, or is about to.
+    ends = np.array([way[0] * speed[0] < 0.0, way[-1] * speed[-1] < 0.0])
+    return np.concatenate([1 + np.flatnonzero(turns), np.array([0, len(way)])[ends]])
 
 
 def velocity(t: Any, x: Any) -> Any:

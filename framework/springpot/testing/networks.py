@@ -8,6 +8,7 @@ Random lawful parameters, and derivatives to be compared with the exact ones.
 from __future__ import annotations
 
 import json
+import pickle
 import random
 import re
 import threading
@@ -125,8 +126,8 @@ def kept_random_state() -> Iterator[Callable[[], bool]]:
 
     def touched() -> bool:
         now = np.random.get_state(legacy=False)  # noqa: NPY002
-        # As text: the states hold arrays, which have no single answer to whether they are equal.
-        return repr(now) != repr(before) or random.getstate() != own
+        # As bytes: the states hold arrays, which have no single answer to whether they are equal.
+        return pickle.dumps(now) != pickle.dumps(before) or random.getstate() != own
 
     try:
         yield touched

@@ -23,6 +23,7 @@ from springpot.misfit.material import lowest_error
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
+from springpot.thresholds import VERDICT
 from springpot.timetests.floor import material_floor
 
 from .fitting import identify
@@ -113,6 +114,7 @@ def judgement_of(
     delta: float,
     floor: TimeFloor,
     noise: Sequence[ResidualScatter] | None = None,
+    left: Left | None = None,
 ) -> Judgement:
     """One model against the tests that it was fitted to.
 
@@ -126,8 +128,12 @@ def judgement_of(
         What any material reaches with the same effects.
     noise : sequence of ResidualScatter, optional
         Of each test; by default that about this model.
+    left : Left, optional
+        What it leaves of each test, where that is known.
     """
-    parts, left = parts_of_specimen(fit.data), _left(fit)
+    parts = parts_of_specimen(fit.data)
+    if left is None:
+        left = _left(fit)
     if noise is None:
         noise = left.noise
     tests = left.rows(parts, noise, fit.tests)
@@ -145,6 +151,9 @@ def judgement_of(
         "free_parameters": len(fit.theta),
         "fails": left.misfit,
         "unclear": False,
+        "at_noise": not left.doubtful,
+        "beyond": left.misfit,
+        "computed": error.relative_rms < VERDICT.arithmetic,
         "says": f"error {times(error.over_floor)} the noise; {says}",
         "parameters": fit.parameters,
         "where": where,

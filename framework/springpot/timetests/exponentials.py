@@ -103,8 +103,9 @@ class QuickPart(InTimePart):
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
-        """Which of them are no instant of a step."""
-        return ~np.isin(self.t, self.test.loading.unsure)
+        """Which of them are no instant of a step or a turn."""
+        loading = self.test.loading
+        return ~np.isin(self.t, np.union1d(loading.unsure, loading.turning))
 
     @cached_property
     def weight(self) -> Real:
@@ -344,7 +345,8 @@ class QuickPart(InTimePart):
             step = STEP * max(abs(float(theta[index])), STEP)
             more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
             columns.append((more - both[:, 0]) / step)
-        return both, np.column_stack(columns)
+        # An effect all of whose parameters are held has none.
+        return both, np.column_stack([np.zeros((len(self.t), 0)), *columns])
 
 
 def quick_parts(parts: Sequence[TestPart]) -> list[TestPart]:

@@ -72,14 +72,14 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
     # that were measured.
     theta, covariance = _in_units_of(known, test.units)
     part = part_of(test)
-    rows = np.flatnonzero(part.counted)
+    rows = np.flatnonzero(part.sure)
     answer = part.answer(known.model, theta, known.reference, rows)
     value, measured, noise, size = answer.value, part.measured[rows], part.sd[rows], part.size[rows]
     # A test that was not measured is its own prediction: nothing is missed, and nothing judged.
     if not part.judged:
         measured, noise, size = value, np.zeros(len(rows)), np.full(len(rows), rms(value))
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
-    share = (value - measured) / size
+    share, counted = (value - measured) / size, part.counted[rows]
     known_sd = spread_of(answer.by_theta, covariance)
     wide = student(level, known.dof) * known_sd
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
@@ -96,12 +96,12 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         low=value - wide,
         high=value + wide,
         measured=measured,
-        error=rms(share),
-        expected=float(np.hypot(rms(known_error), known.misfit)),
+        error=rms(share[counted]),
+        expected=float(np.hypot(rms(known_error[counted]), known.misfit)),
         # "Too much" is larger in size, whatever the sign of the response.
-        bias=float(np.mean(share * np.sign(measured))),
+        bias=float(np.mean((share * np.sign(measured))[counted])),
         inside=float(np.mean(inside)),
-        error_inside=rms(share[inside]) if inside.any() else float("nan"),
+        error_inside=rms(share[inside & counted]) if inside.any() else float("nan"),
         unit=part.unit,
         outside=~inside,
         covered=known.covered,

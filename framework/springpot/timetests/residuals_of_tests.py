@@ -158,9 +158,14 @@ class TestPart(ABC):
         return self.test.seen
 
     @property
+    def sure(self) -> NDArray[np.bool_]:
+        """Of which of the numbers (m,) a model says anything."""
+        return np.ones(len(self.measured), dtype=bool)
+
+    @property
     def counted(self) -> NDArray[np.bool_]:
         """Which of the numbers (m,) say anything of a model."""
-        return np.ones(len(self.measured), dtype=bool)
+        return self.sure
 
     @property
     def relative_sd(self) -> Real:
@@ -335,7 +340,7 @@ class InTimePart(TestPart):
         return slowest, WITHIN * fastest
 
     @cached_property
-    def counted(self) -> NDArray[np.bool_]:
+    def sure(self) -> NDArray[np.bool_]:
         """All but the very instant of a step, and samples that stray from their neighbours.
 
         At the former the answer may be endless, and no instrument reads it.
@@ -343,6 +348,14 @@ class InTimePart(TestPart):
         said = ~np.isin(self.at, self.test.loading.unsure)
         said[self.strays] = False
         return said
+
+    @cached_property
+    def counted(self) -> NDArray[np.bool_]:
+        """The same without those at which the motion turns: of friction they say nothing.
+
+        Not for any model, or one with friction would be held against other samples.
+        """
+        return self.sure & ~np.isin(self.at, self.test.loading.turning)
 
     @cached_property
     def strays(self) -> NDArray[np.int64]:
@@ -386,7 +399,7 @@ class InTimePart(TestPart):
 
     def places(self, residual: Real) -> list[Where]:
         """Between which times, and where in a loop."""
-        return places(self.test, residual)
+        return places(self.test, np.where(self.counted, residual, np.nan))
 
     @cached_property
     def thin(self) -> NDArray[np.intp]:

@@ -77,7 +77,7 @@ def places(test: TimeTest, residual: Real) -> list[Where]:
     test : TimeTest
         The test.
     residual : ndarray, shape (n,)
-        Predicted less measured, over the noise.
+        Predicted less measured, over the noise; nan where a sample says nothing.
 
     Returns
     -------
@@ -94,7 +94,10 @@ def places(test: TimeTest, residual: Real) -> list[Where]:
 
 def _in_time(test: TimeTest, residual: Real) -> Where | None:
     # Of few samples some parts have none.
-    rows = [piece for piece in np.array_split(np.arange(len(residual)), PIECES) if len(piece)]
+    told = np.flatnonzero(np.isfinite(residual))
+    rows = [piece for piece in np.array_split(told, PIECES) if len(piece)]
+    if not rows:
+        return None
     sizes = [rms(residual[piece]) for piece in rows]
     worst = rows[int(np.argmax(sizes))]
     first, last = float(test.time[worst[0]]), float(test.time[worst[-1]])
@@ -171,9 +174,10 @@ def _manner(test: TimeTest, residual: Real) -> str:
     if test.kind != "history":
         return ""
     _, slow = _speed(test)
-    if not slow.any() or slow.all():
+    told = np.isfinite(residual)
+    if not (slow & told).any() or not (~slow & told).any():
         return ""
-    turning, moving = (float(np.mean(residual[rows] ** 2)) for rows in (slow, ~slow))
+    turning, moving = (float(np.mean(residual[rows & told] ** 2)) for rows in (slow, ~slow))
     if turning > PLAINLY_MORE * moving:
         return f"; all along, where the motion {'turns' if _goes_back(test) else 'is slow'}"
     if moving > PLAINLY_MORE * turning:
@@ -187,11 +191,11 @@ def _in_loop(test: TimeTest, residual: Real) -> Where | None:
     # All cycles on one loop: what fails in each of them at one place stands out.
     share = imposed / np.abs(test.loading.value).max()
     rising = np.gradient(imposed, test.time) >= 0.0
-    sector = np.digitize(share, EDGES) - 1
+    sector, told = np.digitize(share, EDGES) - 1, np.isfinite(residual)
     sizes, counts = np.zeros((5, 2)), np.zeros((5, 2), dtype=int)
     for i in range(5):
         for j, way in enumerate((False, True)):
-            rows = (sector == i) & (rising == way)
+            rows = (sector == i) & (rising == way) & told
             counts[i, j] = int(rows.sum())
             if counts[i, j] >= FEWEST:
                 sizes[i, j] = rms(residual[rows])
@@ -222,9 +226,10 @@ def _after_turn(imposed: Real, residual: Real) -> str:
     fresh = np.zeros(len(imposed), dtype=bool)
     for first, last in zip(turns, ends, strict=True):
         fresh[first : first + max(2, int(AFTER_TURN * (last - first)))] = True
-    if not fresh.any() or fresh.all():
+    told = np.isfinite(residual)
+    if not (fresh & told).any() or not (~fresh & told).any():
         return ""
-    if rms(residual[fresh]) > MORE_AFTER * rms(residual[~fresh]):
+    if rms(residual[fresh & told]) > MORE_AFTER * rms(residual[~fresh & told]):
         return "; just after each turn"
     return ""
 

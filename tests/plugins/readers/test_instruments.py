@@ -37,6 +37,15 @@ def test_each_layout_is_recognised_and_read_without_options(folder, name):
     same(folder.open(content))
 
 
+# The suite has each language and each way of writing numbers, the soak all pairs.
+@pytest.mark.soak_cases(
+    *(
+        f"{separators}-{language}"
+        for separators in ("\\t-.", ";-,", ",-.")
+        for language in samples.WORDS
+        if language != "en"
+    )
+)
 @pytest.mark.parametrize("language", samples.WORDS)
 @pytest.mark.parametrize(
     ("separator", "decimal"), [("\t", ","), ("\t", "."), (";", ","), (",", ".")]
