@@ -54,7 +54,9 @@ def test_a_set_of_three_that_was_sought_together_stays():
         ("effect-missing", True, "phase-error"),
     ],
 )
-def test_no_effect_goes_in_for_what_the_measuring_chain_did(verdict, by_chain, accepted):
+def test_no_effect_goes_in_for_what_the_measuring_chain_did(
+    monkeypatch, verdict, by_chain, accepted
+):
     """A gain that drifts along one sweep: a phase error takes most of it, and proves nothing."""
     first = SimpleNamespace(
         effect="phase-error", alike=(), probability=0.02, error_after=0.4, physics="phase-error"
@@ -67,10 +69,9 @@ def test_no_effect_goes_in_for_what_the_measuring_chain_did(verdict, by_chain, a
             error=SimpleNamespace(relative_rms=1.0),
         ),
         course=None,
-        evidence=SimpleNamespace(
-            by_chain=by_chain, instead=(), likeliest_with=dict, drift=None, one_frequency=False
-        ),
+        evidence=SimpleNamespace(instead=(), likeliest_with=dict, drift=None, one_frequency=False),
         naming=SimpleNamespace(confounded=[], alarm=0.0, gain=100.0),
     )
+    monkeypatch.setattr(discovery, "by_chain", lambda evidence: by_chain)
     step = SimpleNamespace(case=case, model=SimpleNamespace(effects=()))
     assert _decisive([step]) == accepted

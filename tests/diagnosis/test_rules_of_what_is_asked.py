@@ -96,6 +96,8 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
         "_between_effects": lambda evidence: "between",
         "only_points": lambda search, points: state.get("only_points", False),
         "drifted": lambda search: state["drifted"],
+        "by_chain": lambda evidence: state.get("by_chain", False),
+        "prefers_effects": lambda evidence: state.get("named", True),
         "NextExperiment": lambda says, *rest: says,
     }
     for name, what in asked.items():
@@ -110,8 +112,6 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
         classes=[["a", "b"]],
         drift=state.get("drift"),
         untold=state.get("untold"),
-        by_chain=state.get("by_chain", False),
-        named=state.get("named", True),
     )
     found = answer._next_experiment(
         search, evidence, *(state[name] for name in ("verdict", "outliers", "leading", "course"))

@@ -18,7 +18,7 @@ from springpot.misfit.refit import Refit, refit
 from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
-from springpot.thresholds import EVIDENCE, VERDICT
+from springpot.thresholds import EVIDENCE
 
 from ..numerics import ROUNDING, SMALLEST
 from .grown import Grown, Search, SweepDrift, Untold, drift_in_place, untold_in_place
@@ -28,7 +28,6 @@ from .marginal import (
     harmonic_evidence,
     is_a_limit,
     left_unknown,
-    likeliest_unknown,
     marginal,
     unknown_marginal,
 )
@@ -245,16 +244,6 @@ class Evidence:
     def rest(self) -> Unknown | None:
         """What the misfit that the best effects leave looks like; None without a description."""
         return self.fault or left_unknown(self.search)
-
-    @property
-    def named(self) -> bool:
-        """Whether some effect is preferred to nothing."""
-        return sum(one.probability for one in self.explanations) > self.nothing
-
-    @property
-    def by_chain(self) -> bool:
-        """Whether a fault of the measuring chain with a description explains more than effects."""
-        return self.by_itself > VERDICT.likely and bool(likeliest_unknown(self.search).says)
 
     def beside_drift(self) -> Evidence:
         """The same, having asked whether a drifting gain explains as much as the best model."""

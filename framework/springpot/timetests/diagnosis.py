@@ -49,7 +49,7 @@ from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, Tried
+from .left import Left, Promise, Tried
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -431,18 +431,10 @@ def _judged(
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
     quick, left_out = quick_parts(parts), dict[str, str]()
-    # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed
-    # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = TimeScan(base, quick).promises(beside)
-    if is_material(base.model):
-        leading = leading_of_scan(promises, before)
-        tried = of_material(given, parts, base, leading, known, left_out, fitted)
-    else:
-        nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
-        nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
-        tried = exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
+    tried = _sieved(given, parts, quick, base, beside, promises, before, known, left_out, fitted)
     better = _better_start(given, parts, base, before, tried, known)
     if better is not None:
         return _judged(given, model, effects, better, known, fitted)
@@ -472,6 +464,30 @@ def _judged(
         left_out.pop(each.effect.name, None)
     case = answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
     return case._replace(asked=AskedTests(given, parts, quick, known, beside))
+
+
+def _sieved(
+    given: Sequence[Test],
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    base: Identification,
+    effects: Sequence[Effect],
+    promises: dict[str, list[Promise]],
+    before: Left,
+    known: Sequence[Real | None] | None,
+    left_out: dict[str, str],
+    fitted: Fitted,
+) -> list[Tried]:
+    """Effects that were fitted, by sieves each finer and dearer than the one before.
+
+    A linear scan, fits by fixed exponentials, exact fits.
+    """
+    if is_material(base.model):
+        leading = leading_of_scan(promises, before)
+        return of_material(given, parts, base, leading, known, left_out, fitted)
+    nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
+    nearly += from_the_best(base, parts, quick, effects, nearly, before, left_out)
+    return exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
 
 
 def _better_start(
