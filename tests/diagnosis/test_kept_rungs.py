@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from springpot.diagnosis import discovery
-from springpot.diagnosis.discovery import _explained
+from springpot.diagnosis.discovery import _decisive, _explained
 
 
 def rung(error, verdict):
@@ -44,3 +44,34 @@ def test_a_set_of_three_that_was_sought_together_stays():
     rungs = [rung(*each) for each in [(8.0, "unexplained"), (6.0, "unexplained")]]
     rungs += [rung(*each) for each in [(4.0, "effect-missing"), (1.0, "adequate")]]
     assert len(_explained(rungs, [3])) == 4
+
+
+@pytest.mark.parametrize(
+    ("verdict", "by_chain", "accepted"),
+    [
+        ("unexplained", False, "phase-error"),
+        ("unexplained", True, None),
+        ("effect-missing", True, "phase-error"),
+    ],
+)
+def test_no_effect_goes_in_for_what_the_measuring_chain_did(
+    monkeypatch, verdict, by_chain, accepted
+):
+    """A gain that drifts along one sweep: a phase error takes most of it, and proves nothing."""
+    first = SimpleNamespace(
+        effect="phase-error", alike=(), probability=0.02, error_after=0.4, physics="phase-error"
+    )
+    case = SimpleNamespace(
+        diagnosis=SimpleNamespace(
+            verdict=verdict,
+            candidates=[first],
+            leading=["phase-error"],
+            error=SimpleNamespace(relative_rms=1.0),
+        ),
+        course=None,
+        evidence=SimpleNamespace(instead=(), likeliest_with=dict, drift=None, one_frequency=False),
+        naming=SimpleNamespace(confounded=[], alarm=0.0, gain=100.0),
+    )
+    monkeypatch.setattr(discovery, "by_chain", lambda evidence: by_chain)
+    step = SimpleNamespace(case=case, model=SimpleNamespace(effects=()))
+    assert _decisive([step]) == accepted

@@ -80,6 +80,10 @@ ASKED = {"verdict": "effect-missing", "leading": ["a"], "course": None, "outlier
         ({"verdict": "unexplained", "leading": []}, "unknown"),
         ({"verdict": "unexplained"}, "between"),
         ({"verdict": "unexplained", "leading": [], "drifted": True}, None),
+        ({"verdict": "unexplained", "by_chain": True}, "unknown"),
+        ({"by_chain": True}, "between"),
+        ({"verdict": "inconclusive", "leading": []}, "between"),
+        ({"verdict": "inconclusive", "leading": [], "named": False}, "unknown"),
     ],
 )
 def test_the_cheapest_question_comes_first(monkeypatch, state, question):
@@ -92,6 +96,8 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
         "_between_effects": lambda evidence: "between",
         "only_points": lambda search, points: state.get("only_points", False),
         "drifted": lambda search: state["drifted"],
+        "by_chain": lambda evidence: state.get("by_chain", False),
+        "prefers_effects": lambda evidence: state.get("named", True),
         "NextExperiment": lambda says, *rest: says,
     }
     for name, what in asked.items():

@@ -50,7 +50,11 @@ def test_a_pair_is_no_worse_for_the_exponentials_by_which_it_was_found(monkeypat
         exact = 26.0 if one.key == ("a", "b") else one.cost
         sets.fitted[one.key] = of(one.key, exact, fit="exact")
 
+    def left_there(sets, best, effect):
+        return of("".join(key for key in best.key if key != effect.name), np.inf)
+
     monkeypatch.setattr(TimeSets, "_fit_exactly", fit_exactly)
+    monkeypatch.setattr(TimeSets, "_left_there", left_there)
     sets = TimeSets(None, None)
     for names, cost in (("a", 270.0), ("b", 1700.0), ("c", 900.0), ("ab", 166.0), ("bcd", 77.0)):
         sets.add(of(names, cost))

@@ -58,7 +58,7 @@ from .result import (
 )
 from .scan import Score
 from .search import with_factors
-from .verdict import drifted, leading_names, only_points, sentence
+from .verdict import by_chain, drifted, leading_names, only_points, prefers_effects, sentence
 
 
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
@@ -505,13 +505,13 @@ def _next_experiment(
     if verdict == "adequate" or only_points(search, outliers):
         return experiment_on_points(outliers)
     # The cheapest question of all, and no other measurement answers it.
-    if evidence.drift is not None:
+    if evidence.drift is not None or (verdict == "unexplained" and by_chain(evidence)):
         return experiment_on_unknown(search.base.data.raw)
     if evidence.untold is not None:
         return experiment_on_untold(evidence.untold, search.base.data.raw)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
-    if verdict != "unexplained" or leading:
+    if (verdict != "unexplained" and prefers_effects(evidence)) or leading:
         experiment = _between_effects(evidence)
     # Where repeats drift, the very question has been answered.
     if experiment is None and verdict in OPEN and not drifted(search):

@@ -42,6 +42,7 @@ from .ladder import Case, Ladder, Reached, Step, climbed, replaced_by, with_riva
 from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
 from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
+from .verdict import by_chain
 
 if TYPE_CHECKING:
     from .ladder import Case
@@ -456,6 +457,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
+        return None
+    # Nor is what the measuring chain did: an effect only follows a part of it, and what that leaves
+    # then asks for another.
+    if verdicts[-1] == "unexplained" and by_chain(case.evidence):
         return None
     # Where several others may be missing together in its place, or a cause that goes with what was
     # not varied by itself, nobody could decide.

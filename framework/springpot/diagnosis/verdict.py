@@ -256,12 +256,12 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         by_battery=search.structure.p_value < VERDICT.structure_alarm,
         certain=certain,
         gain=search.gain,
-        named=sum(one.probability for one in evidence.explanations) > evidence.nothing,
+        named=prefers_effects(evidence),
         something=evidence.nothing < VERDICT.likely,
         unknown=unknown,
         ruled_out=evidence.nothing < VERDICT.ruled_out
         and search.base.fit.dof >= VERDICT.enough_spare,
-        chain=evidence.by_itself > VERDICT.likely and bool(likeliest_unknown(search).says),
+        chain=by_chain(evidence),
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
         few=is_hardly_known(search.base),
@@ -275,6 +275,16 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         below=below_floor(search.base, certain),
         by_column=column_behind(search.best.frame()) is not None,
     )
+
+
+def prefers_effects(evidence: Evidence) -> bool:
+    """Whether the evidence prefers some effect to nothing."""
+    return sum(one.probability for one in evidence.explanations) > evidence.nothing
+
+
+def by_chain(evidence: Evidence) -> bool:
+    """Whether a fault of the measuring chain with a description explains more than any effect."""
+    return evidence.by_itself > VERDICT.likely and bool(likeliest_unknown(evidence.search).says)
 
 
 def _stand_out_together(base: Refit) -> bool:

@@ -42,14 +42,14 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
-from springpot.thresholds import EXPERIMENT
+from springpot.thresholds import EXPERIMENT, SEARCH
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly
 from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, Tried
+from .left import Left, Promise, Tried
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -64,6 +64,7 @@ from .scatter import (
 )
 from .score import TimeScan
 from .sieve import (
+    alone,
     delta_of,
     exactly_fitted,
     from_the_best,
@@ -430,18 +431,13 @@ def _judged(
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
     quick, left_out = quick_parts(parts), dict[str, str]()
-    # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed
-    # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = TimeScan(base, quick).promises(beside)
-    if is_material(base.model):
-        leading = leading_of_scan(promises, before)
-        tried = of_material(given, parts, base, leading, known, left_out, fitted)
-    else:
-        nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
-        nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
-        tried = exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
+    tried = _sieved(given, parts, quick, base, beside, promises, before, known, left_out, fitted)
+    better = _better_start(given, parts, base, before, tried, known)
+    if better is not None:
+        return _judged(given, model, effects, better, known, fitted)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
     tried = _one_of_each([_no_worse(each, before) for each in tried])
@@ -468,6 +464,62 @@ def _judged(
         left_out.pop(each.effect.name, None)
     case = answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
     return case._replace(asked=AskedTests(given, parts, quick, known, beside))
+
+
+def _sieved(
+    given: Sequence[Test],
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    base: Identification,
+    effects: Sequence[Effect],
+    promises: dict[str, list[Promise]],
+    before: Left,
+    known: Sequence[Real | None] | None,
+    left_out: dict[str, str],
+    fitted: Fitted,
+) -> list[Tried]:
+    """Effects that were fitted, by sieves each finer and dearer than the one before.
+
+    A linear scan, fits by fixed exponentials, exact fits.
+    """
+    if is_material(base.model):
+        leading = leading_of_scan(promises, before)
+        return of_material(given, parts, base, leading, known, left_out, fitted)
+    nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
+    nearly += from_the_best(base, parts, quick, effects, nearly, before, left_out)
+    return exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
+
+
+def _better_start(
+    given: Sequence[Test],
+    parts: Sequence[TestPart],
+    base: Identification,
+    before: Left,
+    tried: Sequence[Tried],
+    known: Sequence[Real | None] | None,
+) -> Identification | None:
+    """The model alone, fitted from where effects have led it; None where that is no nearer.
+
+    As for sweeps: what a small effect seems to explain may be a minimum that was left behind, and
+    an order or a spring at the end of its range is one.
+    """
+    nearest = sorted(tried, key=lambda each: plain_bic(each.left))[: SEARCH.tried_alone]
+    if not tried or is_material(base.model):
+        return None
+    noise = noise_of_both(before, nearest[0].left)
+    if delta_of(before, nearest[0], noise, base) < SEARCH.decisive:
+        return None
+    seeds = [alone(each, base.model) for each in nearest]
+    fit = identify(given, base.model, seeds=seeds, thorough=False, noise=known)
+    left = Left.by(fit.model, fit.theta, fit.reference, parts)
+    # Of several tests a fit weighs one against another: it is another minimum only if none loses.
+    gains = [
+        float(old @ old - new @ new)
+        for old, new in zip(before.residuals, left.residuals, strict=True)
+    ]
+    if min(gains) < 0.0 or sum(gains) <= 2.0 * SEARCH.better:
+        return None
+    return fit
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:

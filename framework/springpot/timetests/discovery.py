@@ -127,11 +127,14 @@ class TimeSets:
             self.add(TimeSet((*one.effects, each.effect), each.model, each.theta, each.left))
 
     def _without(self, best: TimeSet, effect: Effect) -> TimeSet:
-        """The fit of the others, or where they stand in the whole set."""
+        """The fit of the others, or where they stand in the whole set if that is better."""
+        there = self._left_there(best, effect)
+        # A fit that is worse was caught in another minimum, and an effect would only mend that.
+        return min(self.fitted.get(there.key, there), there, key=lambda one: one.cost)
+
+    def _left_there(self, best: TimeSet, effect: Effect) -> TimeSet:
+        """A set without one of its effects, the rest as it is."""
         rest = tuple(other for other in best.effects if other is not effect)
-        key = tuple(sorted(other.name for other in rest))
-        if key in self.fitted:
-            return self.fitted[key]
         model = best.model - effect.name
         known = dict(zip(best.model.names, best.theta.tolist(), strict=True))
         theta = model.vector({name: known[name] for name in model.names})

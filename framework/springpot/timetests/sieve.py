@@ -14,7 +14,9 @@ from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.thresholds import SEARCH
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
@@ -214,19 +216,44 @@ def from_the_best(
     before: Left,
     left_out: dict[str, str],
 ) -> list[Tried]:
-    """Effects that do what the best one does, where it is.
+    """Effects anew from where the best one has led the model's own parameters.
 
-    From a fit that misses the tests by far a linear step leads astray: so a dashpot may be left out
-    that a springpot of order one was found to be.
+    From a fit that misses the tests a linear step leads astray, the more so where a parameter has
+    gone to its end in the effect's stead: so a dashpot may be left out that a springpot of order
+    one was found to be, or a drift that a slow mode was.
     """
-    if not nearly or before.over(before.scatters) < ASTRAY:
-        return []
-    best = min(nearly, key=lambda each: plain_bic(each.left))
-    grown = replace(base, model=best.model, theta=best.theta)
-    promises = TimeScan(grown, quick).in_place_of(best.effect, effects)
-    tried = {each.effect.name for each in nearly}
-    leading = [each for name, each in promises.items() if name not in tried]
-    return nearly_fitted(base, parts, quick, leading, before, left_out)
+    found: list[Tried] = []
+    asked: set[str] = set()
+    while tried := [*nearly, *found]:
+        best = min(tried, key=lambda each: plain_bic(each.left))
+        # By the noise that the best one leaves: what is missing may look like noise without it.
+        if delta_of(before, best, noise_of_both(before, best.left), base) < SEARCH.decisive:
+            break
+        near = {each.effect.name for each in tried if _as_near(each, best)}
+        there = replace(base, theta=alone(best, base.model))
+        promises = TimeScan(there, quick).promises(effects)
+        left = Left.by(there.model, there.theta, there.reference, parts)
+        leading = [
+            each
+            for each in leading_of_scan(promises, left)
+            if each[0].effect.name not in near | asked
+        ]
+        if not leading:
+            break
+        asked |= {each[0].effect.name for each in leading}
+        found += nearly_fitted(there, parts, quick, leading, before, left_out)
+    return found
+
+
+def alone(each: Tried, model: Model) -> Real:
+    """A model's own parameters (p,) where an effect has led them."""
+    led = dict(zip(each.model.names, each.theta.tolist(), strict=True))
+    return model.vector({name: led[name] for name in model.names})
+
+
+def _as_near(each: Tried, best: Tried) -> bool:
+    """Whether a fit is so near the best that a better start would change nothing."""
+    return plain_bic(each.left) - plain_bic(best.left) <= MARGIN
 
 
 def exactly_fitted(

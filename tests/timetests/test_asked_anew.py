@@ -1,0 +1,120 @@
+"""Effects are asked anew from where the best one has led the model, and so is the model alone."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.identification.result import Identification
+from springpot.registry import parse_model
+from springpot.timetests import diagnosis, sieve
+from springpot.timetests.discovery import TimeSets
+
+MODEL = parse_model("maxwell")
+CAUGHT, LED = np.array([1.0, 1e9]), np.array([5.0, 7.0])
+"""Where the model's own fit was caught, a parameter at its end, and where an effect has led it."""
+
+
+def tried(name, squares, theta=LED):
+    """An effect with what it leaves, and the model's parameters beside it."""
+    grown = SimpleNamespace(names=[*MODEL.names, f"{name}.size"])
+    left = SimpleNamespace(squares_left=squares)
+    return SimpleNamespace(
+        effect=SimpleNamespace(name=name), model=grown, theta=np.r_[theta, 2.0], left=left
+    )
+
+
+@pytest.fixture
+def base():
+    fields = dict.fromkeys(Identification.__dataclass_fields__)
+    return Identification(**fields | {"model": MODEL, "theta": CAUGHT, "reference": 1.0})
+
+
+@pytest.fixture(autouse=True)
+def plain_weights(monkeypatch):
+    for room in (sieve, diagnosis):
+        monkeypatch.setattr(room, "plain_bic", lambda left: left.squares_left)
+        monkeypatch.setattr(room, "noise_of_both", lambda before, best: None)
+        monkeypatch.setattr(
+            room,
+            "delta_of",
+            lambda before, each, noise, base: before.squares_left - each.left.squares_left,
+        )
+
+
+def asked_anew(monkeypatch, base, first, better):
+    """Effects asked anew, each with the parameters from which it was asked."""
+    scanned = [*first, *better]
+    asked = []
+
+    def fitted(there, parts, quick, leading, before, left_out):
+        names = [promises[0].effect.name for promises in leading]
+        asked.extend((name, there.theta.tolist()) for name in names)
+        return [each for each in better if each.effect.name in names]
+
+    monkeypatch.setattr(sieve, "TimeScan", lambda there, quick: SimpleNamespace(promises=list))
+    monkeypatch.setattr(sieve.Left, "by", lambda *given: None)
+    monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[each] for each in scanned])
+    monkeypatch.setattr(sieve, "nearly_fitted", fitted)
+    before = SimpleNamespace(squares_left=900.0)
+    found = sieve.from_the_best(base, [], [], [], first, before, {})
+    return asked, [each.effect.name for each in found]
+
+
+def test_what_a_parameter_at_its_end_hid_is_found_where_the_best_one_led(monkeypatch, base):
+    asked, found = asked_anew(
+        monkeypatch, base, [tried("mode", 400.0)], [tried("friction", 340.0, LED)]
+    )
+    assert found == ["friction"]
+    assert asked[0] == ("friction", LED.tolist())
+
+
+def test_each_effect_is_asked_anew_once(monkeypatch, base):
+    asked, _ = asked_anew(monkeypatch, base, [tried("mode", 400.0)], [tried("drift", 850.0)])
+    assert [name for name, _ in asked] == ["drift"]
+
+
+def test_nothing_is_asked_anew_where_no_effect_explains_anything(monkeypatch, base):
+    asked, _ = asked_anew(monkeypatch, base, [tried("mode", 899.0)], [tried("drift", 850.0)])
+    assert asked == []
+
+
+@pytest.mark.parametrize(
+    ("alone", "better"),
+    [
+        ([895.0], True),
+        ([900.0], False),
+        # One test against another is no other minimum.
+        ([600.0, 150.0], True),
+        ([500.0, 201.0], False),
+    ],
+)
+def test_the_model_alone_is_fitted_from_where_an_effect_led_it(monkeypatch, base, alone, better):
+    begun = []
+
+    def identify(tests, model, *, seeds, thorough, noise):
+        begun.extend(seed.tolist() for seed in seeds)
+        return base
+
+    def left(*squares):
+        residuals = tuple(np.array([np.sqrt(each)]) for each in squares)
+        return SimpleNamespace(squares_left=sum(squares), residuals=residuals)
+
+    monkeypatch.setattr(diagnosis, "identify", identify)
+    monkeypatch.setattr(diagnosis.Left, "by", lambda *given: left(*alone))
+    before = left(*[900.0, 200.0][: len(alone)])
+    found = diagnosis._better_start([], [], base, before, [tried("friction", 700.0)], None)
+    assert begun == [LED.tolist()]
+    assert (found is not None) == better
+
+
+@pytest.mark.parametrize(("there", "chosen"), [(50.0, 50.0), (150.0, 100.0)])
+def test_a_smaller_set_stands_where_the_larger_led_it_if_that_is_better(monkeypatch, there, chosen):
+    a, b = SimpleNamespace(name="a"), SimpleNamespace(name="b")
+    sets = TimeSets(None, None)
+    sets.add(SimpleNamespace(key=("a",), effects=(a,), cost=100.0, fit="caught"))
+    left = SimpleNamespace(key=("a",), effects=(a,), cost=there, fit=None)
+    monkeypatch.setattr(TimeSets, "_left_there", lambda self, best, effect: left)
+    assert sets._without(SimpleNamespace(effects=(a, b)), b).cost == chosen
