@@ -102,9 +102,12 @@ def _repeats(change: Real, period: int) -> bool:
     """Whether a response changes from its first cycle to a later one no more than later ones do."""
     rest = change[period:]
     usual = float(np.mean(rest**2)) if len(rest) else 0.0
+    # What never differs was not measured.
+    if usual == 0.0:
+        return False
     for part in OF_PERIOD:
         first = change[: max(int(part * period), 2)]
-        ratio = float(np.mean(first**2)) / max(usual, SMALLEST)
-        if f_sf(ratio, len(first), max(len(rest), 1)) < SETTLING:
+        ratio = float(np.mean(first**2)) / usual
+        if f_sf(ratio, len(first), len(rest)) < SETTLING:
             return False
-    return len(rest) > 0
+    return True
