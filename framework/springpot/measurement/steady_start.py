@@ -49,10 +49,10 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     >>> t = np.arange(400) / 100.0
     >>> moved = Loading(t, np.sin(2.0 * np.pi * t), sampled=True)
     >>> steady, noise = np.sin(2.0 * np.pi * t + 0.3), np.random.default_rng(1).normal(size=400)
-    >>> gone_on(moved, steady + 0.01 * noise).time[0]
-    -3.0
-    >>> gone_on(moved, steady + np.exp(-t) + 0.01 * noise).time[0]
-    0.0
+    >>> gone_on(moved, steady + 0.01 * noise).before
+    400
+    >>> gone_on(moved, steady + np.exp(-t) + 0.01 * noise).before
+    0
     """
     steps = np.diff(loading.time)
     if len(steps) < (PERIODS_AFTER + 1) * SHORTEST or np.ptp(steps) > REPEATS * np.mean(steps):
