@@ -428,7 +428,9 @@ def sentence(
     if verdict == "effect-missing":
         return f"{error}; missing is {_named(evidence)}{_left(evidence)}"
     if verdict == "inconclusive":
-        return f"{error}; these data cannot tell whether something is missing"
+        # More than noise is left all the same, and where it has no pattern a few points may be bad.
+        bad = " or some points are bad" if beyond_floor(own.base) else ""
+        return f"{error}; these data cannot tell whether something is missing{bad}"
     # Before the other sentences: the error is that of the data without these points, and small.
     if only_points(own, outliers):
         points = "a single point stands out"
