@@ -304,6 +304,9 @@ def test_a_verdict_in_words(monkeypatch, stays):
     exact = [False]
     doubts = [""]
     monkeypatch.setattr(verdict, "is_arithmetic", lambda base: exact[0])
+    monkeypatch.setattr(
+        verdict, "beyond_floor", lambda base: base.error > VERDICT.misfit * base.floor
+    )
     monkeypatch.setattr(verdict, "_of_repeats", lambda search: doubts[0])
     monkeypatch.setattr(verdict, "EqualRows", SimpleNamespace)
     level, noisy, little = VERDICT.structure_alarm, VERDICT.noisy, VERDICT.certified
@@ -325,6 +328,7 @@ def test_a_verdict_in_words(monkeypatch, stays):
         "adequate but for two": says("adequate", own(), two),
         "effect": says("effect-missing", own()),
         "open": says("inconclusive", own()),
+        "open at the floor": says("inconclusive", own(error=0.01)),
         "one point": says("unexplained", own(scan=1.0, structure=1.0), one),
         "two points": says("unexplained", own(scan=1.0, structure=1.0), two),
         "a point and more": says("unexplained", own(scan=level, structure=1.0), one),

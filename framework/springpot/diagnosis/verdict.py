@@ -428,7 +428,7 @@ def sentence(
     if verdict == "effect-missing":
         return f"{error}; missing is {_named(evidence)}{_left(evidence)}"
     if verdict == "inconclusive":
-        return f"{error}; these data cannot tell whether something is missing"
+        return f"{error}; these data cannot tell whether something is missing{_or_bad(own.base)}"
     # Before the other sentences: the error is that of the data without these points, and small.
     if only_points(own, outliers):
         points = "a single point stands out"
@@ -454,6 +454,11 @@ def sentence(
     elif behind is not None:
         missing = f"{missing}: {behind.headline}"
     return f"{error}; {missing}{_if_little(own.base)}"
+
+
+def _or_bad(base: Refit) -> str:
+    """What else may leave more than noise without a pattern, as the end of a sentence."""
+    return " or some points are bad" if beyond_floor(base) else ""
 
 
 def _left(evidence: Evidence) -> str:
