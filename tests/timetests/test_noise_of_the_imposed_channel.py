@@ -76,7 +76,7 @@ def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(
     monkeypatch.setattr(left, "imposed_noise", lambda value: 0.3)
 
     def heard(sd, control="displacement", moved=0.0):
-        loading = SimpleNamespace(time=at + moved, value=at)
+        loading = Loading(at + moved, at)
         test = SimpleNamespace(loading=loading, control=control)
         part = SimpleNamespace(at=at, test=test, stiffness=4.0, sd=np.full(400, sd))
         return left._heard(part)

@@ -58,6 +58,8 @@ class Record:
         way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(test.loading.value)))])
         # Of a load on one side a cycle goes there and back once, not twice.
         span = float(np.ptp(test.loading.value)) or largest
+        # Those before the record have been; it counts its own.
+        way -= way[test.loading.before]
         cycles = np.interp(t, test.loading.time, way) / (2.0 * span)
         return cls(t - test.start, imposed, rate, largest, cycles, test.control)
 

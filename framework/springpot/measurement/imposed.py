@@ -41,6 +41,8 @@ class Loading:
         Displacement or force.
     sampled : bool
         Whether the knots are samples of something that may be smooth between them; see `Between`.
+    before : int
+        Knots before the first sample: how it had gone on until then.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class Loading:
     time: Real
     value: Real
     sampled: bool = False
+    before: int = 0
 
     def __post_init__(self) -> None:
         for name in ("time", "value"):
@@ -108,6 +111,12 @@ class Loading:
         if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
             return None
         return kept
+
+    @property
+    def recorded(self) -> Loading:
+        """What was recorded of it."""
+        now = slice(self.before, None)
+        return replace(self, time=self.time[now], value=self.value[now], before=0)
 
     def scaled(self, factor: float) -> Loading:
         """The same in another unit."""

@@ -19,6 +19,7 @@ from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
+from .steady_start import gone_on
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -289,10 +290,14 @@ class TimeTest:
         if control == "force":
             imposed, response = pulled, moved
         _require_numbers(clock, imposed, name, control)
+        loading = from_rest(clock, imposed, rise)
+        # What flows under a force has no place of its own: where it was before, nobody knows.
+        if loading.sampled and control == "displacement":
+            loading = gone_on(loading, response)
         return cls(
             clock,
             response,
-            from_rest(clock, imposed, rise),
+            loading,
             control,
             displacement_unit,
             force_unit,
@@ -452,16 +457,18 @@ class TimeTest:
     def start(self) -> float:
         """When the load first moves, in s."""
         # Not the first knot: a record may begin long before the load does.
-        moving = np.flatnonzero(np.diff(self.loading.value) != 0.0)
-        return float(self.loading.time[moving[0]])
+        loading = self.loading.recorded
+        moving = np.flatnonzero(np.diff(loading.value) != 0.0)
+        return float(loading.time[moving[0]])
 
     @cached_property
     def rise(self) -> float:
         """Seconds that the load takes to its largest value."""
         # A rig holds what was set only so nearly: what it does within that is no rise.
-        size = np.abs(self.loading.value)
+        loading = self.loading.recorded
+        size = np.abs(loading.value)
         there = np.flatnonzero(size >= (1.0 - STEADY) * size.max())[0]
-        return max(float(self.loading.time[there]) - self.start, 0.0)
+        return max(float(loading.time[there]) - self.start, 0.0)
 
     @property
     def after_step(self) -> bool:
@@ -471,7 +478,8 @@ class TimeTest:
     @cached_property
     def kind(self) -> str:
         """``relaxation``, ``creep``, ``recovery``, ``startup`` or ``history``."""
-        value, clock = self.loading.value, self.loading.time
+        loading = self.loading.recorded
+        value, clock = loading.value, loading.time
         largest = np.abs(value).max()
         after = value[clock > self.start + self.rise]
         # Told from the load alone: what a test is must not depend on how its specimen answered.

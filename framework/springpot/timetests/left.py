@@ -267,7 +267,9 @@ def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
     kicks[APART::APART] = size
     kicks[2 * APART :: 2 * APART] *= -1.0
     loading = part.test.loading
-    moved = replace(part.test, loading=replace(loading, value=loading.value + kicks))
+    kicked = loading.value.copy()
+    kicked[loading.before :] += kicks
+    moved = replace(part.test, loading=replace(loading, value=kicked))
     rows = np.arange(len(part.at))
     before = part.answer(model, theta, reference, rows).value
     after = replace(part, test=moved, noise=part.sd).answer(model, theta, reference, rows).value
@@ -283,7 +285,7 @@ def _heard(part: TestPart) -> float:
     """
     if not isinstance(part, InTimePart) or len(part.at) < FEWEST or not is_even(part.at):
         return 0.0
-    loading = part.test.loading
+    loading = part.test.loading.recorded
     if not np.array_equal(loading.time, part.at):
         return 0.0
     size, factor = imposed_noise(loading.value), part.stiffness

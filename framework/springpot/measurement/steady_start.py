@@ -1,0 +1,113 @@
+"""Whether a record begins in the middle of a motion that had gone on before.
+
+A cyclic test is mostly recorded once it runs. What its specimen remembers of the cycles before is
+in the first ones recorded, and a model that begins at rest misses it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.distributions import f_sf
+from springpot.rheology.points import Real
+
+from ..numerics import SMALLEST
+from .imposed import Loading
+
+SHORTEST = 8
+"""Samples of a period at least."""
+PERIODS_AFTER = 2
+"""Periods that are recorded beside those which are laid over one another at least."""
+REPEATS = 0.01
+"""By how much what was imposed may differ from cycle to cycle, over its own root mean square."""
+PERIODIC = 0.2
+"""The same by which a period is found, which need not be a whole number of samples."""
+OF_PERIOD = (0.125, 0.5, 1.0)
+"""Parts of a period, from the first sample on, in which the response may still be settling."""
+SETTLING = 1e-3
+"""Chance of so large a difference there from noise alone, below which it began at rest."""
+
+
+def gone_on(loading: Loading, response: Real) -> Loading:
+    """The loading with cycles before the first sample, where the response repeats from there on.
+
+    They grow from nothing, so that they leave no memory of their own beginning. Where the
+    specimen forgets within the noise, they change nothing.
+
+    Parameters
+    ----------
+    loading : Loading
+        As it was recorded, evenly in time.
+    response : ndarray, shape (n,)
+        Of the same samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(400) / 100.0
+    >>> moved = Loading(t, np.sin(2.0 * np.pi * t), sampled=True)
+    >>> steady, noise = np.sin(2.0 * np.pi * t + 0.3), np.random.default_rng(1).normal(size=400)
+    >>> gone_on(moved, steady + 0.01 * noise).before
+    400
+    >>> gone_on(moved, steady + np.exp(-t) + 0.01 * noise).before
+    0
+    """
+    steps = np.diff(loading.time)
+    if len(steps) < (PERIODS_AFTER + 1) * SHORTEST or np.ptp(steps) > REPEATS * np.mean(steps):
+        return loading
+    period, lag = _lag(loading.value)
+    if not lag or not _repeats(response[lag:] - response[:-lag], period):
+        return loading
+    count = (len(steps) + 1) // lag
+    middle = float(np.mean(loading.value[:lag]))
+    grown = np.minimum(2.0 * np.arange(count * lag) / (count * lag), 1.0)
+    earlier = middle + np.sin(0.5 * np.pi * grown) ** 2 * (
+        np.tile(loading.value[:lag], count) - middle
+    )
+    before = loading.time[0] - float(np.mean(steps)) * np.arange(count * lag, 0, -1)
+    return replace(
+        loading,
+        time=np.concatenate([before, loading.time]),
+        value=np.concatenate([earlier, loading.value]),
+        before=count * lag,
+    )
+
+
+def _lag(value: Real) -> tuple[int, int]:
+    """Samples of a period, and of so many of them as lie best over the next ones; zero for none."""
+    n, size = len(value), value - np.mean(value)
+    whole = np.fft.rfft(size, 2 * n)
+    alike = np.fft.irfft(whole * np.conj(whole))[:n]
+    squares = np.concatenate([[0.0], np.cumsum(size**2)])
+    lags = np.arange(n)
+    apart = squares[n - lags] + squares[n] - squares[lags] - 2.0 * alike
+    apart /= np.maximum((n - lags) * max(squares[n] / n, SMALLEST), SMALLEST)
+    near = np.flatnonzero(apart[SHORTEST:] < PERIODIC**2) + SHORTEST
+    # What is smooth is near itself at first: a period is where it comes back.
+    left = np.flatnonzero(apart[SHORTEST:] > PERIODIC**2) + SHORTEST
+    near = near[near > left[0]] if len(left) else near[:0]
+    if not len(near):
+        return 0, 0
+    period = int(near[0])
+    tried = near[near <= n - PERIODS_AFTER * period]
+    if not len(tried):
+        return 0, 0
+    best = int(tried[np.argmin(apart[tried])])
+    return period, best if apart[best] <= REPEATS**2 else 0
+
+
+def _repeats(change: Real, period: int) -> bool:
+    """Whether a response changes from its first cycle to a later one no more than later ones do."""
+    rest = change[period:]
+    usual = float(np.mean(rest**2)) if len(rest) else 0.0
+    # What never differs was not measured.
+    if usual == 0.0:
+        return False
+    for part in OF_PERIOD:
+        first = change[: max(int(part * period), 2)]
+        ratio = float(np.mean(first**2)) / usual
+        if f_sf(ratio, len(first), len(rest)) < SETTLING:
+            return False
+    return True

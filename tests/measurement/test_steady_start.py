@@ -1,0 +1,100 @@
+"""Records of a cyclic motion: of one that had gone on before, and of one that began at rest."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.measurement import TimeTest
+from springpot.measurement.imposed import Loading
+from springpot.measurement.steady_start import gone_on
+from springpot.timetests import diagnose, identify, recorded
+
+HERTZ, PERIOD = 50.0, 1.0
+T = np.arange(int(8 * HERTZ)) / HERTZ
+MODEL = springpot.parse_model("fractional-zener")
+THETA = MODEL.theta(k1=20.0, k2=60.0, c=8.0, alpha=0.6)
+
+
+def moved(t):
+    return np.sin(2.0 * np.pi * t / PERIOD) + 0.4 * np.sin(4.0 * np.pi * t / PERIOD + 1.0)
+
+
+def rest():
+    """Force of the material that began to move at the first sample."""
+    return recorded(MODEL, THETA, TimeTest.planned(T, moved(T), "mm")).value
+
+
+def for_ever():
+    """Force of the material that has moved like that for ever, from its K."""
+    omega = 2.0 * np.pi / PERIOD * np.array([1.0, 2.0])
+    amplitude = np.array([1.0, 0.4 * np.exp(1j)]) / 1j
+    waves = MODEL.stiffness(THETA, omega) * amplitude * np.exp(1j * omega * T[:, None])
+    return waves.real.sum(axis=1)
+
+
+def record(force):
+    noise = 0.004 * np.std(force) * np.random.default_rng(5).normal(size=len(T))
+    return TimeTest.of_history(T, moved(T), force + noise, "mm", "N", control="displacement")
+
+
+@pytest.fixture(scope="module")
+def steady():
+    return record(for_ever())
+
+
+def test_a_record_of_a_motion_that_had_gone_on_begins_before_its_first_sample(steady):
+    loading = steady.loading
+    assert loading.before == len(loading.time) - len(T) >= len(T) // 2
+    assert loading.time[0] == pytest.approx(-loading.before / HERTZ)
+    # In its last cycle before the record it goes as it goes in the record.
+    cycle = int(HERTZ * PERIOD)
+    last = slice(loading.before - cycle, loading.before)
+    assert loading.value[last] == pytest.approx(moved(T[:cycle]), abs=1e-9)
+    assert np.array_equal(loading.recorded.time, T)
+    assert (steady.start, steady.kind) == (0.0, "history")
+
+
+def test_nothing_is_missing_from_the_model_of_a_steady_record(steady):
+    """From rest it would miss what the specimen remembers, by many times the noise."""
+    fit = identify(steady, MODEL)
+    assert fit.tests[0].over_floor == pytest.approx(1.0, abs=0.1)
+    library = [springpot.plugins().effect(name) for name in ("parallel-dashpot", "friction")]
+    assert diagnose(steady, MODEL, library).verdict == "adequate"
+
+
+def test_a_record_that_began_at_rest_stays_as_it_is():
+    assert record(rest()).loading.before == 0
+
+
+@pytest.mark.parametrize(
+    "moved",
+    [
+        pytest.param(np.sin(2.0 * np.pi * T**1.5), id="a chirp"),
+        pytest.param(np.sin(2.0 * np.pi * T / 4.0), id="two periods"),
+        pytest.param(np.cumsum(np.random.default_rng(3).normal(size=len(T))), id="chance"),
+        pytest.param(np.minimum(T, 2.0), id="a ramp"),
+        pytest.param(np.zeros(len(T)), id="nothing"),
+    ],
+)
+def test_what_does_not_repeat_has_no_cycles_before(moved):
+    noise = np.random.default_rng(4).normal(size=len(T))
+    assert gone_on(Loading(T, moved, sampled=True), moved + 0.01 * noise).before == 0
+
+
+def test_a_period_need_not_be_a_whole_number_of_samples():
+    x = np.sin(2.0 * np.pi * T / 0.773)
+    noise = np.random.default_rng(4).normal(size=len(T))
+    loading = gone_on(Loading(T, x, sampled=True), x + 0.01 * noise)
+    late = loading.time > -2.0
+    assert loading.before
+    assert loading.value[late] == pytest.approx(
+        np.sin(2.0 * np.pi * loading.time[late] / 0.773), abs=0.02
+    )
+
+
+def test_uneven_samples_and_what_was_not_measured_stay():
+    x = np.sin(2.0 * np.pi * T)
+    noise = 0.01 * np.random.default_rng(4).normal(size=len(T))
+    uneven = Loading(T + 0.2 * noise, x, sampled=True)
+    assert gone_on(uneven, x + noise).before == 0
+    assert gone_on(Loading(T, x, sampled=True), np.zeros(len(T))).before == 0
