@@ -1,4 +1,7 @@
-"""Effects are asked anew from where the best one has led the model, and so is the model alone."""
+"""Effects are asked anew from where the best one has led the model, and so is the model alone.
+
+Beside the best one they are asked what of its noise is theirs.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ CAUGHT, LED = np.array([1.0, 1e9]), np.array([5.0, 7.0])
 def tried(name, squares, theta=LED):
     """An effect with what it leaves, and the model's parameters beside it."""
     grown = SimpleNamespace(names=[*MODEL.names, f"{name}.size"])
-    left = SimpleNamespace(squares_left=squares)
+    left = SimpleNamespace(squares_left=squares, misfit=False)
     return SimpleNamespace(
         effect=SimpleNamespace(name=name), model=grown, theta=np.r_[theta, 2.0], left=left
     )
@@ -118,3 +121,29 @@ def test_a_smaller_set_stands_where_the_larger_led_it_if_that_is_better(monkeypa
     left = SimpleNamespace(key=("a",), effects=(a,), cost=there, fit=None)
     monkeypatch.setattr(TimeSets, "_left_there", lambda self, best, effect: left)
     assert sets._without(SimpleNamespace(effects=(a, b)), b).cost == chosen
+
+
+@pytest.mark.parametrize(
+    ("best", "misfit", "beside", "told"),
+    [
+        # Friction explains what passed for noise beside a mass.
+        (400.0, False, 300.0, 300.0),
+        (400.0, False, 395.0, 400.0),
+        # Of a misfit that is seen, and where nothing explains anything, the noise is told already.
+        (400.0, True, 300.0, 400.0),
+        (895.0, False, 300.0, 895.0),
+    ],
+)
+def test_what_another_effect_explains_is_no_noise(monkeypatch, base, best, misfit, beside, told):
+    first, second = tried("inertia", best), tried("friction", beside)
+    first.left.misfit = misfit
+    monkeypatch.setattr(sieve, "TimeScan", lambda there, quick: SimpleNamespace(promises=list))
+    monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[second]])
+    monkeypatch.setattr(sieve, "nearly_fitted", lambda *given, starts: [second])
+    before = SimpleNamespace(squares_left=900.0)
+    assert sieve.least_left(base, [], [], [], [first], before).squares_left == told
+
+
+def test_without_an_effect_the_model_itself_tells_the_noise(base):
+    before = SimpleNamespace(squares_left=900.0)
+    assert sieve.least_left(base, [], [], [], [], before) is before

@@ -69,6 +69,7 @@ from .sieve import (
     exactly_fitted,
     from_the_best,
     leading_of_scan,
+    least_left,
     nearly_all,
     noise_of_both,
     of_material,
@@ -443,8 +444,8 @@ def _judged(
     tried = _one_of_each([_no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     slip = slip_beside(parts, base, before)
-    named = [each.left for each in tried] or [before]
-    best = min([*named, slip.left], key=plain_bic)
+    named = least_left(base, parts, quick, beside, tried, before)
+    best = min([named, slip.left], key=plain_bic)
     noise = noise_of_both(before, best)
     judged = [replace(each, delta=delta_of(before, each, noise, base)) for each in tried]
     # Where the misfit is not certain by itself, it is the noise over which an effect shows it.

@@ -245,6 +245,34 @@ def from_the_best(
     return found
 
 
+def least_left(
+    base: Identification,
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    effects: Sequence[Effect],
+    tried: Sequence[Tried],
+    before: Left,
+) -> Left:
+    """What tells the noise: what the best effect leaves, or that with another effect beside it.
+
+    Noise that another effect explains is none, however well it passes for noise with a memory, as
+    the jumps of friction in an irregular motion do.
+    """
+    if not tried:
+        return before
+    best = min(tried, key=lambda each: plain_bic(each.left))
+    noise = noise_of_both(before, best.left)
+    # Of a misfit that is seen the noise is told already.
+    if best.left.misfit or delta_of(before, best, noise, base) < SEARCH.decisive:
+        return best.left
+    grown = replace(base, model=best.model, theta=best.theta)
+    leading = leading_of_scan(TimeScan(grown, quick).promises(effects), best.left)[:FEWEST]
+    both = nearly_fitted(grown, parts, quick, leading, best.left, {}, starts=1)
+    # By the noise of the best alone, which is the wider one.
+    beside = [each for each in both if delta_of(best.left, each, noise, base) >= SEARCH.decisive]
+    return min([best.left, *(each.left for each in beside)], key=plain_bic)
+
+
 def alone(each: Tried, model: Model) -> Real:
     """A model's own parameters (p,) where an effect has led them."""
     led = dict(zip(each.model.names, each.theta.tolist(), strict=True))
