@@ -138,6 +138,26 @@ def test_a_loose_specimen_feels_what_goes_beyond_its_length(side: float):
     assert held("slack", [0.1], test) == pytest.approx(recorded(MODEL, THETA, felt).value, abs=1e-9)
 
 
+def test_of_free_play_a_specimen_feels_what_goes_beyond_it_on_either_side():
+    x = np.sin(1.3 * T)
+    test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N", control="displacement")
+    assert plugins().effect("slack").applies_to(test)
+    beyond = np.sign(x) * np.maximum(np.abs(x) - 0.2, 0.0)
+    felt = TimeTest.of_history(T, beyond, 3.0 * x, "mm", "N", control="displacement")
+    assert held("slack", [0.2], test) == pytest.approx(recorded(MODEL, THETA, felt).value, abs=0.3)
+
+
+@pytest.mark.soak
+def test_free_play_is_told_from_what_stiffens():
+    x = np.sin(1.3 * T)
+    test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N", control="displacement")
+    clean = held("slack", [0.2], test)
+    noise = 0.005 * np.abs(clean).max() * np.random.default_rng(4).normal(size=len(T))
+    rivals = [plugins().effect(name) for name in ("slack", "dead-zone", "strain-stiffening")]
+    found = diagnose(replace(test, response=clean + noise), MODEL, rivals)
+    assert (found.verdict, found.leading) == ("effect-missing", ("slack",))
+
+
 def test_bump_and_rebound_differ_by_a_force_of_one_sign():
     x = np.sin(1.3 * T)
     test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N")

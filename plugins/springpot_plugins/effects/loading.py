@@ -104,13 +104,11 @@ def stiffened(loading: Loading, rate: Any) -> tuple[Loading, tuple[Loading]]:
 
 
 def slackened(loading: Loading, place: Any) -> tuple[Loading, tuple[Loading]]:
-    """What stretches a specimen that hangs loose up to a place, on the side to which it goes."""
-    side = 1.0
-    if loading.value[np.argmax(np.abs(loading.value))] < 0.0:
-        side = -1.0
-    taut = side * loading.value > place
-    stretched = np.where(taut, loading.value - side * place, 0.0)
-    slope = Loading(loading.time, np.where(taut, -side, 0.0))
+    """What stretches a specimen that hangs loose up to a place, to whichever side it goes."""
+    x = loading.value
+    taut = np.abs(x) > place
+    stretched = np.where(taut, x - place * np.sign(x), 0.0)
+    slope = Loading(loading.time, np.where(taut, -np.sign(x), 0.0))
     return replace(loading, value=stretched), (slope,)
 
 
@@ -157,12 +155,6 @@ def _rough(test: TimeTest) -> bool:
 def _followed(test: TimeTest) -> bool:
     """Whether the load passes through many values, not only that of a step."""
     return not _stepped(test) and len(test.time) >= FEWEST
-
-
-def _pulled(test: TimeTest) -> bool:
-    """Whether the load stays on one side: there a specimen may hang loose at first."""
-    value = test.loading.value
-    return _followed(test) and bool(np.all(value >= 0.0) or np.all(value <= 0.0))
 
 
 def _growths(test: TimeTest) -> tuple[tuple[float], ...]:
@@ -244,10 +236,12 @@ EFFECTS = (
         "slack",
         on_loading,
         StageLaw(slackened, (Parameter("place", "x_0", AMPLITUDE, typical=0.3),), _loose),
-        "the specimen hangs loose at first: it feels the motion only beyond a place",
+        "the specimen hangs loose at first, or has free play: it feels the motion only beyond a"
+        " place",
         citation=ELEMENTARY,
-        applies_to=AppliesTo(("displacement",), _pulled),
-        signature="nothing up to a place, then the response as from there",
+        applies_to=AppliesTo(("displacement",), _followed),
+        signature="nothing up to a place, to either side, then the response as from there",
+        aliases=("free-play",),
         prior=0.5,
     ),
 )
