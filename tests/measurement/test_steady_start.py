@@ -98,3 +98,23 @@ def test_uneven_samples_and_what_was_not_measured_stay():
     uneven = Loading(T + 0.2 * noise, x, sampled=True)
     assert gone_on(uneven, x + noise).before == 0
     assert gone_on(Loading(T, x, sampled=True), np.zeros(len(T))).before == 0
+
+
+def test_a_motion_before_a_record_that_does_not_repeat_is_an_effect_of_it():
+    model = springpot.parse_model("zener")
+    theta = model.theta(k1=15.0, k2=20.0, c=30.0)
+    long = np.concatenate([-np.arange(1, 200)[::-1] / HERTZ, T])
+    x = np.sin(2.0 * np.pi * long) + 0.5 * np.sin(2.0 * np.pi * 0.37 * long + 1.0)
+    force = recorded(model, theta, TimeTest.planned(long, x, "mm")).value[-len(T) :]
+    force += 0.1 * np.random.default_rng(5).normal(size=len(T))
+    test = TimeTest.of_history(T, x[-len(T) :], force, "mm", "N", control="displacement")
+    names = ("earlier-motion", "friction", "inertia", "thermal-force", "force-drift")
+    found = diagnose(test, model, [springpot.plugins().effect(name) for name in names])
+    assert (found.verdict, found.leading) == ("effect-missing", ("earlier-motion",))
+    assert found.best.over_floor == pytest.approx(1.0, abs=0.1)
+    # What begins at rest has none.
+    assert (
+        not springpot.plugins()
+        .effect("earlier-motion")
+        .applies_to(TimeTest.of_history(T, T**2, force, "mm", "N", control="displacement"))
+    )

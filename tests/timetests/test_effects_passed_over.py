@@ -14,6 +14,7 @@ from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Left, Tried
 from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.scatter import scatter_of
 from springpot.timetests.score import TimeScan
 from springpot.timetests.sieve import passed_over
 
@@ -35,18 +36,23 @@ def missed():
 
 
 def tried(missed, share: float) -> list[Tried]:
-    """One effect that leaves so much of what the model leaves."""
+    """One effect that leaves so much of what the model leaves, and noise."""
     base, before, _ = missed
-    left = replace(before, residuals=tuple(share * each for each in before.residuals))
+    noise = np.random.default_rng(2).normal(size=len(TIME))
+    residuals = tuple(share * each + noise for each in before.residuals)
+    scatters = tuple(scatter_of(each) for each in residuals)
+    left = replace(before, residuals=residuals, scatters=scatters)
     return [Tried(EFFECTS[0], base.model + EFFECTS[0], base.theta, left, 0.0)]
 
 
-def test_what_misses_by_far_has_the_others_fitted(missed) -> None:
+@pytest.mark.parametrize("share", [0.9, 0.1])
+def test_what_misses_the_test_has_the_others_fitted(missed, share) -> None:
+    """By far, and by a little more than the noise."""
     _, before, promises = missed
-    others = passed_over(promises, tried(missed, 0.9), before)
+    others = passed_over(promises, tried(missed, share), before)
     assert {each[0].effect.name for each in others} == {*NAMES} - {EFFECTS[0].name}
 
 
 def test_what_explains_the_test_has_no_other_fitted(missed) -> None:
     _, before, promises = missed
-    assert passed_over(promises, tried(missed, 0.01), before) == []
+    assert passed_over(promises, tried(missed, 0.0), before) == []

@@ -84,13 +84,14 @@ def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[li
 def passed_over(
     promises: dict[str, list[Promise]], nearly: Sequence[Tried], before: Left
 ) -> list[list[Promise]]:
-    """The promises of the other effects, where all that were fitted miss the tests by far.
+    """The promises of the other effects, where all that were fitted miss the tests.
 
-    A linear step from such a fit foretells little: what an effect does the model may do in its
-    stead, as at one frequency any mass is a spring.
+    A linear step foretells little: what an effect does the model may do in its stead, as at one
+    frequency any mass is a spring, and at corners no delay is small. That none explains the tests
+    is said of those alone that were fitted.
     """
     best = min([before, *(each.left for each in nearly)], key=plain_bic)
-    if best.over(noise_of_both(before, best)) < ASTRAY:
+    if not best.misfit:
         return []
     fitted = {each.effect.name for each in nearly}
     return [each for each in _by_rig(promises) if each[0].effect.name not in fitted]
@@ -200,7 +201,7 @@ def nearly_all(
     left_out: dict[str, str],
     fitted: Fitted = unseen,
 ) -> list[Tried]:
-    """The leading effects nearly fitted, and the others where those miss the tests by far."""
+    """The leading effects nearly fitted, and the others where those miss the tests."""
     leading = leading_of_scan(promises, before)
     nearly = nearly_fitted(base, parts, quick, leading, before, left_out, fitted=fitted)
     others = passed_over(promises, nearly, before)

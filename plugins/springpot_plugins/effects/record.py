@@ -24,6 +24,7 @@ from springpot.rheology import (
     Real,
     StageLaw,
     on_response,
+    relaxation_time,
 )
 
 NEAR_TOP, SEVERAL = 0.95, 5
@@ -56,6 +57,15 @@ def grown(record: Record, response: Any, size: Any, tau: Any) -> Answered:
     left = np.exp(-time / tau)
     by_tau = -size * left * time / tau**2
     return Answered(response + size * (1.0 - left), (1.0 - left, by_tau), np.ones_like(response))
+
+
+def faded(record: Record, response: Any, size: Any, tau: Any) -> Answered:
+    """The response and what is left of an earlier one, which fades."""
+    time = np.maximum(record.time, 0.0)
+    left = np.exp(-time / tau)
+    return Answered(
+        response + size * left, (left, size * left * time / tau**2), np.ones_like(response)
+    )
 
 
 def clipped(record: Record, response: Any, limit: Any) -> Answered:
@@ -97,6 +107,15 @@ def _cyclic(test: TimeTest) -> bool:
     return bool(Record.of(test).cycles[-1] >= 2.0)
 
 
+def _begun(test: TimeTest) -> bool:
+    """Whether the first sample finds it in motion, or not where it rests."""
+    moved = test.loading.value
+    if test.kind != "history" or test.loading.before or len(test.loading.jumps[0]):
+        return False
+    first, usual = abs(float(moved[1] - moved[0])), float(np.median(np.abs(np.diff(moved))))
+    return first > AT_ONCE * usual or abs(float(moved[0])) > AT_ONCE * float(np.abs(moved).max())
+
+
 def _cycled(test: TimeTest) -> bool:
     """Whether the load came back.
 
@@ -121,6 +140,9 @@ rho c d / h = 7800 * 500 * 1e-4 / 100 = 4 s. What is there sooner was there befo
 of the rig.
 """
 WARMING = Parameter("tau", "τ", SECOND, QUICKEST)
+
+AT_ONCE = 0.1
+"""Share of the usual step, or of the largest value, from which a first sample is no rest."""
 
 FORCE_RATE = Dimension(stiffness=1, amplitude=1, time=-1)
 AMPLITUDE_RATE = Dimension(amplitude=1, time=-1)
@@ -193,6 +215,22 @@ EFFECTS = (
         applies_to=AppliesTo(("displacement",)),
         signature="a force that comes up within some tau and stays, whatever the load does",
         prior=0.5,
+    ),
+    Effect(
+        "earlier-motion",
+        on_response,
+        StageLaw(
+            faded,
+            (
+                Parameter("size", "F", FORCE, -np.inf, scale="linear"),
+                relaxation_time("fading", "t_f"),
+            ),
+        ),
+        "the specimen still remembers how it moved before the record began, and forgets it",
+        citation="Boltzmann's superposition, of a history of which nothing is known",
+        apparatus=True,
+        applies_to=AppliesTo(("displacement",), _begun),
+        signature="a force that is off at the first samples and fades within some tau",
     ),
     Effect(
         "thermal-growth",
