@@ -14,6 +14,7 @@ from springpot.measurement import (
     mixed_tests,
     noise_of,
     replicates,
+    rounding,
     scatter,
     units,
 )
@@ -322,7 +323,7 @@ def test_what_a_sweep_holds(case, stays):
             "shape": scatter.robust_noise_shape(data, residual, even)[0],
             "uneven": scatter.robust_noise_shape(data, residual, even, True)[0],
             "rounding": [
-                scatter.rounding_step(data.storage),
+                rounding.rounding_step(data.storage),
                 scatter.at_least_rounding(np.full(len(data), 1e-9 + 1e-9j), data),
             ],
             "levels": {name: data.levels(name) for name in data.conditions},

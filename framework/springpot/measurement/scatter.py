@@ -5,7 +5,7 @@ Their standard deviations, the shapes that noise has, and what rounding adds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal, NamedTuple
@@ -18,15 +18,14 @@ from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
-from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
+from .rounding import rounding_step
 
 Source = Literal["given", "repeats", "estimated"]
 
 LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
-MOST_DIGITS = 9
-"""Digits from which a value counts as written in full: single precision has seven."""
 STUDENT_DOF = 4.0
 """Degrees of freedom of the tails by which shapes are compared.
 
@@ -575,54 +574,6 @@ def rounding_steps(measurement: Measurement) -> Complex:
         step if np.ptp(column) > 0.0 else finest for column, step in zip(columns, own, strict=True)
     ]
     return np.asarray(told[0] + 1j * told[1], dtype=np.complex128)
-
-
-def rounding_step(values: Real) -> Real:
-    """How far apart the next values lie that could have been written in place of each; shape (n,).
-
-    A column is written with so many decimals, or with so many significant digits, or both: the
-    coarser step counts. Zero where the values carry all the digits of a number.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        One column of a file.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> rounding_step(np.array([1.5, 12.25])).tolist()
-    [0.01, 0.01]
-    """
-    size = np.abs(values[values != 0.0])
-    if len(size) == 0:
-        return np.zeros(len(values))
-    decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
-    # Zero has no first digit: it is taken to be written as the smallest value beside it is.
-    exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
-    digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
-    step = np.zeros(len(values))
-    if decimals is not None:
-        step = np.maximum(step, 10.0**decimals)
-    if digits is not None:
-        step = np.maximum(step, 10.0 ** (exponent + digits))
-    return step
-
-
-def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
-    """The largest number whose powers of ten (n,) divide all values.
-
-    None where only a full number's digits do.
-    """
-    # The coarsest first: all finer powers divide the values as well.
-    for power in range(12, -MOST_DIGITS, -1):
-        step = 10.0 ** power_of(power)
-        steps = size / step
-        if np.all(np.abs(steps - np.round(steps)) <= ALIKE * np.abs(steps)):
-            if np.max(np.abs(steps)) < 10.0**MOST_DIGITS:
-                return power
-            return None
-    return None
 
 
 def with_noise(

@@ -19,6 +19,7 @@ from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
+from .rounding import even_clock
 from .steady_start import gone_on
 from .units import (
     AMPLITUDE_UNITS,
@@ -290,6 +291,7 @@ class TimeTest:
         if control == "force":
             imposed, response = pulled, moved
         _require_numbers(clock, imposed, name, control)
+        clock = even_clock(clock)
         loading = from_rest(clock, imposed, rise)
         # What flows under a force has no place of its own: where it was before, nobody knows.
         if loading.sampled and control == "displacement":
@@ -329,6 +331,7 @@ class TimeTest:
         _require_samples(len(clock), name)
         _require_numbers(clock, course, name, control)
         # The same reading of a history as for a measured one, so that both are predicted alike.
+        clock = even_clock(clock)
         loading = from_rest(clock, course, None)
         return cls(
             clock,

@@ -1,0 +1,91 @@
+"""How finely the values of a column were written, and times that only their digits make uneven."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from springpot.rheology.points import Real
+
+from ..numerics import ALIKE
+
+MOST_DIGITS = 9
+"""Digits from which a value counts as written in full: single precision has seven."""
+FEWEST = 3
+"""Samples of which two steps may be compared."""
+
+
+def rounding_step(values: Real) -> Real:
+    """How far apart the next values lie that could have been written in place of each; shape (n,).
+
+    A column is written with so many decimals, or with so many significant digits, or both: the
+    coarser step counts. Zero where the values carry all the digits of a number.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        One column of a file.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rounding_step(np.array([1.5, 12.25])).tolist()
+    [0.01, 0.01]
+    """
+    size = np.abs(values[values != 0.0])
+    if len(size) == 0:
+        return np.zeros(len(values))
+    decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
+    # Zero has no first digit: it is taken to be written as the smallest value beside it is.
+    exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
+    digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
+    step = np.zeros(len(values))
+    if decimals is not None:
+        step = np.maximum(step, 10.0**decimals)
+    if digits is not None:
+        step = np.maximum(step, 10.0 ** (exponent + digits))
+    return step
+
+
+def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
+    """The largest number whose powers of ten (n,) divide all values.
+
+    None where only a full number's digits do.
+    """
+    # The coarsest first: all finer powers divide the values as well.
+    for power in range(12, -MOST_DIGITS, -1):
+        step = 10.0 ** power_of(power)
+        steps = size / step
+        if np.all(np.abs(steps - np.round(steps)) <= ALIKE * np.abs(steps)):
+            if np.max(np.abs(steps)) < 10.0**MOST_DIGITS:
+                return power
+            return None
+    return None
+
+
+def even_clock(clock: Real) -> Real:
+    """Times (n,) as they were sampled: evenly, where only their digits say otherwise.
+
+    Written times are off by up to half of their last digit, and a mass would feel each such jump.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.rounding import even_clock
+    >>> even_clock(np.array([0.0, 0.333, 0.667, 1.0])).round(5).tolist()
+    [0.0, 0.3334, 0.6668, 1.0002]
+    >>> even_clock(np.array([0.0, 0.333, 0.7, 1.0])).tolist()
+    [0.0, 0.333, 0.7, 1.0]
+    """
+    if len(clock) < FEWEST:
+        return clock
+    number = np.arange(len(clock)) - 0.5 * (len(clock) - 1)
+    step = float(number @ clock) / float(number @ number)
+    # The first stays: where a test begins at nothing, nothing was rounded.
+    even = clock[0] + step * np.arange(len(clock))
+    digit = rounding_step(clock)
+    # Of digits as coarse as the steps nobody knows whether a sample is missing.
+    if np.any(np.abs(clock - even) > digit) or not 2.0 * float(digit.max()) < step:
+        return clock
+    return np.asarray(even, dtype=float)
