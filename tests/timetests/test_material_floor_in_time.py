@@ -128,8 +128,9 @@ def test_a_retardation_is_turned_into_its_relaxation(glass, fluidity):
 def errors(tests, model, theta):
     """Of each test, relative to its signal, as errors are printed."""
     parts = parts_of_specimen(tests)
-    missed = [part.residual(model, theta, 293.15).value * part.relative_sd for part in parts]
-    return np.array([np.sqrt(np.mean(one**2)) for one in missed])
+    return np.array(
+        [part.relative_error(part.residual(model, theta, 293.15).value) for part in parts]
+    )
 
 
 def followed(model, theta, share, rng):

@@ -169,7 +169,7 @@ def test_a_fit_that_leaves_nothing_says_nothing_of_the_noise(missed, monkeypatch
     monkeypatch.setattr(left, "replace", lambda row, **more: more)
     monkeypatch.setattr(left, "times_noise", lambda residual, size: float(residual[0]) / size)
     fitted = SimpleNamespace(residuals=[np.array([missed, -missed])])
-    part = SimpleNamespace(relative_sd=np.array([0.01, 0.01]))
+    part = SimpleNamespace(relative_error=lambda residual: 0.01 * float(residual[0]))
     told = SimpleNamespace(over_floor=2.0, over_floor_alone=5.0)
     [row] = left.Left.rows(fitted, [part], [scatter(1.5)], [told])
     ratio = missed / 1.5

@@ -85,7 +85,9 @@ def material_floor(fit: Identification) -> TimeFloor:
     except SpringpotError:
         # Its effects have no law around lines: what remains is whether the model is a bound.
         return TimeFloor((float("nan"),) * len(parts)).beside([fit])
-    errors = [rms(_missed(part, found.model, found.theta, fit.reference)) for part in parts]
+    errors = [
+        rms(_missed(part, found.model, found.theta, fit.reference)[part.counted]) for part in parts
+    ]
     return TimeFloor(tuple(errors)).beside([fit])
 
 

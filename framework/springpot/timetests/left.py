@@ -22,7 +22,6 @@ from springpot.thresholds import EVIDENCE, SEARCH
 from ..numerics import NORMAL, SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import ResidualScatter, times_noise
-from .where import rms
 
 EVEN = 0.01
 """Relative spread of the steps of time below which samples are evenly spaced."""
@@ -136,7 +135,7 @@ class Left:
         """Each test beside that noise, of which a fit has told with the noise of its signal."""
         rows = []
         for part, residual, scatter, row in zip(parts, self.residuals, noise, told, strict=True):
-            error = rms(residual * part.relative_sd)
+            error = part.relative_error(residual)
             ratio, floor = times_noise(residual, scatter.size), 0.0
             # A fit that leaves nothing at all says nothing of the noise.
             if ratio:

@@ -411,7 +411,7 @@ def part_result(
     """
     # By its noise alone, whatever it weighed in the fit.
     weighted = part.with_scale(1.0).residual(model, theta, reference).value
-    error, floor, test = rms(weighted * part.relative_sd), rms(part.relative_sd), part.test
+    error, floor, test = part.relative_error(weighted), rms(part.relative_sd), part.test
     return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
 
 

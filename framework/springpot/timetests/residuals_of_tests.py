@@ -202,6 +202,10 @@ class TestPart(ABC):
         by_theta = np.where(counted[:, None], answer.by_theta, 0.0)
         return Residual(missed * weight, by_theta * weight[:, None])
 
+    def relative_error(self, residual: Real) -> float:
+        """Root mean square of a residual (m,) over the signal, of the numbers that count."""
+        return rms((residual * self.relative_sd)[self.counted])
+
     def neighbours(self, residual: Real) -> Real:
         """Those numbers of a residual (m,) that follow one another."""
         return residual
