@@ -59,7 +59,11 @@ def test_nothing_is_missing_from_the_model_of_a_steady_record(steady):
     fit = identify(steady, MODEL)
     assert fit.tests[0].over_floor == pytest.approx(1.0, abs=0.1)
     library = [springpot.plugins().effect(name) for name in ("parallel-dashpot", "friction")]
-    assert diagnose(steady, MODEL, library).verdict == "adequate"
+    found = diagnose(steady, MODEL, library)
+    assert found.verdict == "adequate"
+    told = "history repeats from its first cycle on: taken to have gone on before the record"
+    assert told in found.notes
+    assert told in fit.notes
 
 
 def test_a_record_that_began_at_rest_stays_as_it_is():

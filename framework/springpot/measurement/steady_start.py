@@ -75,6 +75,13 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     )
 
 
+def said_of_start(name: str, loading: Loading) -> str:
+    """What a test of this name is taken to have done before its record; nothing of most."""
+    if not loading.before:
+        return ""
+    return f"{name} repeats from its first cycle on: taken to have gone on before the record"
+
+
 def _lag(value: Real) -> tuple[int, int]:
     """Samples of a period, and of so many of them as lie best over the next ones; zero for none."""
     n, size = len(value), value - np.mean(value)

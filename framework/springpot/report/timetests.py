@@ -1,6 +1,6 @@
 """Pictures of tests in time.
 
-Measured and computed, over logarithmic and linear time, with what is left.
+Measured and computed, over logarithmic and linear time or as a loop, with what is left.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def figure_tests(
 ) -> Figure | Path:
     """Each test with its fits.
 
-    Over logarithmic time, over linear time, and the residual over its noise.
+    Over logarithmic time (of a record its loop), over linear time, and the residual over its noise.
 
     Parameters
     ----------
@@ -85,24 +85,47 @@ def fits_in_time(behind: Iterable[object]) -> list[Identification]:
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:
     test = part.test
     shown = evenly(len(test), ENOUGH)
-    # Computed at times of its own: between samples a curve is smooth where its points are few.
-    curves = _curve_times(test)
-    for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):
-        axes.plot(
-            test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured"
-        )
-        for colour, fit in zip(COLOURS, fits, strict=False):
-            drawn = recorded(fit.model, fit.theta, test, fit.reference, clock).value
-            axes.plot(clock, drawn, color=colour, label=fit.model.name)
-        axes.set_xlabel("t [s]")
-        if scale == "log":
-            logarithmic(axes, "x")
-            if test.response.min() > 0.0 and test.response.max() > TENFOLD * test.response.min():
-                logarithmic(axes, "y")
+    first, clock = _draw_first(row[0], part, fits, shown), _even_times(test)
+    row[1].plot(test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5)
+    for colour, fit in zip(COLOURS, fits, strict=False):
+        drawn = recorded(fit.model, fit.theta, test, fit.reference, clock).value
+        row[1].plot(clock, drawn, color=colour)
+    row[0].set_xlabel(first)
+    row[1].set_xlabel("t [s]")
     row[0].set_ylabel(f"{test.words[1]} [{test.response_unit}]")
     row[0].set_title(f"{test.name}: {test.kind}")
     row[0].legend()
     _draw_residual(row[2], part, fits, shown, "t [s]")
+
+
+def _draw_first(
+    axes: Axes, part: InTimePart, fits: Sequence[Identification], shown: NDArray[np.intp]
+) -> str:
+    """The loop of a record, any other test over the logarithm of time; what the axis is."""
+    test = part.test
+    loading, clock = test.loading, _even_times(test)
+    loop = test.kind == "history"
+    if not loop:
+        # Computed at times of its own: between samples a curve is smooth where its points are few.
+        # The beginning has no place on a logarithmic axis.
+        positive = test.time[test.time > 0.0]
+        clock = np.geomspace(positive[0], positive[-1], SMOOTH)
+
+    def along(time: Real) -> Real:
+        return np.interp(time, loading.time, loading.value) if loop else time
+
+    axes.plot(
+        along(test.time[shown]), test.response[shown], ".", color=QUIET, ms=2.5, label="measured"
+    )
+    for colour, fit in zip(COLOURS, fits, strict=False):
+        drawn = recorded(fit.model, fit.theta, test, fit.reference, clock).value
+        axes.plot(along(clock), drawn, color=colour, label=fit.model.name)
+    if loop:
+        return f"{test.words[0]} [{test.loading_unit}]"
+    logarithmic(axes, "x")
+    if test.response.min() > 0.0 and test.response.max() > TENFOLD * test.response.min():
+        logarithmic(axes, "y")
+    return "t [s]"
 
 
 def _draw_other(row: Sequence[Axes], part: OtherPart, fits: Sequence[Identification]) -> None:
@@ -146,15 +169,12 @@ def _colours_of_residuals(fits: Sequence[Identification]) -> Sequence[str]:
     return COLOURS[1:]
 
 
-def _curve_times(test: TimeTest) -> tuple[Real, Real]:
-    """Times of a smooth curve over the logarithm of time and over time."""
-    # The beginning has no place on a logarithmic axis.
-    positive = test.time[test.time > 0.0]
-    log = np.geomspace(positive[0], positive[-1], SMOOTH)
+def _even_times(test: TimeTest) -> Real:
+    """Times of a smooth curve over time."""
     # A record may swing faster than evenly spaced times would show: computed where it was measured.
     if test.kind == "history":
-        return log, test.time
-    return log, np.linspace(test.time[0], test.time[-1], SMOOTH)
+        return test.time
+    return np.linspace(test.time[0], test.time[-1], SMOOTH)
 
 
 def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[Identification]) -> None:

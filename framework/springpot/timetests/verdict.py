@@ -30,6 +30,7 @@ from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult, Value
 from springpot.measurement.mixed_up import said_of_sign, turned
+from springpot.measurement.steady_start import said_of_start
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
@@ -375,7 +376,8 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
     for part in parts:
         yield from said_of_sign(part.test.provenance)
         if isinstance(part, InTimePart):
-            yield from filter(None, [said_of_strays(part.test)])
+            test = part.test
+            yield from filter(None, [said_of_strays(test), said_of_start(test.name, test.loading)])
     for part, residual in zip(parts, best.residuals, strict=True):
         yield from lines_in(part, residual)
 
