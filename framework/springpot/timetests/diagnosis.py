@@ -487,7 +487,7 @@ def _sieved(
         leading = leading_of_scan(promises, before)
         return of_material(given, parts, base, leading, known, left_out, fitted)
     nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
-    nearly += from_the_best(base, parts, quick, effects, nearly, before, left_out)
+    nearly += from_the_best(base, parts, quick, effects, nearly, before, left_out, promises)
     return exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
 
 

@@ -29,7 +29,7 @@ from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
-from .left import TWINS, Atom, Promise
+from .left import Atom, Promise
 from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import Scales, stepped, tries_of
@@ -90,29 +90,6 @@ class TimeScan:
         """
         return self._scored(self._all_atoms(effects))
 
-    def in_place_of(self, last: Effect, effects: Iterable[Effect]) -> dict[str, list[Promise]]:
-        """Promises of effects that do what the `last` one of the model does where it was fitted.
-
-        Each as large as that: so a springpot of order one is a dashpot, which has a name too.
-        """
-        own = [last.name == name.rpartition(".")[0] for name in self.model.names]
-        size = own.index(True)
-        others = self.slopes[:, np.logical_not(own)]
-        basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), SMALLEST))[0]
-        rest = self.slopes[:, size] - basis @ (basis.T @ self.slopes[:, size])
-        theta, promises = self.theta[np.logical_not(own)], dict[str, list[Promise]]()
-        for atom in self._all_atoms(effects):
-            column = atom.column - basis @ (basis.T @ atom.column)
-            length = float(np.linalg.norm(column))
-            if not length > NEGLIGIBLE * float(np.linalg.norm(atom.column)):
-                continue
-            shared = float(column @ rest) / length
-            if abs(shared) > TWINS * float(np.linalg.norm(rest)):
-                values = atom.at(float(self.theta[size]) * shared / length)
-                each = Promise(atom.effect, values, theta, 0.0, 1.0, column / length, True)
-                promises.setdefault(atom.effect.name, []).append(each)
-        return promises
-
     def _all_atoms(self, effects: Iterable[Effect]) -> list[Atom]:
         atoms: list[Atom] = []
         own = {effect.name for effect in self.model.effects}
@@ -140,7 +117,7 @@ class TimeScan:
         # Nothing where the fit has come to rest; where it has not, what is left to its own
         # parameters is no effect's.
         missed = self.residual - self.taken @ (self.taken.T @ self.residual)
-        fall = -columns.T @ missed
+        fall, before = -columns.T @ missed, float(missed @ missed)
         promises: dict[str, list[Promise]] = {}
         for k, atom in enumerate(atoms):
             if not left[k] > NEGLIGIBLE * whole[k]:
@@ -161,6 +138,7 @@ class TimeScan:
                 _as_tried(atom, amount),
                 columns[:, k] / left[k],
                 bool(atom.powers.any()),
+                before - drop,
             )
             promises.setdefault(atom.effect.name, []).append(promise)
         return {name: _different(each) for name, each in promises.items()}

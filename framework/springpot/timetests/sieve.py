@@ -5,7 +5,7 @@ What a linear scan promises, fits by fixed exponentials, exact fits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -216,15 +216,17 @@ def from_the_best(
     nearly: Sequence[Tried],
     before: Left,
     left_out: dict[str, str],
+    promised: Mapping[str, Sequence[Promise]] | None = None,
 ) -> list[Tried]:
     """Effects anew from where the best one has led the model's own parameters.
 
     From a fit that misses the tests a linear step leads astray, the more so where a parameter has
     gone to its end in the effect's stead: so a dashpot may be left out that a springpot of order
-    one was found to be, or a drift that a slow mode was.
+    one was found to be, or a drift that a slow mode was. What was fitted already, and had
+    `promised` to leave no more than it does from there, is not fitted again.
     """
     found: list[Tried] = []
-    asked: set[str] = set()
+    asked = _as_promised(nearly, promised or {})
     while tried := [*nearly, *found]:
         best = min(tried, key=lambda each: plain_bic(each.left))
         # By the noise that the best one leaves: what is missing may look like noise without it.
@@ -237,13 +239,22 @@ def from_the_best(
         leading = [
             each
             for each in leading_of_scan(promises, left)
-            if each[0].effect.name not in near | asked
+            if each[0].effect.name not in near
+            and each[0].left < asked.get(each[0].effect.name, np.inf)
         ]
         if not leading:
             break
-        asked |= {each[0].effect.name for each in leading}
+        asked |= {each[0].effect.name: -np.inf for each in leading}
         found += nearly_fitted(there, parts, quick, leading, before, left_out)
     return found
+
+
+def _as_promised(
+    nearly: Sequence[Tried], promised: Mapping[str, Sequence[Promise]]
+) -> dict[str, float]:
+    """What each effect that was fitted had promised to leave."""
+    names = {each.effect.name for each in nearly}
+    return {name: of_effect[0].left for name, of_effect in promised.items() if name in names}
 
 
 def least_left(
