@@ -25,7 +25,11 @@ def tried(name, squares, theta=LED):
     grown = SimpleNamespace(names=[*MODEL.names, f"{name}.size"])
     left = SimpleNamespace(squares_left=squares, misfit=False)
     return SimpleNamespace(
-        effect=SimpleNamespace(name=name), model=grown, theta=np.r_[theta, 2.0], left=left
+        effect=SimpleNamespace(name=name),
+        model=grown,
+        theta=np.r_[theta, 2.0],
+        left=left,
+        leaves=300.0,
     )
 
 
@@ -47,7 +51,7 @@ def plain_weights(monkeypatch):
         )
 
 
-def asked_anew(monkeypatch, base, first, better):
+def asked_anew(monkeypatch, base, first, better, promised=None):
     """Effects asked anew, each with the parameters from which it was asked."""
     scanned = [*first, *better]
     asked = []
@@ -62,7 +66,7 @@ def asked_anew(monkeypatch, base, first, better):
     monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[each] for each in scanned])
     monkeypatch.setattr(sieve, "nearly_fitted", fitted)
     before = SimpleNamespace(squares_left=900.0)
-    found = sieve.from_the_best(base, [], [], [], first, before, {})
+    found = sieve.from_the_best(base, [], [], [], first, before, {}, promised)
     return asked, [each.effect.name for each in found]
 
 
@@ -72,6 +76,14 @@ def test_what_a_parameter_at_its_end_hid_is_found_where_the_best_one_led(monkeyp
     )
     assert found == ["friction"]
     assert asked[0] == ("friction", LED.tolist())
+
+
+@pytest.mark.parametrize(("before", "names"), [(301.0, ["slow"]), (300.0, [])])
+def test_what_had_promised_as_much_is_not_fitted_again(monkeypatch, base, before, names):
+    first = [tried("mode", 400.0), tried("slow", 500.0)]
+    promised = {"slow": [SimpleNamespace(leaves=before)]}
+    asked, _ = asked_anew(monkeypatch, base, first, [], promised)
+    assert [name for name, _ in asked] == names
 
 
 def test_each_effect_is_asked_anew_once(monkeypatch, base):

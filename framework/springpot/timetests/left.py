@@ -316,7 +316,7 @@ class Promise:
         What it adds to the residuals that the model cannot take over, of length one.
     as_its_size : bool
         Whether it grows as a parameter of it does, so that a linear step leads to it.
-    left : float
+    leaves : float
         Sum of squares that would be left.
     """
 
@@ -327,7 +327,7 @@ class Promise:
     amount: float
     direction: Real
     as_its_size: bool
-    left: float = 0.0
+    leaves: float = 0.0
 
     def start(self, base: Identification, model: Model, *, moved: bool = False) -> Real:
         """A start (p,) for the model with the effect.

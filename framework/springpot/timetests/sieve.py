@@ -240,7 +240,7 @@ def from_the_best(
             each
             for each in leading_of_scan(promises, left)
             if each[0].effect.name not in near
-            and each[0].left < asked.get(each[0].effect.name, np.inf)
+            and each[0].leaves < asked.get(each[0].effect.name, np.inf)
         ]
         if not leading:
             break
@@ -254,7 +254,7 @@ def _as_promised(
 ) -> dict[str, float]:
     """What each effect that was fitted had promised to leave."""
     names = {each.effect.name for each in nearly}
-    return {name: of_effect[0].left for name, of_effect in promised.items() if name in names}
+    return {name: of_effect[0].leaves for name, of_effect in promised.items() if name in names}
 
 
 def least_left(
