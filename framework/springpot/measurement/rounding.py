@@ -12,6 +12,8 @@ from ..numerics import ALIKE
 
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
+EVEN = 0.01
+"""Relative spread of the steps of time below which samples are evenly spaced."""
 FEWEST = 3
 """Samples of which two steps may be compared."""
 
@@ -89,3 +91,9 @@ def even_clock(clock: Real) -> Real:
     if np.any(np.abs(clock - even) > digit) or not 2.0 * float(digit.max()) < step:
         return clock
     return np.asarray(even, dtype=float)
+
+
+def is_even(time: Real) -> bool:
+    """Whether times (n,) are evenly spaced."""
+    steps = np.diff(time)
+    return bool(np.ptp(steps) < EVEN * float(np.mean(steps)))

@@ -15,6 +15,7 @@ from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
 from .imposed import Loading
+from .rounding import is_even
 
 SHORTEST = 8
 """Samples of a period at least."""
@@ -54,19 +55,21 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     >>> gone_on(moved, steady + np.exp(-t) + 0.01 * noise).before
     0
     """
-    steps = np.diff(loading.time)
-    if len(steps) < (PERIODS_AFTER + 1) * SHORTEST or np.ptp(steps) > REPEATS * np.mean(steps):
+    samples = len(loading.time)
+    if samples <= (PERIODS_AFTER + 1) * SHORTEST or not is_even(loading.time):
         return loading
     period, lag = _lag(loading.value)
     if not lag or not _repeats(response[lag:] - response[:-lag], period):
         return loading
-    count = (len(steps) + 1) // lag
+    # As many cycles as were recorded.
+    count = samples // lag
     middle = float(np.mean(loading.value[:lag]))
     grown = np.minimum(2.0 * np.arange(count * lag) / (count * lag), 1.0)
     earlier = middle + np.sin(0.5 * np.pi * grown) ** 2 * (
         np.tile(loading.value[:lag], count) - middle
     )
-    before = loading.time[0] - float(np.mean(steps)) * np.arange(count * lag, 0, -1)
+    step = float(np.mean(np.diff(loading.time)))
+    before = loading.time[0] - step * np.arange(count * lag, 0, -1)
     return replace(
         loading,
         time=np.concatenate([before, loading.time]),

@@ -15,12 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.identification.result import Identification
+from springpot.measurement.rounding import is_even
 from springpot.misfit.error import plain
 from springpot.misfit.regions import HARMONICS, MAINS
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
-from .left import ORDER, Left, delta_bic, imposed_noise, is_even
+from .left import ORDER, Left, delta_bic, imposed_noise
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import TAILS, UPPER, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped

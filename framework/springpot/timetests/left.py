@@ -14,6 +14,7 @@ import numpy as np
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
+from springpot.measurement.rounding import is_even
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -23,8 +24,6 @@ from ..numerics import NORMAL, SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import ResidualScatter, times_noise
 
-EVEN = 0.01
-"""Relative spread of the steps of time below which samples are evenly spaced."""
 ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 OF_NOISE = 12870.0
@@ -39,12 +38,6 @@ APART = 16
 """Samples between two of the kicks that are tried, in turn up and down."""
 HEARD = 0.05
 """Share of the response's own noise below which nobody hears it."""
-
-
-def is_even(time: Real) -> bool:
-    """Whether times (n,) are evenly spaced."""
-    steps = np.diff(time)
-    return bool(np.ptp(steps) < EVEN * float(np.mean(steps)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -124,7 +124,7 @@ class RankedInTime:
 
 
 @dataclass(frozen=True, eq=False)
-class _Field:
+class _BesideMaterial:
     """Tests, and any material that follows them with the effects that it needs.
 
     Attributes
@@ -197,8 +197,8 @@ class _Field:
         vars(judged).update(ranked=found)
         return judged
 
-    def in_noise_of(self, one: RankedInTime) -> _Field:
-        """The same field in the noise about a model."""
+    def in_noise_of(self, one: RankedInTime) -> _BesideMaterial:
+        """The same in the noise about a model."""
         return replace(self, noise=one.left.noise)
 
 
@@ -232,7 +232,7 @@ def rank(
     case = alive(ladder.steps[-1].examined, TimeCase, "the ladder")
     parts, base = parts_of_specimen(case.base.data), case.base
     left = Left.by(base.model, base.theta, base.reference, parts)
-    beside = _Field(case, parts, left, left.noise)
+    beside = _BesideMaterial(case, parts, left, left.noise)
     fits = fits_of(installed, beside.material, beside.fitted, progress)
     if not fits:
         raise DataError(
