@@ -7,6 +7,7 @@ import pytest
 
 import springpot
 from springpot.comparison import Ranking
+from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests.ranking import rank
@@ -71,3 +72,12 @@ def test_what_cannot_be_fitted_is_named_as_skipped():
     [skipped] = found.skipped
     assert skipped.model == "zener + arrhenius-shift"
     assert "temperature" in skipped.reason
+
+
+def test_a_handful_of_samples_makes_no_model_adequate():
+    few = TimeTest.of_relaxation([1.0, 2.0, 3.0], [5.0, 4.0, 3.5], "kPa", name="few")
+    with pytest.raises(DataError, match="few: 3 samples judge no model"):
+        rank([few], INSTALLED[:3], [])
+    t = np.array([0.1, 0.3, 1.0, 3.0, 10.0])
+    short = TimeTest.of_relaxation(t, 5.0 + 3.0 * np.exp(-t), "kPa")
+    assert rank([short], INSTALLED[:3], []).adequate == ()

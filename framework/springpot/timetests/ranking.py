@@ -18,11 +18,13 @@ from springpot.errors import DataError, SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import together
 from springpot.misfit.error import Error
+from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.material import any_material
 from springpot.plain_data import alive
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 from springpot.rheology.points import Real
+from springpot.thresholds import VERDICT
 
 from .comparing import judgement_of
 from .discovery import discover
@@ -111,6 +113,21 @@ class RankedInTime:
         """Below which its relative error is not: that error itself."""
         return self.error.relative_rms
 
+    @property
+    def beyond(self) -> bool:
+        """Whether its error is beyond the noise by more than chance, as of a sweep.
+
+        Of few samples no test of their own sees it: they may be noise with any memory.
+        """
+        ratio, dof = self.error.over_floor, max(self.dof, 1.0)
+        chance = chance_of_squares(ratio**2 * dof, dof, self.noise_dof)
+        return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
+
+    @property
+    def hardly_known(self) -> bool:
+        """Whether so few numbers are left over that neither error nor noise says anything."""
+        return min(self.dof, self.noise_dof) < VERDICT.fewest_spare
+
     @cached_property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion, beside that of the material."""
@@ -194,7 +211,12 @@ class _BesideMaterial:
         judged = judgement_of(
             found.fit, delta, floors[effects_of(found.model)], self.noise, left=found.left
         )
-        vars(judged).update(ranked=found)
+        known = not (found.beyond or found.hardly_known)
+        vars(judged).update(
+            ranked=found,
+            beyond=judged.beyond or found.beyond,
+            at_noise=judged.at_noise and known,
+        )
         return judged
 
     def in_noise_of(self, one: RankedInTime) -> _BesideMaterial:
@@ -227,6 +249,12 @@ def rank(
     SpringpotError
         If none of the models can be judged.
     """
+    samples = sum(len(test) for test in tests)
+    if samples <= VERDICT.fewest_spare:
+        raise DataError(
+            f"{together(test.name for test in tests)}: {samples} samples judge no model; measure at"
+            " more times"
+        )
     progress("looking for what is missing from any material")
     ladder = discover(tests, any_material(), library, progress=progress)
     case = alive(ladder.steps[-1].examined, TimeCase, "the ladder")
