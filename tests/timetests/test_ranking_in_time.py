@@ -78,6 +78,9 @@ def test_a_handful_of_samples_makes_no_model_adequate():
     few = TimeTest.of_relaxation([1.0, 2.0, 3.0], [5.0, 4.0, 3.5], "kPa", name="few")
     with pytest.raises(DataError, match="few: 3 samples judge no model"):
         rank([few], INSTALLED[:3], [])
+    [alone] = springpot.compare(few, "spring").judgements
+    assert alone.unclear
+    assert "cannot tell" in alone.says
     t = np.array([0.1, 0.3, 1.0, 3.0, 10.0])
     short = TimeTest.of_relaxation(t, 5.0 + 3.0 * np.exp(-t), "kPa")
     assert rank([short], INSTALLED[:3], []).adequate == ()

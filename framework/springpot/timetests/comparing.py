@@ -36,6 +36,8 @@ from .residuals_of_tests import (
 from .scatter import ResidualScatter
 from .verdict import error_of, where_missed
 
+UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
+"""What is said of a model that is far from the noise, and no test says how."""
 MORE = "what is left is more than noise"
 """What is said of a model that is missed nowhere in particular."""
 
@@ -139,7 +141,12 @@ def judgement_of(
     tests = left.rows(parts, noise, fit.tests)
     error, left = error_of(tests, noise, floor), left.beside(noise)
     where: tuple[Where, ...] = ()
-    says = ONLY_NOISE
+    says, spare = ONLY_NOISE, sum(test.points for test in fit.tests) - len(fit.theta)
+    # Of so few numbers no test sees a pattern.
+    few = spare < VERDICT.fewest_spare
+    unclear = few and not left.misfit and error.over_floor > VERDICT.misfit
+    if unclear:
+        says = UNCLEAR
     if left.misfit:
         where, says = where_missed(parts, left, noise), MORE
     if where:
@@ -147,10 +154,10 @@ def judgement_of(
     known = {
         "model": fit.model,
         "chi_square": fit.cost,
-        "degrees_of_freedom": sum(test.points for test in fit.tests) - len(fit.theta),
+        "degrees_of_freedom": spare,
         "free_parameters": len(fit.theta),
         "fails": left.misfit,
-        "unclear": False,
+        "unclear": unclear,
         "at_noise": not left.doubtful,
         "beyond": left.misfit,
         "computed": error.relative_rms < VERDICT.arithmetic,
