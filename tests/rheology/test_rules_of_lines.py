@@ -122,7 +122,7 @@ def test_a_force_flows_by_its_power_the_way_that_it_pulls(z):
     assert bend == pytest.approx(by_power, rel=1e-6)
     assert hysteresis._flow(0.0, 1.5, 3.0) == (0.0, 0.0, 0.0)
     share = 0.3
-    found = hysteresis._flowed(z, share, 1.5, 3.0, 0.1)
+    found = hysteresis._flowed(z, share, 1.5, 3.0)
     assert found + share * hysteresis._flow(found, 1.5, 3.0)[0] == pytest.approx(z)
 
 

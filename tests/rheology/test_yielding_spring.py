@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from springpot.errors import ModelError
 from springpot.registry import parse_model
-from springpot.rheology import Points, yielding_spring
+from springpot.rheology import Points, hysteresis, yielding_spring
 from springpot.structure import Damper
 
 K, F, A = 5.0, 1.0, 0.3
@@ -38,6 +38,24 @@ def test_its_derivatives_are_those_of_differences(k, force, a):
         up, down = (course(t, x, *(theta + sign * step))[0] for sign in (1.0, -1.0))
         by_difference = (up - down) / (2e-5 * theta[j])
         np.testing.assert_allclose(slope, by_difference, atol=1e-5 * np.abs(slope).max() + 1e-9)
+
+
+@pytest.mark.parametrize("free", [1e-9, 0.5, 40.0, -3e5])
+@pytest.mark.parametrize("share", [1e-8, 1.0, 1e6])
+@pytest.mark.parametrize("power", [1.0, 10.0, 20.0])
+def test_a_stage_solves_its_equation_however_stiff(free, share, power):
+    z = hysteresis._flowed(free, share, 5.0, power)
+    flow = share * np.sign(z) * (abs(z) / 5.0) ** power
+    assert z + flow == pytest.approx(free, rel=1e-11)
+
+
+def test_an_irregular_motion_far_beyond_yield_stays_near_the_force_of_its_flow():
+    """Each way is so long that the spring adds nothing: |z| is F |v|^a of its own way."""
+    rng = np.random.default_rng(1)
+    t, x = np.linspace(0.0, 6.0, 200), rng.normal(size=200)
+    speed = np.diff(x) / np.diff(t)
+    z = course(t, x, 3e6, 5.0, 0.05)[0][1:]
+    np.testing.assert_allclose(z, 5.0 * np.sign(speed) * np.abs(speed) ** 0.05, rtol=1e-3)
 
 
 def test_the_force_lies_flat_over_the_speed():

@@ -98,9 +98,11 @@ def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
     if len(other.ranked.theta) > len(one.ranked.theta):
         return False
     # Crosswise, as a floor may be zero.
-    most, floor = one.error.relative_rms * other.ranked.floor, one.ranked.floor
-    # Of most models the fit by the noise tells, and the error itself need not be searched for.
-    return other.ranked.least_error * floor <= most and other.error.relative_rms * floor <= most
+    floor, others = one.ranked.floor, other.ranked.floor
+    # Of most models the fits by the noise tell, and neither error need be searched for.
+    if other.ranked.least_error * floor > one.ranked.relative_rms * others:
+        return False
+    return other.error.relative_rms * floor <= one.error.relative_rms * others
 
 
 def chance_beside(found: RankedFit, floor: RankedFit) -> float:

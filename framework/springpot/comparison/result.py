@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -101,6 +101,11 @@ class RankedFit(Protocol):
         ...
 
     @property
+    def relative_rms(self) -> float:
+        """Above which it is not."""
+        ...
+
+    @property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion, but for what all models share."""
         ...
@@ -109,6 +114,16 @@ class RankedFit(Protocol):
     def curve(self) -> Real:
         """What it says of each number over the noise, but for what all models share, shape (m,)."""
         ...
+
+
+def _least_error(judged: Iterable[Judgement]) -> float:
+    """The least error of some models: it takes a search of those alone whose fit leaves it open."""
+    least = np.inf
+    for one in sorted(judged, key=lambda one: one.ranked.least_error):
+        if one.ranked.least_error >= least:
+            break
+        least = min(least, one.error.relative_rms)
+    return least
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +245,7 @@ class Judgement:
 
         What pattern it has, is another question.
         """
-        return at_noise(self.refit, self.error)
+        return at_noise(self.refit)
 
     @cached_property
     def beyond(self) -> bool:
@@ -364,14 +379,16 @@ class Comparison:
         None where that is the best, or has as many parameters.
         """
         written = [one for one in self.judgements if not is_material(one.model)]
-        least = min((one.error.relative_rms for one in written), default=0.0)
-        near = [one for one in written if one.error.relative_rms <= SUPERPOSITION.nearly * least]
-        fewest = min(
-            near, key=lambda one: (one.free_parameters, one.error.relative_rms), default=self.best
+        most = SUPERPOSITION.nearly * _least_error(written)
+        simpler = (one for one in written if one.free_parameters < self.best.free_parameters)
+        near = [
+            one
+            for one in simpler
+            if one.ranked.least_error <= most and one.error.relative_rms <= most
+        ]
+        return min(
+            near, key=lambda one: (one.free_parameters, one.error.relative_rms), default=None
         )
-        if fewest.free_parameters >= self.best.free_parameters:
-            return None
-        return fewest
 
     @property
     def says(self) -> str:
@@ -463,23 +480,22 @@ def best_of(compared: Sequence[Judgement]) -> Judgement:
     return min(compared, key=lambda one: one.delta_bic)
 
 
-def at_noise(found: Refit, error: Error) -> bool:
-    """Whether an error is as large as noise makes it, by the rules of `diagnose`.
-
-    Parameters
-    ----------
-    found : Refit
-        The model.
-    error : Error
-        Its error.
-    """
+def at_noise(found: Refit) -> bool:
+    """Whether the error of a model is as large as noise makes it, by the rules of `diagnose`."""
     # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
     if is_arithmetic(found):
         return True
     # Of so few numbers neither the error nor the floor is known.
-    if is_hardly_known(found):
+    if is_hardly_known(found) or beyond_floor(found):
         return False
-    return not beyond_floor(found) and not error.is_hardly_noise
+    # The fit by the noise leaves no less than the search does whose error is printed: that is dear.
+    return not (
+        _is_hardly_noise(found, found.relative_rms) and _is_hardly_noise(found, found.error)
+    )
+
+
+def _is_hardly_noise(found: Refit, error: float) -> bool:
+    return Error(error, found.floor, found.noise.source).is_hardly_noise
 
 
 class Skipped(NamedTuple):

@@ -379,31 +379,30 @@ def _stages(speed: Real, held: Real, rest: Real, force: float, power: float) -> 
     """The force at both stages (2, n) of each step."""
     z, stages = 0.0, []
     for v, share, more in zip(speed.tolist(), held.tolist(), rest.tolist(), strict=True):
-        first = _flowed(z + share * v, share, force, power, z)
+        first = _flowed(z + share * v, share, force, power)
         rate = v - copysign((abs(first) / force) ** power, first)
-        z = _flowed(z + more * rate + share * v, share, force, power, first)
+        z = _flowed(z + more * rate + share * v, share, force, power)
         stages.append((first, z))
     return np.array(stages).reshape(-1, 2).T
 
 
-def _flowed(free: float, share: float, force: float, power: float, near: float) -> float:
-    """The force z of z + share * flow(z) = free, by Newton's method from one that is near."""
+def _flowed(free: float, share: float, force: float, power: float) -> float:
+    """The force z of z + share * flow(z) = free, by Halley's method, which spares powers."""
     size = abs(free)
     if size == 0.0:
         return 0.0
-    # Either term alone is at most all: the smaller of both ends is beyond the solution.
+    # Either term alone is at most all: the smaller of both ends is just beyond the solution.
     z: float = min(size, force * (size / share) ** (1.0 / power))
-    if near * free > 0.0:
-        z = min(z, abs(near))
     for _ in range(MOST_STEPS):
         flow = share * (z / force) ** power
-        change = (z + flow - size) / (1.0 + power * flow / z)
-        z -= change
-        if abs(change) <= ROUNDING * size:
+        # The slope and the bend are those of z times it and its square.
+        off, slope, bend = z + flow - size, z + power * flow, power * (power - 1.0) * flow
+        change = 2.0 * off * slope / (2.0 * slope * slope - off * bend)
+        z -= change * z
+        # By so much the flow has changed, and what is left goes as its cube.
+        if abs(power * change) ** 3 <= ROUNDING:
             break
-    if free < 0.0:
-        return -z
-    return z
+    return copysign(z, free)
 
 
 def yielding_spring(k: str = "k", force: str = "F", exponent: str = "a") -> Formula:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics import ALIKE, LARGEST, ROUNDING
+from ..numerics import ALIKE, LARGEST, ROUNDING, SMALLEST
 from .points import HALF_PI, Real, power_of_s
 
 FOUR_OVER_PI = 4.0 / np.pi
@@ -342,6 +342,8 @@ ROWS = 64
 """Parts of a block that are scanned side by side, as long as they are many."""
 RUN = 64
 """Evenly spaced samples that are one product of matrices."""
+RUNS = 4
+"""Of these at least are worth their kernel."""
 SMALL = 1e-2
 """Below this |r h| the power series of g' is as exact as its closed form."""
 
@@ -376,12 +378,12 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
     inner = steps[1:]
-    if n > BLOCK and not np.iscomplexobj(inner) and np.ptp(inner) <= ALIKE * np.max(inner):
+    if n > RUNS * RUN and not np.iscomplexobj(inner) and np.ptp(inner) <= ALIKE * np.max(inner):
         return _driven_evenly(rates, float(np.mean(inner)), changes, mix, rate_mix)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
         ways, step = changes[part].T[..., None], steps[part][:, None]
-        decay, gains, gain_slopes = _step(rates, step, len(ways), moving)
+        decay, gains, gain_slopes = _steps(rates, step, len(ways), moving)
         q = _scan(decay, _summed(gains, ways), last)
         if len(moving):
             # dq/dr obeys the same recursion, driven by the derivatives of its two factors.
@@ -415,6 +417,19 @@ def _decay(rates: Modes, step: Modes) -> tuple[Modes, Modes]:
     lost = -np.expm1(-z)
     gain = np.where(np.abs(z) < ROUNDING, 1.0, lost / np.where(z == 0.0, 1.0, z))
     return 1.0 - lost, gain
+
+
+def _steps(
+    rates: Modes, step: Modes, shapes: int, moving: NDArray[np.intp]
+) -> tuple[Modes, list[Modes], list[Modes]]:
+    """The same as `_step`, worked out once for all steps (n, 1) that are equally long."""
+    units = np.round(step[:, 0] / (ROUNDING * np.max(np.abs(step), initial=SMALLEST)))
+    _, first, which = np.unique(units, return_index=True, return_inverse=True)
+    if 2 * len(first) > len(step):
+        return _step(rates, step, shapes, moving)
+    decay, *rest = _step(rates, step[first], shapes, moving)
+    gains, slopes = ([each[which] for each in of_kind] for of_kind in rest)
+    return decay[which], gains, slopes
 
 
 def _step(

@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 from springpot.errors import ModelError
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
-from springpot.rheology.effect import on_clock, on_loading
+from springpot.rheology.effect import Effect, on_clock, on_loading
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model, linear_network, sorted_out, with_laws
+from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
@@ -62,7 +63,19 @@ CLOSE = 0.05
 
 STEP = 1e-5
 """Relative step of the derivative by a clock's parameters, which a search needs to three digits."""
-KEPT = ("sd", "rows", "t", "seen", "times", "omega", "share", "answers", "solver", "record")
+KEPT = (
+    "sd",
+    "rows",
+    "t",
+    "seen",
+    "times",
+    "omega",
+    "share",
+    "answers",
+    "solver",
+    "record",
+    "forces",
+)
 """What does not depend on how a part is weighed."""
 
 
@@ -231,6 +244,19 @@ class QuickPart(InTimePart):
     def record(self) -> Record:
         """What laws are told."""
         return Record.of(self.test, self.t)
+
+    @cached_property
+    def forces(self) -> dict[tuple[str, tuple[float, ...]], Real]:
+        """Forces (n,) of effects beside the material, by their parameters, once worked out."""
+        return {}
+
+    def force_of(self, effect: Effect, values: Real) -> Real:
+        """The force (n,) of an effect beside the material, which no other parameter changes."""
+        key = (effect.name, tuple(values.tolist()))
+        if key not in self.forces:
+            x, law = self.record.imposed, effect.element.in_time  # type: ignore[attr-defined]
+            self.forces[key] = np.asarray(law(self.t, x, velocity(self.t, x), *values)[0])
+        return self.forces[key]
 
     @classmethod
     def of(cls, part: InTimePart) -> QuickPart:

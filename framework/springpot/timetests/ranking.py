@@ -114,6 +114,11 @@ class RankedInTime:
         return self.error.relative_rms
 
     @property
+    def relative_rms(self) -> float:
+        """Above which it is not."""
+        return self.error.relative_rms
+
+    @property
     def beyond(self) -> bool:
         """Whether its error is beyond the noise by more than chance, as of a sweep.
 

@@ -22,7 +22,6 @@ from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect, acting, on_clock, on_loading, on_response
 from springpot.rheology.model import Model, linear_network, sorted_out
-from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
@@ -462,13 +461,13 @@ class View:
 
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
-        law, test = effect.element.in_time, self.part.test  # type: ignore[attr-defined]
+        test = self.part.test
         if test.control != "displacement" or len(test.loading.jumps[0]):
             raise SpringpotError(f"{effect.name} has no law here")
         if of_signal:
+            law = effect.element.in_time  # type: ignore[attr-defined]
             return np.asarray(law(self.t, self.value[:, None], *values)[1][0] * self.weight)
-        x = self.quick.record.imposed
-        return np.asarray(law(self.t, x, velocity(self.t, x), *values)[0] * self.weight)
+        return self.quick.force_of(effect, values) * self.weight
 
     def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
         """An effect's column at the stage of the record, and whether it goes as its size."""

@@ -138,7 +138,8 @@ def answers_of(
         elif motion is not None:
             moving += motion.speed[place]
             pushed += motion.push[place]
-        else:
+        # Of what is straight between its samples they take differences: for whom nobody asks.
+        elif mix[1:3].any():
             moving += velocity(grid, imposed)[place]
             pushed += acceleration(grid, imposed)[place]
     modes = faded
