@@ -12,8 +12,6 @@ from typing import Any, Generic, TypeVar
 
 from springpot.errors import PluginError
 from springpot.hooks import Chapter, SolverFormat
-from springpot.identification.problem import Objective
-from springpot.identification.runs import Optimiser, OptimiserFamily
 from springpot.measurement.opening import DataSet, Suite, TimeReader
 from springpot.measurement.reader import Reader
 from springpot.rheology.effect import Effect
@@ -198,10 +196,25 @@ class Shelf(Generic[T]):
         return [name for name in (*self.items, *self._by_alias) if name not in self.clashes]
 
 
+# The solver, and SciPy's algebra with it, is loaded by those who ask for it: not to look at a file.
 def _is_optimiser(item: object) -> bool:
+    from springpot.identification.runs import Optimiser
+
     # An abstract class lacks what it should have written, and would fail only when somebody uses
     # it.
     return isinstance(item, type) and issubclass(item, Optimiser) and not isabstract(item)
+
+
+def _is_family(item: object) -> bool:
+    from springpot.identification.runs import OptimiserFamily
+
+    return isinstance(item, OptimiserFamily)
+
+
+def _is_objective(item: object) -> bool:
+    from springpot.identification.problem import Objective
+
+    return isinstance(item, Objective)
 
 
 def _model_name(item: Model | Family) -> str:
@@ -218,12 +231,8 @@ KINDS: dict[str, Kind[Any]] = {
         ),
         Kind[Any]("effect", "springpot_effects", lambda x: isinstance(x, Effect)),
         Kind[Any]("optimiser", "springpot_optimisers", _is_optimiser),
-        Kind[Any](
-            "optimiser family",
-            "springpot_optimiser_families",
-            lambda x: isinstance(x, OptimiserFamily),
-        ),
-        Kind[Any]("objective", "springpot_objectives", lambda x: isinstance(x, Objective)),
+        Kind[Any]("optimiser family", "springpot_optimiser_families", _is_family),
+        Kind[Any]("objective", "springpot_objectives", _is_objective),
         Kind[Any]("data set", "springpot_datasets", lambda x: isinstance(x, DataSet)),
         Kind[Any]("suite", "springpot_suites", lambda x: isinstance(x, Suite)),
         Kind[Any]("reader", "springpot_readers", lambda x: isinstance(x, Reader)),

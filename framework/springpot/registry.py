@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pluggy
 
@@ -25,7 +25,6 @@ from springpot.errors import (
     use_owners,
 )
 from springpot.files import write_text
-from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet, Suite, Test
@@ -42,6 +41,9 @@ from springpot.writing import suggested
 
 from .catalogue import KINDS, Kind, Owner, Shelf
 from .measurement import opening
+
+if TYPE_CHECKING:
+    from springpot.identification.runs import Optimiser
 
 T = TypeVar("T")
 

@@ -22,8 +22,9 @@ def says(monkeypatch):
 
     def said(relative_rms, floor, fails=False, dof=40, source="estimated", **known):
         fit = SimpleNamespace(dof=dof, measurement=[0.0] * 20)
-        noise = SimpleNamespace(dof=40)
+        noise = SimpleNamespace(dof=40, source=source)
         found = SimpleNamespace(relative_rms=relative_rms, floor=max(floor, 1e-18), fit=fit)
+        found.error = relative_rms
         found.noise, found.error_dof = noise, dof
         told = {"model": NAMED, "fails": fails} | known
         return Judgement.told(found, Error(relative_rms, floor, source), 0.0, told).says
@@ -74,7 +75,7 @@ def test_a_model_that_does_not_fail_fails_nowhere():
 def test_adequate_is_an_error_of_noise_in_size_and_in_pattern(says, relative_rms, fails):
     fit = SimpleNamespace(dof=40, measurement=[0.0] * 20)
     found = SimpleNamespace(relative_rms=relative_rms, floor=0.01, fit=fit)
-    found.noise, found.error_dof = SimpleNamespace(dof=40), 40
+    found.noise, found.error_dof = SimpleNamespace(dof=40, source="estimated"), 40
     one = Judgement.told(found, Error(relative_rms, 0.01, "estimated"), 0.0, {"fails": fails})
     assert one.adequate is (relative_rms == 0.01 and not fails)
     assert one.unclear is (relative_rms == 0.05 and not fails)

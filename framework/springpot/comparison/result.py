@@ -119,8 +119,8 @@ class RankedFit(Protocol):
 def _least_error(judged: Iterable[Judgement]) -> float:
     """The least error of some models: it takes a search of those alone whose fit leaves it open."""
     least = np.inf
-    for one in sorted(judged, key=lambda one: one.ranked.least_error):
-        if one.ranked.least_error >= least:
+    for one in sorted(judged, key=lambda one: one.least_error):
+        if one.least_error >= least:
             break
         least = min(least, one.error.relative_rms)
     return least
@@ -163,6 +163,13 @@ class Judgement:
         """Its error, the noise floor and the material floor, relative to |K|."""
         # It takes a search of its own: of many models that fail nobody asks for it.
         return error_of(self.refit, alive(self.floor, MaterialFloor, self.model.name))
+
+    @property
+    def least_error(self) -> float:
+        """Below which its error is not: that itself, where it is known."""
+        if "error" in vars(self):
+            return self.error.relative_rms
+        return self.ranked.least_error
 
     @cached_property
     def battery(self) -> Battery:
@@ -382,9 +389,7 @@ class Comparison:
         most = SUPERPOSITION.nearly * _least_error(written)
         simpler = (one for one in written if one.free_parameters < self.best.free_parameters)
         near = [
-            one
-            for one in simpler
-            if one.ranked.least_error <= most and one.error.relative_rms <= most
+            one for one in simpler if one.least_error <= most and one.error.relative_rms <= most
         ]
         return min(
             near, key=lambda one: (one.free_parameters, one.error.relative_rms), default=None

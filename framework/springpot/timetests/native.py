@@ -260,6 +260,8 @@ class TimeSearch:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the
         # end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
+        if not np.isfinite(quick.cost.min()):
+            raise UnfollowedError(f"{self.model.name} cannot be followed from any start")
         best = quick.best
         near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springpot.errors import DataError
 from springpot.hooks import hookimpl
-from springpot.identification import Objective
 from springpot.measurement import Measurement
 from springpot.rheology import Complex
+
+if TYPE_CHECKING:
+    from springpot.identification import Objective
 
 NOTHING = 1e-3
 """Share of |K| below which a part is known by its noise alone, in any instrument."""
@@ -46,6 +49,8 @@ def _given_sd(measurement: Measurement) -> Complex:
 @hookimpl
 def springpot_objectives() -> Iterable[Objective]:
     """The paper's objective and four others."""
+    from springpot.identification import Objective
+
     return (
         Objective(
             "paper", "sum of (K' - K'_m)^2 + (K'' - K''_m)^2, eq. (44)", _equal, citation="eq. (44)"

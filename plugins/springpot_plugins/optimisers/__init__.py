@@ -6,9 +6,12 @@ Files are imported when they are asked for.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from springpot.hooks import hookimpl
-from springpot.identification import Optimiser, OptimiserFamily
+
+if TYPE_CHECKING:
+    from springpot.identification import Optimiser, OptimiserFamily
 
 
 @hookimpl
