@@ -13,7 +13,9 @@ from springpot.errors import DataError, ModelError
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import open_in_time, parse_model
 from springpot.timetests import identify, predicted
+from springpot.timetests.native import TimeSearch
 from springpot.timetests.recording import recorded
+from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
@@ -136,6 +138,19 @@ def test_a_drift_is_told_from_a_record_that_warms():
     row = found.parameters["force-drift.rate"]
     assert row.low < 0.004 < row.high
     assert found.tests[0].over_floor < 1.15
+
+
+def test_what_no_exponentials_follow_is_sought_by_the_exact_answer():
+    """Also where the exact answer was followed before: no start is then endless for the others."""
+    x = 0.01 * np.sin(0.5 * T)
+    blank = TimeTest.of_history(T, x, 0 * T, "-", "kPa", control="displacement", temperature=WARMER)
+    exact = predicted(MODEL, THETA, blank, REFERENCE).value
+    parts = parts_of_specimen([replace(blank, response=exact)])
+    search = TimeSearch(MODEL, parts, REFERENCE, [0.8 * THETA], thorough=False)
+    [start] = search.starts()
+    assert np.all(np.isfinite(search.guarded(parts, start, True)[0]))
+    found, _ = search.near(parts, [start])
+    np.testing.assert_allclose(search.theta(found), THETA, rtol=0.02)
 
 
 def test_what_cannot_follow_it_is_refused_by_name():
