@@ -17,7 +17,7 @@ from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test
-from springpot.numerics import ALIKE
+from springpot.numerics import ALIKE, DECADE
 from springpot.rheology.effect import Layer
 from springpot.rheology.nodes import FULL
 from springpot.rheology.parameters import STIFFNESS, VISCOSITY
@@ -29,7 +29,6 @@ from .measured_quantities import of_amplitude
 from .prediction import Known
 from .value import Quantities, Quantity, energy_unit, in_logarithm, noun
 
-DECADE = float(np.log(10.0))
 REACH = 3.0 * DECADE
 """How far beyond the measured frequencies a crossover or a plateau is looked for."""
 FINE = 60.0

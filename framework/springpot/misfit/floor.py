@@ -28,7 +28,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import LEAST_LEFT, NoiseFrame, chance_of_squares, phase_of
+from .frame import ENOUGH_NEIGHBOURS, LEAST_LEFT, NoiseFrame, chance_of_squares, phase_of
 from .outliers import Trimmed, trimmed
 from .refit import Refit, refit
 
@@ -57,8 +57,6 @@ DIFFERENCES = (2, 3, 4, 5)
 Of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
 order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points.
 """
-ENOUGH_NEIGHBOURS = 10
-"""Degrees of freedom below which second differences say too little."""
 FEWEST_ABOUT_MODEL = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
 LEAST_SPARE = 0.4

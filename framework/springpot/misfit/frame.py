@@ -182,6 +182,8 @@ DEALT_ALONE = 8
 """Points of a sweep from which its scatter is dealt out anew by itself."""
 FEWEST_OWN = 20.0
 """Degrees of freedom below which a scatter says too little of itself."""
+ENOUGH_NEIGHBOURS = 10
+"""Degrees of freedom, or neighbours, from which second differences tell the scatter."""
 LEAST_LEFT = 0.1
 """Share of a point, a level or a narrow shape that the fitted curves must leave.
 

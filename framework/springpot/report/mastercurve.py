@@ -33,8 +33,6 @@ WORDS = {
     "not-simple": "one curve does not hold: it adds {added} to the error",
     "not-judged": "no level has points enough to judge whether one curve holds",
 }
-LEGEND = 8
-"""Levels that a legend names; more are told by a bar of colours."""
 EXACT = "exact by construction"
 """How far a law with as many constants as factors is off."""
 
@@ -247,7 +245,7 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
     bar = figure.colorbar(ScalarMappable(norm, colour), ax=list(planes), pad=0.01, aspect=30)
     bar.set_label(f"{master.factors.column}{_in_unit(master.unit)}")
     # Each level by its number, as long as the numbers do not touch.
-    if len(levels) <= LEGEND:
+    if len(levels) <= LISTED:
         bar.set_ticks(levels.tolist(), labels=[f"{value:.4g}" for value in levels])
     bar.outline.set_visible(False)
     left.legend(loc="best")

@@ -29,8 +29,6 @@ STRETCHES = 4
 """Parts of a record, in more than half of which noise is as it is in all."""
 AROUND = 5
 """Neighbouring frequencies of whose powers in all stretches the median is taken."""
-OF_MEDIAN = 1.0 / NORMAL**2
-"""Median of the square of a normal number of variance one."""
 ORDERS = 8
 """Samples back that an autoregression looks at most: a mean over five is followed by as many."""
 LONGEST = 0.75
@@ -129,7 +127,8 @@ def _continuum(residual: Real) -> tuple[Real, Real]:
     for power in (stretches, whole):
         padded = np.pad(power, ((0, 0), (AROUND // 2, AROUND // 2)), mode="reflect")
         near = np.lib.stride_tricks.sliding_window_view(padded, AROUND, axis=1)
-        levels.append(np.median(near, axis=(0, 2)) / OF_MEDIAN)
+        # Over the median of the square of a normal number of variance one.
+        levels.append(NORMAL**2 * np.median(near, axis=(0, 2)))
     return frequencies(count), np.minimum(*levels)
 
 
