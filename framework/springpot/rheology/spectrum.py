@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import log
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from springpot.errors import ModelError
 
-from ..numerics import NEGLIGIBLE, ROUNDING
+from ..numerics import BEYOND, NEGLIGIBLE, ROUNDING
 from .effect import Effect, Layer
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import HALF_PI, ROOM, Complex, Points, Real
@@ -54,8 +55,6 @@ NEGATIVE = 1e-7
 SCALES = np.arange(-45.0, 45.0, 0.25)
 """Twenty decades of rates either side of one, in which a model's own relaxation times are sought.
 """
-MARGIN = 2.0 * np.log(10.0)
-"""Two decades beyond a model's own times are of interest by default."""
 NOTED = 0.05
 """Share of the largest change of that power from which a turn is a time of the model's own."""
 MOST_TERMS = 60
@@ -401,7 +400,8 @@ class Sum:
         at = SCALES[1:-2][turns]
         if not len(at):
             return WITHOUT_TIME
-        return float(at.min() - MARGIN), float(at.max() + MARGIN)
+        margin = log(BEYOND)
+        return float(at.min() - margin), float(at.max() + margin)
 
     def summed(
         self,

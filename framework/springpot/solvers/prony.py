@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from springpot.numerics import non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
-from ..numerics import HALVINGS, SMALLEST
+from ..numerics import BEYOND, HALVINGS, REWEIGHTINGS, SMALLEST
 
 IN_VAIN = 6
 """Terms that do not help after which no more are tried.
@@ -42,13 +43,6 @@ PER_DECADE = 16
 
 Beyond 12 it changes in the third digit only.
 """
-BEYOND = 5.0
-"""How far (in ln) times may lie outside the band.
-
-Two decades, where a term is a spring or a dashpot to 1 %.
-"""
-ROUNDS = 6
-"""Reweightings towards the least largest error (Lawson); more gain less than 2 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +243,7 @@ def _fitted(
     # Evenly over the decades to begin with; the descent moves them.
     u = grid[0] + width * (np.arange(count) + 0.5)
     best: Prony | None = None
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTINGS):
         share = np.sqrt(lawson) / np.abs(target)
 
         # Its share is bound here, as the next round has another.
@@ -258,7 +252,7 @@ def _fitted(
             missed = share * (_columns(s, u, dashpot) @ amounts - target)
             return np.concatenate([missed.real, missed.imag])
 
-        reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
+        reach = (grid[0] - log(BEYOND), grid[-1] + log(BEYOND))
         u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x
         amounts = _weights(s, u, target, share, dashpot)
         error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)

@@ -31,11 +31,14 @@ AROUND = 5
 """Neighbouring frequencies of whose powers in all stretches the median is taken."""
 ORDERS = 8
 """Samples back that an autoregression looks at most: a mean over five is followed by as many."""
+UPPER = 0.25
+"""Share of the highest frequency above which there is noise alone, and no pole is slow.
+
+A misfit spans eight samples or more.
+"""
 LONGEST = 0.75
 """Memory of a slow pole from one sample to the next, at most: what is alike over longer is no
 noise."""
-SLOW = 0.25
-"""Share of the highest frequency below which a pole is slow."""
 
 
 @dataclass(frozen=True)
@@ -187,4 +190,4 @@ def _autoregressions(level: Real, omega: Real, corner: float) -> Iterator[Colour
 def _remembers_long(past: tuple[float, ...]) -> bool:
     """Whether an autoregression goes on slowly for longer than noise does."""
     poles = np.roots(past)
-    return bool(np.any((np.abs(np.angle(poles)) < SLOW * np.pi) & (np.abs(poles) > LONGEST)))
+    return bool(np.any((np.abs(np.angle(poles)) < UPPER * np.pi) & (np.abs(poles) > LONGEST)))

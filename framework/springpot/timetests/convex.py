@@ -16,8 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.identification.material import PER_DECADE
-from springpot.numerics import non_negative
+from springpot.numerics import DECADE, PER_DECADE, non_negative
 from springpot.rheology.points import Real
 
 from ..numerics import ENOUGH, HALVINGS, evenly
@@ -74,7 +73,7 @@ class ConvexSpectrum(NamedTuple):
 def lines_of(part: TestPart) -> ConvexSpectrum:
     """The material that a test shows when nothing but a material has made it."""
     low, high = part.test.seen
-    step = float(np.log(10.0)) / PER_DECADE
+    step = DECADE / PER_DECADE
     ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
     logs = np.arange(ends[0], ends[1] + step, step)
     amounts = _amounts(part, logs)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.material import PER_DECADE, is_material
+from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
 from springpot.numerics import non_negative
@@ -22,6 +22,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
+from ..numerics import PER_DECADE
 from .convex import ConvexSpectrum, lattice
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
