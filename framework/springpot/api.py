@@ -45,8 +45,7 @@ from springpot.misfit.material import any_material
 from springpot.registry import effect_of, open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.superposition.curve import MasterCurve
-from springpot.superposition.curve import mastercurve as mastercurve_of
+from springpot.superposition.curve import MasterCurve, mastercurve as mastercurve_of
 from springpot.superposition.laws import level_of
 from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time

@@ -20,8 +20,7 @@ from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 from ..numerics import SMALLEST
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
-from .mixed_tests import NOTE as TOGETHER
-from .mixed_tests import RUNS, largest_test, sweeps_of, told_apart
+from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
 from .rows import SAME_AMPLITUDE
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
 

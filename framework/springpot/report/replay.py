@@ -20,8 +20,7 @@ from springpot.files import write_with
 from springpot.rheology.points import Complex, Points, Real
 
 from . import views
-from .canvas import COLOURS as LINES
-from .canvas import QUIET, blank, check_figure_path, logarithmic
+from .canvas import COLOURS as LINES, QUIET, blank, check_figure_path, logarithmic
 from .interactive.in_time import PLANE, TimeScene, case_of
 from .ladder_text import ROOM, draw_ladder, entitled
 from .residuals import symmetric, with_noise_of

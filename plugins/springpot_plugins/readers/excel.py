@@ -24,8 +24,7 @@ from springpot.measurement import (
 
 from .archive import check_archive
 from .blocks import Block, blocks_of
-from .channels import UNITS as CHANNELS
-from .channels import found_in
+from .channels import UNITS as CHANNELS, found_in
 from .conditions_above import with_conditions_above
 from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
