@@ -50,8 +50,6 @@ REFUSED = 1e-2
 
 Those that have one stay far below.
 """
-NEGATIVE = 1e-7
-"""Share of K by which H may be negative from rounding."""
 SCALES = np.arange(-45.0, 45.0, 0.25)
 """Twenty decades of rates either side of one, in which a model's own relaxation times are sought.
 """
@@ -486,7 +484,7 @@ class Sum:
             value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
             sizes = self._sizes(low, high)
             height = value.imag / np.pi
-            if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
+            if not signed and np.any(height < -NEGLIGIBLE * np.abs(value) - ROUNDING * max(sizes)):
                 raise _NoSpectrumError(
                     "is no passive material: weights of its relaxation would be negative"
                 )
@@ -522,7 +520,7 @@ class Sum:
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)
         # At real s nothing oscillates, and no phase can be: a network that has one there is no
         # material.
-        if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
+        if np.any(np.abs(value.imag) > NEGLIGIBLE * np.abs(value)):
             raise _NoSpectrumError(
                 "is no material: without oscillation its force would not be real"
             )

@@ -21,7 +21,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
 
-from ..numerics import NORMAL, SMALLEST
+from ..numerics import DEVIATIONS, NORMAL, SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import ResidualScatter, times_noise
 
@@ -29,8 +29,6 @@ ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 WORTH = 0.15
 """Share of the samples that such a median is worth: by 600 simulated channels of 100 to 3,000."""
-DOUBT = 2.0
-"""Standard errors by which the noise may be larger than it looks."""
 FEWEST = 100
 """Samples below which it is not told."""
 APART = 16
@@ -287,7 +285,7 @@ def _heard(part: TestPart) -> float:
     if size * factor < HEARD * float(np.median(part.sd)):
         return 0.0
     error = float(np.sqrt(2.0 / (WORTH * len(part.at))))
-    return size * float(np.sqrt(1.0 + DOUBT * error))
+    return size * float(np.sqrt(1.0 + DEVIATIONS * error))
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import SMALLEST
+from ..numerics import DEVIATIONS, SMALLEST
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -247,11 +247,6 @@ def worst_first(located: Sequence[Where]) -> tuple[Where, ...]:
 SCHEMA = "springpot.prediction/2"
 VAGUE = 0.5
 """Expected error from which a fit says nothing of a test: it may be off by its own size."""
-HOLDS = 2.0
-"""Error over what was to be expected up to which a prediction holds.
-
-Nineteen of twenty of a normal error do.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,7 +329,7 @@ class TestPrediction:
         if not self.judged:
             return "not-judged"
         # First: an error beyond even a wide expectation is a failure, not a vague prediction.
-        if self.error > HOLDS * self.expected:
+        if self.error > DEVIATIONS * self.expected:
             return "fails"
         if self.expected > VAGUE:
             return "vague"
