@@ -69,7 +69,7 @@ MEDIAN_WORTH, FOURTH_WORTH = 0.37, 0.38
 Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring differences share samples.
 """
 DEVIATIONS = 2.0
-"""Standard deviations beyond which noise alone goes once in twenty: within them, two numbers meet."""
+"""Standard deviations beyond which noise goes once in twenty: within them two numbers meet."""
 TWO_DEVIATIONS = DEVIATIONS**2
 """Drop of chi-square, or twice that of a log-likelihood, by one number that is two of its standard
 deviations: a chance of 5 %.

@@ -16,7 +16,7 @@ import numpy as np
 
 from springpot.distributions import alike, f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.numerics import MOST_STEPS, non_negative
+from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST, non_negative
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
@@ -25,7 +25,6 @@ from springpot.rheology.points import Real
 from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
-from ..numerics import PRINTED, ROUNDING, SMALLEST
 from .fitted import Fit
 from .intervals import allowed_cost
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws

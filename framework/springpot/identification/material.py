@@ -18,7 +18,16 @@ from itertools import chain
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import MOST_STEPS, non_negative
+from springpot.numerics import (
+    BEYOND,
+    DECADE,
+    MOST_STEPS,
+    NEGLIGIBLE,
+    PER_DECADE,
+    ROUNDING,
+    SMALLEST,
+    non_negative,
+)
 from springpot.rheology.effect import Layer
 from springpot.rheology.elements import (
     Continuum,
@@ -32,7 +41,6 @@ from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.parameters import Coordinates, box_of
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import BEYOND, DECADE, NEGLIGIBLE, PER_DECADE, ROUNDING, SMALLEST
 from .leastsquares import Solving, Trial, Way
 from .problem import BLOCK, Objective, numbers_of, weighted
 

@@ -15,14 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
-from springpot.numerics import non_negative
+from springpot.numerics import ALIKE, BEYOND, DECADE, non_negative
 from springpot.rheology.elements import Continuum, Probe
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ALIKE, BEYOND, DECADE
 from .fitted import Fit
 from .material import is_material
 from .problem import weighted

@@ -20,11 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.numerics import non_negative
-from springpot.rheology.points import Real
-from springpot.writing import SHOWN
-
-from ..numerics import (
+from springpot.numerics import (
     ALIKE,
     FOURTH_WORTH,
     MEDIAN_WORTH,
@@ -34,7 +30,11 @@ from ..numerics import (
     ROUNDING,
     SMALLEST,
     TWO_DEVIATIONS,
+    non_negative,
 )
+from springpot.rheology.points import Real
+from springpot.writing import SHOWN
+
 from ..thresholds import OUTLIERS
 from .measurement import Measurement
 from .timetest import TimeTest

@@ -22,11 +22,9 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
-from springpot.numerics import non_negative
+from springpot.numerics import BEYOND, HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
-
-from ..numerics import BEYOND, HALVINGS, REWEIGHTINGS, SMALLEST
 
 IN_VAIN = 6
 """Terms that do not help after which no more are tried.

@@ -16,10 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.numerics import DECADE, PER_DECADE, non_negative
+from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, evenly, non_negative
 from springpot.rheology.points import Real
 
-from ..numerics import ENOUGH, HALVINGS, evenly
 from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
 

@@ -16,13 +16,12 @@ from springpot.errors import ModelError, SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
-from springpot.numerics import non_negative
+from springpot.numerics import PER_DECADE, non_negative
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
-from ..numerics import PER_DECADE
 from .convex import ConvexSpectrum, lattice
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch

@@ -18,13 +18,7 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.material import STILL
-from springpot.numerics import non_negative
-from springpot.rheology.elements import Continuum
-from springpot.rheology.model import Model
-from springpot.rheology.parameters import Coordinates
-from springpot.rheology.points import Real
-
-from ..numerics import (
+from springpot.numerics import (
     ALIKE,
     DECADE,
     MOST_STEPS,
@@ -33,7 +27,13 @@ from ..numerics import (
     PRINTED,
     SMALLEST,
     TWO_DEVIATIONS,
+    non_negative,
 )
+from springpot.rheology.elements import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.parameters import Coordinates
+from springpot.rheology.points import Real
+
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
