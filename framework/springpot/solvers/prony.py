@@ -16,13 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import log
 
 import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
-from springpot.numerics import BEYOND, HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
+from springpot.numerics import HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
@@ -40,6 +39,11 @@ PER_DECADE = 16
 """Frequencies a decade at which the error is fitted and measured.
 
 Beyond 12 it changes in the third digit only.
+"""
+BEYOND = 5.0
+"""How far (in ln) times may lie outside the band.
+
+Two decades, where a term is a spring or a dashpot to 1 %.
 """
 
 
@@ -250,7 +254,7 @@ def _fitted(
             missed = share * (_columns(s, u, dashpot) @ amounts - target)
             return np.concatenate([missed.real, missed.imag])
 
-        reach = (grid[0] - log(BEYOND), grid[-1] + log(BEYOND))
+        reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
         u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x
         amounts = _weights(s, u, target, share, dashpot)
         error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)

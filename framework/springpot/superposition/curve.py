@@ -388,8 +388,7 @@ def mastercurve(
         *vertical_range(factors, told),
         *repeats_in_words(rows, own),
     ]
-    allowed = allowed_shifts(rows.fit.measurement, rows.elements[0], fitted.log_b[rows.number], own)
-    laws, said = _laws(rows, factors, known, told & vertical, allowed)
+    laws, said = _laws(rows, factors, known, told & vertical, _allowed(rows, fitted, own))
     notes += said
     return MasterCurve(
         rows.fit,
@@ -429,6 +428,10 @@ def _fits(
 def _upwards(column: str) -> Effect:
     levels = Levels(column, "b", False)
     return Effect("vertical", chain, levels, UPWARDS, Layer.TEMPERATURE)
+
+
+def _allowed(rows: FactorRows, fitted: Factors, own: Alone) -> Allowed:
+    return allowed_shifts(rows.fit.measurement, rows.elements[0], fitted.log_b[rows.number], own)
 
 
 def _laws(
