@@ -56,13 +56,14 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
     Raises
     ------
     DataError
-        If a stiffness is to join a modulus, or one modulus another, or if temperature or amplitude
-        is known of some only.
+        If a stiffness is to join a modulus, or one modulus another, if temperature or amplitude is
+        known of some only, or if two hold the same numbers.
     """
     first = measurements[0]
     letter = one_modulus((each.name, each.units) for each in measurements)
     for other in measurements[1:]:
         _refuse_unlike(first, other)
+    _refuse_copies(measurements)
     scale = [_factor(each, first) for each in measurements]
     sd = None
     # Deviations of some rows alone would be weights on no common scale.
@@ -114,6 +115,19 @@ def _refuse_unlike(first: Measurement, other: Measurement) -> None:
             f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column,"
             f" or say it of all rows as in 'FILE?{example}'"
         )
+
+
+def _refuse_copies(measurements: Sequence[Measurement]) -> None:
+    """Tell of a test that is there twice: its noise would count as that of two."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for each in measurements:
+        columns = (each.omega, each.stiffness, *each.conditions.values())
+        unit = each.units.stiffness.encode()
+        numbers = (unit, *(column.tobytes() for column in columns))
+        if numbers in seen:
+            both = f"{seen[numbers]} and {each.name}"
+            raise DataError(f"{both} hold the same numbers: name each test once")
+        seen[numbers] = each.name
 
 
 def _known_of_some(measurements: Sequence[Measurement]) -> set[str]:

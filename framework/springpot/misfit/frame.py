@@ -551,7 +551,8 @@ class NoiseFrame:
         Shape (n,).
         """
         column = self.measurement.conditions.get(name)
-        if column is None or np.ptp(column) < HELD_ALIKE * np.max(np.abs(column)):
+        # At 0 degC throughout as well: nothing is less than a share of zero.
+        if column is None or np.ptp(column) <= HELD_ALIKE * np.max(np.abs(column)):
             return None
         x = column
         # Nonlinear effects go with powers of the amplitude, which is measured over decades.

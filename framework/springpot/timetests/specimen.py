@@ -209,7 +209,7 @@ def require_its_conditions(model: Model, test: Test) -> None:
     elif "temperature" in model.needs and test.temperature is None:
         raise DataError(
             f"{test.name}: {model.name} needs a temperature: open it as"
-            f" '{test.name}?temperature=25[degC]'"
+            f" '{test.provenance.get('file', test.name)}?temperature=25[degC]'"
         )
 
 

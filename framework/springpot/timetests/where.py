@@ -319,6 +319,9 @@ class TestPrediction:
     clock: str = "Hz"
     level: float = INTERVAL
 
+    def __repr__(self) -> str:
+        return f"<TestPrediction {self.model}: {self.says}>"
+
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
         """The prediction with its band beside what was measured; see `springpot.lazy.draw`."""
         return draw(self, path)
