@@ -94,17 +94,6 @@ def fit(springpot, relaxed, tmp_path):
 
 
 @pytest.mark.soak
-def test_a_test_that_is_named_twice_is_no_second_one(springpot, relaxed, swept):
-    told = springpot("identify", relaxed, swept, relaxed, "--model", "fractional-maxwell")
-    assert told.is_one_line("relaxation and relaxation hold the same numbers")
-
-
-def test_where_a_temperature_is_said_of_a_file(springpot, relaxed):
-    """The hint names the file, and not the test."""
-    told = springpot("identify", relaxed, "--model", "fractional-maxwell + wlf-shift")
-    assert told.is_one_line("'relaxation.csv?temperature=25[degC]'")
-
-
 def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
     table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
     told = springpot("predict", fit, "--history", crept, "-o", table, "--figure", picture)
