@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -14,6 +14,7 @@ from springpot.rheology.points import Real
 
 from .geometry import Geometry
 from .measurement import CONDITIONS, Measurement
+from .other_test import OtherTest
 from .timetest import TimeTest
 from .units import AMPLITUDE_UNITS, LENGTH_UNITS, STRAIN_UNITS, one_modulus
 
@@ -63,7 +64,7 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
     letter = one_modulus((each.name, each.units) for each in measurements)
     for other in measurements[1:]:
         _refuse_unlike(first, other)
-    _refuse_copies(measurements)
+    refuse_copies(measurements)
     scale = [_factor(each, first) for each in measurements]
     sd = None
     # Deviations of some rows alone would be weights on no common scale.
@@ -117,13 +118,25 @@ def _refuse_unlike(first: Measurement, other: Measurement) -> None:
         )
 
 
-def _refuse_copies(measurements: Sequence[Measurement]) -> None:
-    """Tell of a test that is there twice: its noise would count as that of two."""
-    seen: dict[tuple[bytes, ...], str] = {}
-    for each in measurements:
-        columns = (each.omega, each.stiffness, *each.conditions.values())
-        unit = each.units.stiffness.encode()
-        numbers = (unit, *(column.tobytes() for column in columns))
+def refuse_copies(tests: Iterable[Measurement | TimeTest | OtherTest]) -> None:
+    """Tell of a test that is there twice: its noise would count as that of two.
+
+    Raises
+    ------
+    DataError
+        If two hold the same numbers.
+    """
+    seen: dict[object, str] = {}
+    for each in tests:
+        if isinstance(each, Measurement):
+            told, columns = "sweep", [each.omega, each.stiffness, *each.conditions.values()]
+        elif isinstance(each, TimeTest):
+            told = f"{each.control} {each.temperature}"
+            columns = [each.time, each.response, each.loading.value]
+            columns += [] if each.warmth is None else [each.warmth]
+        else:
+            continue
+        numbers = (told, each.units, *(column.tobytes() for column in columns))
         if numbers in seen:
             both = f"{seen[numbers]} and {each.name}"
             raise DataError(f"{both} hold the same numbers: name each test once")
