@@ -150,6 +150,25 @@ class Between:
             column[known] = old
         return Between(grid, value, speed, push, leaving, arriving, self.unsure, self.turning)
 
+    def by_clock(self, time: Any) -> Between:
+        """The same course where a clock shows these times (n,) at its knots; they may be complex.
+
+        Between two knots the clock goes at one pace.
+        """
+        step = np.diff(self.time) / np.diff(time)
+        pace = 0.5 * (np.append(step[:1], step) + np.append(step, step[-1:]))
+        leaving, arriving = self.leaving * step, self.arriving * step
+        return Between(
+            time,
+            self.value,
+            self.speed * pace,
+            self.push * pace**2,
+            leaving,
+            arriving,
+            self.unsure,
+            self.turning,
+        )
+
     @property
     def _shapes(self) -> tuple[Real, Real, Real]:
         """Of each interval (n - 1,) the mean speed and its shares in Legendre's P_1 and P_2."""

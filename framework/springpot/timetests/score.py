@@ -10,7 +10,7 @@ or not, is tried at a few places as it is.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import product
 
@@ -25,6 +25,7 @@ from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.nonlinear import Law
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
@@ -44,6 +45,8 @@ GIVING = (0.3, 1.0, 3.0, 10.0)
 
 K saturates there, which no
 small step foretells."""
+SLIGHT = 1e-3
+"""Of the natural size of an effect: it is linear still, and far above what an answer is off by."""
 RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
 
@@ -178,6 +181,8 @@ class TimeScan:
         if swinging:
             return self._swinging(effect, places, swinging[0])
         whole = np.concatenate([view.of_change(change, scale) for view in self.views])
+        if "temperature" in effect.needs and any(view.warms for view in self.views):
+            whole = self._while_it_warms(effect, values / [NEGLIGIBLE, *np.ones(len(shape))])
         powers = np.array(
             [float(bool(parameter.unit.stiffness)) for parameter in effect.element.parameters]
         )
@@ -226,6 +231,21 @@ class TimeScan:
                 column = self._as_it_is(effect, values)
                 atoms.append(Atom(effect, values, np.zeros(len(values)), column, False))
         return atoms
+
+    def _while_it_warms(self, effect: Effect, places: Real) -> Real:
+        """Columns (n, g) of what follows a temperature that moves, sample by sample.
+
+        No change of K at one temperature tells them.
+        """
+        # From a little to twice as much: without the effect the answer goes another way.
+        slopes = []
+        for size, *shape in places:
+            some, more = (
+                self._as_it_is(effect, np.array([share * size, *shape]))
+                for share in (SLIGHT, 2.0 * SLIGHT)
+            )
+            slopes.append((more - some) / (SLIGHT * size))
+        return np.column_stack(slopes)
 
     def _as_it_is(self, effect: Effect, values: Real) -> Real:
         """The change of all residuals for an effect of that size."""
@@ -384,11 +404,18 @@ class View:
         # The exact answer once, for what is left; only the changes go by fixed exponentials.
         answer = part.answer(base.model, base.theta, base.reference, part.rows)
         seen = self.quick.seen
-        self.value = np.where(seen, answer.value, 0.0)
+        # Of samples that are not counted too, as their neighbours' rates go by them; only at the
+        # instant of a step it may be endless.
+        self.value = np.where(np.isfinite(answer.value), answer.value, 0.0)
         self.residual = (
             np.where(seen, answer.value - part.test.response[self.quick.rows], 0.0) * self.weight
         )
         self.slopes = np.where(seen[:, None], answer.by_theta, 0.0) * self.weight[:, None]
+
+    @property
+    def warms(self) -> bool:
+        """Whether its temperature moves."""
+        return self.part.test.warmth is not None
 
     @property
     def kelvin(self) -> float | None:
@@ -466,9 +493,17 @@ class View:
         if test.control != "displacement" or len(test.loading.jumps[0]):
             raise SpringpotError(f"{effect.name} has no law here")
         if of_signal:
-            return np.asarray(law(self.t, self.value[:, None], *values)[1][0] * self.weight)
+            return self._of_signal(law, values) * self.weight
         x = self.quick.record.imposed
         return np.asarray(law(self.t, x, velocity(self.t, x), *values)[0] * self.weight)
+
+    def _of_signal(self, law: Callable[..., Law], values: Real) -> Real:
+        t, value = self.t, self.value
+        more = int(self.part.test.loading.before > 0)
+        if more:
+            # What had gone on before was no rest: one sample before the record as it went then.
+            t, value = (np.append(2.0 * each[0] - each[1], each) for each in (t, value))
+        return np.asarray(law(t, value[:, None], *values)[1][0][more:])
 
     def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
         """An effect's column at the stage of the record, and whether it goes as its size."""
@@ -483,6 +518,9 @@ class View:
 
 class ExactView:
     """A test of which the answer of a model is a formula, as at frequencies."""
+
+    warms = False
+    """It has one temperature for each row."""
 
     def __init__(self, part: TestPart, base: Identification) -> None:
         self.part, self.base = part, base
