@@ -34,6 +34,7 @@ from .nonlinear import NEEDS_AMPLITUDE, balanced_series, slip_film
 from .parameters import FORCE, PURE, Parameter, stiffness
 from .points import FURTHEST, Complex, Points, Real
 from .terms import BLOCK
+from .yielding_ways import yielding_force
 
 NODES = 24
 """Nodes on each half of z; the error falls by a factor of ten with every three more."""
@@ -268,6 +269,13 @@ class Hysteresis(Node):
     def needs(self) -> frozenset[str]:
         """The amplitude."""
         return frozenset(NEEDS_AMPLITUDE)
+
+    @staticmethod
+    def in_time(
+        t: Real, x: Real, v: Real, k: float, force: float, n: float, beta: float
+    ) -> tuple[Real, tuple[Real, ...]]:
+        """Force (n,) and its derivatives for any history, from rest; see `Formula`."""
+        return yielding_force(x, k, force, n, beta)
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K, the same at all frequencies.

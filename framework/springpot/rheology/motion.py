@@ -24,6 +24,11 @@ SHARP = 8.0
 """Times as much as the samples beside it a corner bends the motion; at the peaks of a sine of eight
 samples a cycle it would be nearly five.
 """
+ROUGH = 2.0
+"""Ratio of the squares of third differences to those of second ones that tells of no smooth motion.
+
+Of a corner at a sample it is two and of noise four; of a sine of six samples a cycle 1.25.
+"""
 STEPS_OF_A_WAY = 3
 """Steps that a motion goes each way about a turn at least."""
 APART = 1e-3
@@ -277,7 +282,7 @@ def _smooth(t: Real, x: Real) -> NDArray[np.bool_]:
     # each.
     about = np.convolve(second, np.ones(4))[1:-1]
     among = np.convolve(third, np.ones(5))[1:-1]
-    return np.asarray(among < about)
+    return np.asarray(among < ROUGH * about)
 
 
 def _turns(bend: Real) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -33,7 +34,7 @@ from .exponentials import QuickPart, points_at
 from .left import Atom, Promise
 from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
-from .specimen import Scales, stepped, tries_of
+from .specimen import MOST, Scales, stepped, tries_of
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -264,6 +265,10 @@ class TimeScan:
             unit[0] = 1.0
         else:
             grids[0] = [self.scales.typical(effect.element.parameters[0])]
+        # Of many parameters the last, which shape the least, are tried at one place.
+        for i in reversed(range(len(grids))):
+            if prod(map(len, grids)) > MOST:
+                grids[i] = [self.scales.typical(effect.element.parameters[i])]
         signed = effect.element.parameters[0].lower < 0.0
         for place in product(*grids):
             values = np.array(place)
