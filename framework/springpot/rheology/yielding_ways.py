@@ -94,7 +94,7 @@ def yielding_force(
     >>> from springpot.rheology.yielding_ways import yielding_force
     >>> value, _ = yielding_force(np.array([0.0, 1e-3, 9.0, 8.999]), 5.0, 1.0, 1.0, 0.5)
     >>> value.round(4)
-    array([0.    , 0.005 , 1.    , 0.995 ])
+    array([0.   , 0.005, 1.   , 0.995])
     """
     table, z, by = ways(n, beta), np.zeros(len(x)), np.zeros((4, len(x)))
     steps = np.diff(x)
