@@ -14,6 +14,7 @@ from springpot.measurement import Loading, TimeTest
 from springpot.registry import open_in_time, parse_model, plugins
 from springpot.timetests import identify, predicted
 from springpot.timetests.exponentials import quick_parts
+from springpot.timetests.native import TimeSearch
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
@@ -198,3 +199,20 @@ def test_a_law_of_temperature_is_foretold_while_it_warms():
     [best] = promises["arrhenius-shift"]
     assert best.values[0] == pytest.approx(80.0, rel=0.15)
     assert best.drop > 10.0 * promises["force-drift"][0].drop
+
+
+def test_what_the_exact_response_alone_follows_is_fitted_to_all_samples():
+    """A few of them, by which a search finds its way, have a bottom of their own."""
+    t = np.linspace(0.0, 100.0, 601)
+    strain, warmer = 0.01 * np.sin(0.5 * t), 30.0 + 0.02 * t
+    blank = TimeTest.of_history(
+        t, strain, 0 * t, "-", "kPa", control="displacement", temperature=warmer
+    )
+    exact = predicted(MODEL, THETA, blank, 304.15).value
+    stress = exact + 0.02 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(t))
+    parts = parts_of_specimen([replace(blank, response=stress)])
+    search = TimeSearch(MODEL, quick_parts(parts), 304.15, [THETA], thorough=False)
+    found, _ = search.near(parts, [search.centred(each) for each in search.starts()])
+    left = parts[0].residual(MODEL, search.theta(found), 304.15).value
+    best = parts[0].residual(MODEL, THETA, 304.15).value
+    assert left @ left < best @ best
