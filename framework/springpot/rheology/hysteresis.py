@@ -34,7 +34,7 @@ from .nonlinear import NEEDS_AMPLITUDE, balanced_series, slip_film
 from .parameters import FORCE, PURE, Parameter, stiffness
 from .points import FURTHEST, Complex, Points, Real
 from .terms import BLOCK
-from .yielding_ways import yielding_force
+from .yielding_ways import yielding_force, yielding_step
 
 NODES = 24
 """Nodes on each half of z; the error falls by a factor of ten with every three more."""
@@ -276,6 +276,11 @@ class Hysteresis(Node):
     ) -> tuple[Real, tuple[Real, ...]]:
         """Force (n,) and its derivatives for any history, from rest; see `Formula`."""
         return yielding_force(x, k, force, n, beta)
+
+    @staticmethod
+    def step(before: float, way: float, k: float, force: float, n: float, beta: float) -> float:
+        """The force after one more straight way; see `Formula`."""
+        return yielding_step(before, way, k, force, n, beta)
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K, the same at all frequencies.

@@ -107,6 +107,16 @@ def yielding_force(
     return force * z, (force * by[0], z + force * by[1], force * by[2], force * by[3])
 
 
+def yielding_step(
+    before: float, way: float, k: float, force: float, n: float, beta: float
+) -> float:
+    """The force after one more straight way."""
+    sign = -1.0 if way < 0.0 else 1.0
+    length = np.array([abs(way)])
+    z, _ = _along(ways(n, beta), sign, before / force, np.zeros(4), length, (k, force, n, beta))
+    return force * float(z[0])
+
+
 def _ways_of(directions: Real) -> list[tuple[int, int]]:
     """First and last knot of each way in one direction; where it rests, it goes on as it went."""
     moving = np.flatnonzero(directions)
