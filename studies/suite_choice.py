@@ -33,7 +33,7 @@ from springpot.identification.problem import Problem
 from springpot.identification.recorder import Recorder
 from springpot.rheology import Real
 from springpot_plugins.optimisers import auto
-from springpot_plugins.optimisers.auto import TOLERANCE, Auto, Seen, Watched, leaf, looked
+from springpot_plugins.optimisers.auto import NEGLIGIBLE, Auto, Seen, Watched, leaf, looked
 from springpot_plugins.optimisers.leastsquares import LeastSquares
 from suite import SUITE, TARGET, plan, sweeps
 from suite_repeated import BUDGET, FAILED, RACE, Trials, archived, halves
@@ -118,7 +118,7 @@ def _descent(
     watched = Watched(run, max(LENGTHS), kind["logarithmic"])
     start = run.lower + rng.random(run.dimension) * (run.upper - run.lower)
     with np.errstate(all="ignore"), suppress(Exception):
-        LeastSquares(tolerance=TOLERANCE, **kind).descend(watched, start)
+        LeastSquares(tolerance=NEGLIGIBLE, **kind).descend(watched, start)
     return run.evaluations, next((at for at, value in run.trace if value <= goal), np.inf)
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.rheology import Node, Points
-from springpot.testing.networks import derivative as cauchy
-from springpot.testing.networks import sample
+from springpot.testing.networks import derivative as cauchy, sample
 
 __all__ = ["cauchy", "check_derivatives", "sample"]
 

@@ -59,8 +59,7 @@ def masked(line: str) -> str:
 
 def run(command: str) -> list[str]:
     """What a command of springpot prints."""
-    from springpot.cli.group import exit_code
-    from springpot.cli.group import run as springpot
+    from springpot.cli.group import exit_code, run as springpot
 
     name, *arguments = shlex.split(command)
     assert name == "springpot", f"the README runs {name}"

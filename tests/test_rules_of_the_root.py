@@ -12,9 +12,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot import api, constraints, files, limits, numerics, plain_data, processes
-from springpot import distributions as own
-from springpot import writing as numbers
+from springpot import (
+    api,
+    constraints,
+    distributions as own,
+    files,
+    limits,
+    numerics,
+    plain_data,
+    processes,
+    writing as numbers,
+)
 from springpot.api import library
 from springpot.errors import DataError, ModelError, OptionError, OutputError, SpringpotError
 from springpot.measurement import Measurement, Units

@@ -45,10 +45,9 @@ from springpot.misfit.material import any_material
 from springpot.registry import effect_of, open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.superposition.curve import MasterCurve
-from springpot.superposition.curve import mastercurve as mastercurve_of
+from springpot.superposition.curve import MasterCurve, mastercurve as mastercurve_of
 from springpot.superposition.laws import level_of
-from springpot.timetests.comparing import compare as compare_in_time
+from springpot.timetests.comparing import compare as compare_in_time, standing_of
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 from springpot.timetests.discovery import discover as discover_in_time
 from springpot.timetests.fitting import identify as identify_in_time
@@ -58,7 +57,6 @@ from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.where import TestPrediction
 
 from .thresholds import INTERVAL, INTERVALS
-from .timetests.comparing import standing_of
 
 Data: TypeAlias = Test | str | Path | Sequence[Test | str | Path]
 """What users give: a test, its file or name, or several of one specimen."""

@@ -45,8 +45,22 @@ ENOUGH = 2000
 HALVINGS = 100
 """Of an interval with a root: beyond them only rounding is left of any."""
 
+REWEIGHTINGS = 6
+"""Of a fit by weights that it gives: after four what it finds changes in the third digit only."""
+
 DECADE = log(10.0)
 """In a natural logarithm."""
+PER_DECADE = 3
+"""Lines of relaxation.
+
+A smooth spectrum is followed to 2 exp(-4.29 * 3) = 5e-6 of K, by the error of the trapezoidal rule,
+and nothing tells more of them apart that differ by more than a per cent in K.
+"""
+BEYOND = 100.0
+"""Factor beyond the measured frequencies.
+
+What relaxes further off is a spring or a dashpot to 1 %, squared.
+"""
 NORMAL = 1.482602218505602
 """Standard deviation of a normal distribution over the median of its absolute values."""
 MEDIAN_WORTH, FOURTH_WORTH = 0.37, 0.38
@@ -54,7 +68,9 @@ MEDIAN_WORTH, FOURTH_WORTH = 0.37, 0.38
 
 Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring differences share samples.
 """
-TWO_DEVIATIONS = 4.0
+DEVIATIONS = 2.0
+"""Standard deviations beyond which noise goes once in twenty: within them two numbers meet."""
+TWO_DEVIATIONS = DEVIATIONS**2
 """Drop of chi-square, or twice that of a log-likelihood, by one number that is two of its standard
 deviations: a chance of 5 %.
 """

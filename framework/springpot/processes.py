@@ -25,6 +25,8 @@ from .surroundings import surroundings
 CHILDREN = Path("/proc/thread-self/children")
 ADOPT = 36
 """PR_SET_CHILD_SUBREAPER of Linux's prctl(2)."""
+LEAVING = 5.0
+"""Seconds in which a process ends after it was told to, and its pipes close after it."""
 TIMERS = (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF)
 
 

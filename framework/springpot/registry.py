@@ -28,8 +28,7 @@ from springpot.files import write_text
 from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import DataSet, Suite, Test
-from springpot.measurement.opening import open_in_time as in_time_by
+from springpot.measurement.opening import DataSet, Suite, Test, open_in_time as in_time_by
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals

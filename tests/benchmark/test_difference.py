@@ -7,8 +7,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.stats import boschloo_exact, fisher_exact, mannwhitneyu, t
 
 from springpot.benchmark.gate.baseline import (

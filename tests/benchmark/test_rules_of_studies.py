@@ -11,9 +11,15 @@ import numpy as np
 import pytest
 from benchmark_fakes import OMEGA, TRUTH, Moody, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import fork_server, runner, summary, traces, trial
-from springpot.benchmark import plan as plans
-from springpot.benchmark import study as studies
+from springpot.benchmark import (
+    fork_server,
+    plan as plans,
+    runner,
+    study as studies,
+    summary,
+    traces,
+    trial,
+)
 from springpot.benchmark.engine import ExecutorEngine
 from springpot.benchmark.fork_server import Parcel
 from springpot.benchmark.plan import BLOCK, WorkOrder

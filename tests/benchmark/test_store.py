@@ -7,8 +7,7 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 from benchmark_fakes import small_study
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from springpot.benchmark import Status, Store
 from springpot.benchmark.schema import SCHEMA

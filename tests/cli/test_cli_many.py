@@ -102,6 +102,12 @@ def test_joint_files_keep_their_names_units_and_conditions():
         joined([one, hot])
 
 
+def test_a_test_that_is_named_twice_does_not_count_as_two(springpot, dampers):
+    """Its intervals would be narrower by a factor of 1.4."""
+    answer = springpot("identify", dampers[0], dampers[0], *MODEL, "--joint")
+    assert answer.is_one_line("hold the same numbers: name each test once")
+
+
 def test_joint_files_need_not_share_what_no_effect_knows():
     counted = {"point": [1.0, 2.0], "temperature": [20.0, 20.0]}
     one = library.Measurement([1.0, 2.0], [1.0 + 1j, 2.0 + 1j], conditions=counted, name="one")

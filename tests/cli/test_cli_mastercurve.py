@@ -1,5 +1,6 @@
 """``springpot mastercurve``."""
 
+import numpy as np
 import pytest
 
 import springpot as package
@@ -44,6 +45,21 @@ def test_a_picture(springpot, tmp_path):
     answer = springpot("mastercurve", "nist-srm2491", "--no-vertical", "--figure", str(path))
     assert answer.code == 0
     assert path.stat().st_size > 10_000
+
+
+def test_the_picture_tells_frequencies_and_moduli_as_the_data_came():
+    pytest.importorskip("matplotlib")
+    omega = np.tile(2.0 * np.pi * np.geomspace(0.1, 10.0, 6), 2)
+    warm = np.repeat([20.0, 30.0], 6)
+    zener = package.parse_model("zener")
+    known = zener.stiffness(zener.theta(k1=1.0, k2=2.0, c=3.0), omega * 0.5 ** (warm == 30.0))
+    units = package.Units("MPa", letter="E")
+    heated = package.Measurement(omega, known, conditions={"temperature": warm}, units=units)
+    axes = package.mastercurve(heated).plot().axes
+    assert [one.get_ylabel() for one in axes[:2]] == ["E' / b [MPa]", "E'' / b [MPa]"]
+    assert axes[0].get_xlabel() == "a f [Hz]"
+    assert axes[0].collections[0].get_offsets()[:, 0].max() == pytest.approx(10.0, rel=0.01)
+    assert "factors b of modulus" in [one.get_title(loc="left") for one in axes]
 
 
 def test_bad_input_is_one_line(springpot):

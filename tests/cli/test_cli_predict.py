@@ -1,8 +1,10 @@
 """``springpot predict``: from the JSON of a fit to another test."""
 
+import numpy as np
 import pytest
 
 import springpot as library
+from springpot.cli.predict import table_text
 
 
 @pytest.fixture
@@ -93,3 +95,18 @@ def test_points_outside_of_what_was_measured_are_marked_and_told_once(springpot,
     inside = springpot("predict", fit, "--frequency", "1,2")
     assert "outside" not in inside.out
     assert "beyond" not in inside.out
+
+
+def test_frequencies_and_moduli_are_told_as_the_data_came(tmp_path):
+    pytest.importorskip("matplotlib")
+    omega = np.geomspace(0.1, 10.0, 8)
+    model = library.parse_model("zener")
+    known = model.stiffness(model.theta(k1=1.0, k2=2.0, c=3.0), omega)
+    units = library.Units("MPa", clock="rad/s", letter="E")
+    fit = library.identify(library.Measurement(omega, known, units=units), model)
+    axes = fit.predict(omega=[1.0, 2.0, 4.0]).plot().axes[0]
+    assert axes.get_xlabel() == "angular frequency ω [rad/s]"
+    assert axes.lines[0].get_xdata().tolist() == pytest.approx([1.0, 2.0, 4.0])
+    assert axes.get_ylabel() == "E', E'' [MPa]"
+    table = table_text(fit.predict(frequency=[1.0]))
+    assert table.startswith("frequency [Hz],E' [MPa],E'' [MPa],storage_low [MPa]")

@@ -365,3 +365,14 @@ def test_a_table_of_fits_and_an_inspection_heed_their_options(springpot, relaxed
     pads = ["--geometry", "shear-pads area=1cm^2 gap=1mm"]
     [test] = springpot("inspect", relaxed, *pads, "--json").json["tests"]
     assert test["stiffness_unit"] == "N/m"
+
+
+def test_a_test_that_is_named_twice_is_no_second_one(springpot, relaxed, swept):
+    told = springpot("identify", relaxed, swept, relaxed, "--model", "fractional-maxwell")
+    assert told.is_one_line("relaxation and relaxation hold the same numbers")
+
+
+def test_where_a_temperature_is_said_of_a_file(springpot, relaxed):
+    """The hint names the file, and not the test."""
+    told = springpot("identify", relaxed, "--model", "fractional-maxwell + wlf-shift")
+    assert told.is_one_line("'relaxation.csv?temperature=25[degC]'")

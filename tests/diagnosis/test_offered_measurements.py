@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.diagnosis import experiment
-from springpot.diagnosis import experiment as e
+from springpot.diagnosis import experiment, experiment as e
 from springpot.measurement import Measurement, Units
 from springpot.thresholds import EXPERIMENT
 

@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.diagnosis import answer, evidence, experiment, marginal
-from springpot.diagnosis import grown as growing
+from springpot.diagnosis import answer, evidence, experiment, grown as growing, marginal
 from springpot.measurement import Measurement
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 

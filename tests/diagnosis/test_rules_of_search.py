@@ -8,8 +8,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.diagnosis import evidence, experiment, ladder, marginal, notes, scan
-from springpot.diagnosis import search as searching
+from springpot.diagnosis import (
+    evidence,
+    experiment,
+    ladder,
+    marginal,
+    notes,
+    scan,
+    search as searching,
+)
 from springpot.diagnosis.search import NEGLIGIBLE
 from springpot.thresholds import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import springpot
 from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.identification import notes, prediction
@@ -99,6 +100,7 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
         scale=4.0 / side,
         eliminated=None,
     )
+    own._reach = lambda i: Uncertainty._reach(own, i)
     module = "springpot.identification.uncertainty"
     monkeypatch.setattr(f"{module}._linear_slope", lambda fit, i: np.array([3.0, 4.0]))
     assert Uncertainty._one_sided(own, 0) == pytest.approx(interval)
@@ -106,3 +108,27 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
     monkeypatch.setattr(f"{module}._linear_slope", lambda fit, i: np.array([3.0, 2.0 * RANK]))
     low, high = Uncertainty._one_sided(own, 0)
     assert (low, high) == (lower, upper)
+
+
+def test_what_rests_on_a_bound_may_be_elsewhere_in_bands_too():
+    """A mass of 0.02 kg is lost in the noise below 20 Hz, and is 3 kN/m at 60 Hz."""
+    model, hertz = springpot.parse_model("zener + inertia"), np.geomspace(0.5, 20.0, 12)
+    theta = np.array([50e3, 300e3, 10e3, 0.02])
+    rng = np.random.default_rng(7)
+    scatter = 1.0 + 0.005 * (rng.normal(size=12) + 1j * rng.normal(size=12))
+    k = scatter * model.stiffness(theta, 2.0 * np.pi * hertz)
+    fit = springpot.identify(springpot.Measurement(2.0 * np.pi * hertz, k), model)
+    assert fit["inertia.m"].low == 0.0
+    there = fit.predict(frequency=[60.0])
+    truth = model.stiffness(theta, np.array([120.0 * np.pi])).real
+    assert there.low.real < truth < there.high.real
+    # One way alone: a mass is never negative.
+    assert there.storage - there.low.real > 5.0 * (there.high.real - there.storage)
+
+
+def test_a_quantity_reaches_to_the_end_of_what_rests_on_a_bound():
+    fit = springpot.identify("artificial-hidden", "kelvin", bounds={"k": (10.0, 50.0)})
+    (at_rest,) = (row for row in fit.quantities.rows if row.name == "crossover stiffness")
+    for known in (fit["k"], at_rest.value):
+        assert known.low < 40.0
+        assert known.high == pytest.approx(50.0)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.identification import fitting, kept
-from springpot.identification import problem as derivative
+from springpot.identification import fitting, kept, problem as derivative
 from springpot.identification.leastsquares import Trial
 from springpot.identification.material import FINE, SpectrumSearch
 from springpot.identification.problem import relative_objective

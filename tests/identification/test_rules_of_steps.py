@@ -17,9 +17,9 @@ from springpot.identification import (
     problem,
     robust,
     space,
+    space as expected,
     starts,
 )
-from springpot.identification import space as expected
 from springpot.identification.task import Task
 from springpot.identification.value import LOST, Value
 from springpot.measurement import Measurement

@@ -12,8 +12,7 @@ from click.testing import CliRunner
 import springpot
 from springpot import Invention
 from springpot.cli.discover import accepted
-from springpot.cli.init import command as init
-from springpot.cli.init import plugin_of
+from springpot.cli.init import command as init, plugin_of
 from springpot.errors import DataError
 from springpot.testing import check_effect
 

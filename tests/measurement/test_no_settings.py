@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.measurement import settings_of
-from springpot.measurement import tests_together as several_tests
+from springpot.measurement import settings_of, tests_together as several_tests
 
 CELSIUS = np.repeat(np.linspace(-50.0, 100.0, 21), 10)
 OMEGA = 2.0 * np.pi * np.tile(np.geomspace(0.1, 100.0, 10), 21)

@@ -16,6 +16,7 @@ from springpot.measurement import (
     OtherTest,
     TimeTest,
     Units,
+    measurement as measurement_module,
     mixed_tests,
     mixed_up,
     noise_of,
@@ -25,7 +26,6 @@ from springpot.measurement import (
     steady,
     timenoise,
 )
-from springpot.measurement import measurement as measurement_module
 from springpot.measurement.reader import Choice, Part
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise

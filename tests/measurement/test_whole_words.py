@@ -105,8 +105,12 @@ def some():
     return {
         "units": [sweep("a"), sweep("b", pa, by=1e3)],
         "deviations": [sweep("a", sd=sd), sweep("b", pa, sd=1e3 * sd)],
-        "deviations of one": [sweep("a", sd=sd), sweep("b")],
-        "repeats": [sweep("a", repeat=twice), sweep("b"), sweep("c", repeat=twice)],
+        "deviations of one": [sweep("a", sd=sd), sweep("b", seed=2)],
+        "repeats": [
+            *(sweep("a", repeat=twice), sweep("b", seed=2)),
+            sweep("c", seed=3, repeat=twice),
+        ],
+        "copies": [sweep("a"), sweep("b", seed=2), sweep("c")],
         "amplitudes": [
             sweep("a", damper, conditions=mm),
             sweep("b", Units("kN/m", "m"), conditions={"amplitude": 1e-3 * mm["amplitude"]}),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import springpot
 from soaked import soaked
 from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.material import notes_on_levels
 from springpot.registry import plugins
 
@@ -71,3 +74,12 @@ def test_a_single_temperature_tells_nothing_of_shifts():
 def notes_free(measurement):
     base = fitted_to_floor(springpot.parse_model("material"), measurement, [])
     return list(notes_on_levels(base, list(plugins().items("effect"))))
+
+
+def test_at_zero_degrees_throughout_nothing_goes_with_the_temperature(recwarn):
+    data = melt(0).subset(np.arange(16))
+    at_zero = replace(data, conditions={"temperature": np.zeros(16)})
+    k = data.stiffness
+    frame = NoiseFrame(at_zero, k, np.full(16, 1.0 + 1.0j), k[None])
+    assert not frame.trends["temperature"].size
+    assert not recwarn.list

@@ -4,13 +4,15 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Units, open_measurement, pick_reader
-from springpot.registry import open_measurement as open_named
-from springpot.registry import signals_to_measurement, write_measurement
+from springpot.registry import (
+    open_measurement as open_named,
+    signals_to_measurement,
+    write_measurement,
+)
 from springpot_plugins.readers import signals_csv, springpot_csv, springpot_readers
 from springpot_plugins.readers.columns import NOTES_OF_VALUES
 

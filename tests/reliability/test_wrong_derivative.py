@@ -7,8 +7,7 @@ import pytest
 
 import springpot
 from springpot.errors import ModelError
-from springpot.identification import Problem, default_objective
-from springpot.identification import problem as derivative
+from springpot.identification import Problem, default_objective, problem as derivative
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Formula, Model, Parameter
 from springpot.rheology.elements import Springpot

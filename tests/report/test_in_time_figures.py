@@ -10,7 +10,7 @@ import pytest
 
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model
-from springpot.timetests import identify
+from springpot.timetests import identify, predict_test
 
 
 def test_every_axis_names_what_it_shows():
@@ -65,3 +65,20 @@ def test_a_legend_names_no_floor_that_is_not_drawn(material: list[float], named:
         draw_floors(axes, np.array([0.1, 0.1]), np.array(material))
         labels = axes.get_legend_handles_labels()[1]
     assert ("material floor" in labels) is named
+
+
+def test_a_predicted_record_is_drawn_once_and_any_other_test_along_both_times():
+    pytest.importorskip("matplotlib")
+    from springpot.report.timetests import figure_prediction
+
+    model, t = parse_model("zener"), np.geomspace(0.1, 10.0, 20)
+    theta, swung = model.theta(k1=1.0, k2=2.0, c=3.0), np.linspace(0.0, 6.0, 60)
+    step = TimeTest.of_relaxation(t, model.relaxation(theta, t), "kPa")
+    fit = identify(step, model)
+    force = model.respond(theta, swung, np.sin(3.0 * swung))
+    record = TimeTest.of_history(swung, np.sin(3.0 * swung), force, "-", "kPa")
+    (once,) = figure_prediction(predict_test(fit, record)).axes
+    assert once.get_xscale() == "linear"
+    both = figure_prediction(predict_test(fit, step)).axes
+    assert [one.get_xscale() for one in both] == ["log", "linear"]
+    assert repr(predict_test(fit, step)).startswith("<TestPrediction zener: the prediction of")

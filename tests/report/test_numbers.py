@@ -3,8 +3,7 @@
 from math import inf, nan
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from springpot.report.text import percent, seconds, with_interval
 from springpot.writing import number

@@ -5,8 +5,7 @@ What is a level, exact derivatives, the same physics as a law of temperature.
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import springpot
 from springpot.diagnosis.search import applicable

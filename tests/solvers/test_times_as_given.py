@@ -93,6 +93,7 @@ def test_data_become_a_card_at_once(springpot, write):
     assert "*VISCOELASTIC, TIME=PRONY" in abaqus.out
     springpot(*asked, "--to", "json", "--terms", "3").is_one_line("leave out --terms")
     springpot("export-model", "zener", "--to", "csv").is_one_line("give the --band")
+    springpot("export-model", path, "--to", "csv").is_one_line("of data", "--times")
 
 
 def test_a_model_has_them_on_its_band():

@@ -14,8 +14,7 @@ from springpot.diagnosis.result import leaving_out_the_beginning
 from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
 from springpot.thresholds import EVIDENCE, VERDICT
-from springpot.timetests import exponentials, verdict, where
-from springpot.timetests import left as trying
+from springpot.timetests import exponentials, left as trying, verdict, where
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 

@@ -298,7 +298,7 @@ def test_the_page_itself_may_be_come_to_from_a_file(bench: Workbench):
 def impatient() -> Iterator[Workbench]:
     """A workbench that waits a second for a head, and takes eight connections."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("springpot.web.launch.HEAD_PATIENCE", 1.0)
+        patch.setattr("springpot.web.launch.PATIENCE", 1.0)
         patch.setattr("springpot.web.launch.MOST", 8)
         running = Workbench().start()
         yield running

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import StudyError
-from springpot.files import write_with
+from springpot.files import LARGEST, write_with
 from springpot.identification.runs import miscounted, mistraced
 from springpot.numerics import ALIKE
 from springpot.registry import plugins
@@ -40,10 +40,6 @@ from .traces import pack, pack_values, unpack
 from .trial import Status, TrialResult
 
 SCHEMA = "springpot.archive/1"
-STAMP = (1980, 1, 1, 0, 0, 0)
-"""Date of every file within: the earliest that a zip can tell."""
-LARGEST = 67_108_864
-"""Bytes of the description that are read: some 100,000 cells."""
 FAULTS = (
     *(KeyError, ValueError, TypeError, IndexError, OSError, EOFError, RuntimeError),
     *(zipfile.BadZipFile, zlib.error, csv.Error),
@@ -254,7 +250,7 @@ def _fill(
 
 def _put(whole: zipfile.ZipFile, name: str, parts: Iterable[str]) -> None:
     # Without the date, the system and the rights of this run: the same trials are the same bytes.
-    about = zipfile.ZipInfo(name, STAMP)
+    about = zipfile.ZipInfo(name)
     about.compress_type, about.create_system, about.external_attr = (
         zipfile.ZIP_DEFLATED,
         3,

@@ -20,11 +20,10 @@ from springpot.registry import parse_model
 from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 
+from .gate.baseline import LEVEL
 from .plan import stream_of
 from .statistics import a12, holm, mann_whitney_holm
 
-LEVEL = 0.01
-"""Adjusted p-values up to this are called a bias, over all optimisers and tests of a table."""
 CENTRE, EDGE = 0.5, 0.1
 """Shares of the box that are called its centre and its edges: half of it, and a twentieth on each
 side."""

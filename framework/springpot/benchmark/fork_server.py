@@ -26,6 +26,7 @@ from typing import Any, NoReturn
 
 from springpot.errors import SpringpotError, StudyError
 from springpot.processes import (
+    LEAVING,
     adopt_orphans,
     cause_of,
     end_children,
@@ -179,8 +180,6 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 There are as many processes as processors already.
 """
-PATIENCE = 5.0
-"""Seconds in which it ends after it was told to, before it is killed."""
 INSIDE = "SPRINGPOT_NURSERY"
 """Environment variable that keeps a script, loaded again in a nursery, from starting its study."""
 
@@ -256,7 +255,7 @@ class Nursery:
         if not self.ready:
             self._process.kill()
         try:
-            self._process.wait(PATIENCE)
+            self._process.wait(LEAVING)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()

@@ -98,11 +98,11 @@ class Bar(Progress):
         from rich.progress import (
             BarColumn,
             MofNCompleteColumn,
+            Progress as RichProgress,
             TextColumn,
             TimeElapsedColumn,
             TimeRemainingColumn,
         )
-        from rich.progress import Progress as RichProgress
 
         parts = (
             TextColumn("{task.description}", markup=False),

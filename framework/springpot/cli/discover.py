@@ -91,7 +91,8 @@ ACCEPT = (
     "--figure",
     type=FILE,
     metavar="FILE",
-    help="Draw the falling error (.png, .svg, .pdf, or .gif to play it).",
+    help="Draw the falling error, of tests in time each test with its fits"
+    " (.png, .svg, .pdf, or .gif to play it).",
 )
 @known_options
 @library_options

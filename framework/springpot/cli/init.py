@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from springpot.writing import suggested
+from springpot.writing import NAMED, suggested
 
 from .common import FOLDER, INPUT, emit, json_option, quoted
 
@@ -22,8 +22,6 @@ KINDS: dict[str, dict[str, str]] = {
 }
 """For each kind the templates and where they go."""
 RIVALS = ("pso-paper", "cma-es", "native")
-FEW = 3
-"""Optimisers of a study to begin with, and how many of the user's own race beside them."""
 LAW = "my-law"
 """What the law of a plugin is called until its author gives it a name."""
 
@@ -85,7 +83,7 @@ def _entrants() -> str:
     registry = plugins()
     names = registry.shelf("optimiser").items
     own = [name for name in names if registry.owner_of("optimiser", name)]
-    return ", ".join(f'"{name}"' for name in [*own[:FEW], *RIVALS])
+    return ", ".join(f'"{name}"' for name in [*own[:NAMED], *RIVALS])
 
 
 def _installed_from(folder: Path) -> str:

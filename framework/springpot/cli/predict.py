@@ -131,15 +131,17 @@ def show(predicted: Prediction) -> None:
     band = f"{100.0 * predicted.level:g} % band"
     headers = [_clock(predicted), *_conditions(predicted)]
     # The second band has a blank behind it, as two columns of one name would be one.
-    headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} ", "measured"]
+    storage, loss = (f"{part} [{unit}]" for part in predicted.units.parts)
+    headers += [storage, band, loss, f"{band} ", "measured"]
     rows = []
     for i in range(len(predicted)):
-        storage = with_interval(predicted.storage[i], predicted.low.real[i], predicted.high.real[i])
-        loss = with_interval(predicted.loss[i], predicted.low.imag[i], predicted.high.imag[i])
+        low, high = predicted.low[i], predicted.high[i]
+        in_phase = with_interval(predicted.storage[i], low.real, high.real)
+        out_of_phase = with_interval(predicted.loss[i], low.imag, high.imag)
         rate = predicted.units.on_clock(float(predicted.frequency[i]))
         at = [rate, *(column[i] for column in given.values())]
         places = [one if isinstance(one, str) else number(one) for one in at]
-        rows.append([*places, *storage, *loss, timetests.WHERE[int(predicted.outside[i])]])
+        rows.append([*places, *in_phase, *out_of_phase, timetests.WHERE[int(predicted.outside[i])]])
     print(f"{predicted.model}\n")
     table = TextTable(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
     if not predicted.outside.any():
@@ -167,7 +169,7 @@ def table_text(predicted: Prediction) -> str:
 
     unit = predicted.units.stiffness
     names = [_clock(predicted), *_conditions(predicted)]
-    names += [f"{name} [{unit}]" for name in ("storage", "loss")]
+    names += [f"{name} [{unit}]" for name in predicted.units.parts]
     names += [f"{part}_{end} [{unit}]" for part in ("storage", "loss") for end in ("low", "high")]
     names.append("measured [text]")
     table: list[list[object]] = [[*names]]

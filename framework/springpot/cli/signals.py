@@ -16,14 +16,15 @@ if TYPE_CHECKING:
     from springpot.measurement.from_signals import OneTest
     from springpot.measurement.measurement import Measurement
 
-FREQUENCY = click.FloatRange(min=0.0, min_open=True)
-
 
 @click.command("signals", epilog="Example: springpot signals test-*.csv -o damper.csv")
 @click.argument("files", type=DATA, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="CSV", help="Write the measurement here.")
 @click.option(
-    "--frequency", type=FREQUENCY, metavar="HZ", help="Excitation frequency; estimated by default."
+    "--frequency",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="HZ",
+    help="Excitation frequency; estimated by default.",
 )
 @click.option(
     "--harmonics",

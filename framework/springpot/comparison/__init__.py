@@ -8,9 +8,7 @@ from springpot.lazy import offered
 
 if TYPE_CHECKING:
     from .ranking import rank as rank
-    from .result import Comparison as Comparison
-    from .result import Judgement as Judgement
-    from .result import Ranking as Ranking
+    from .result import Comparison as Comparison, Judgement as Judgement, Ranking as Ranking
 
 __getattr__, __dir__ = offered(
     __name__,

@@ -13,7 +13,7 @@ from springpot.errors import DataError, OptionError
 from springpot.identification.space import require_conditions
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.floor import STARTS_RESCALED, fitted_to_floor
+from springpot.misfit.floor import STARTS_OF_A_ROUND, fitted_to_floor
 from springpot.misfit.material import MaterialFloor, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
@@ -141,7 +141,7 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
         # the least.
         if fitted is not quiet:
             fitted = refit(
-                fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS_RESCALED
+                fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS_OF_A_ROUND
             )
         in_its_noise.append(fitted)
     return in_its_noise

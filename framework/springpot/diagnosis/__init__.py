@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .examination import diagnose as diagnose
-    from .examination import examine as examine
-    from .ladder import Ladder as Ladder
-    from .ladder import Step as Step
+    from .examination import diagnose as diagnose, examine as examine
+    from .ladder import Ladder as Ladder, Step as Step
     from .result import Diagnosis as Diagnosis
 
 __getattr__, __dir__ = offered(

@@ -15,12 +15,11 @@ from springpot.identification.held_material import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
-from springpot.numerics import NEGLIGIBLE
+from springpot.numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
-from ..numerics import ROUNDING, SMALLEST
 from .grown import Grown, Search, SweepDrift, Untold, drift_in_place, untold_in_place
 from .marginal import (
     Unknown,

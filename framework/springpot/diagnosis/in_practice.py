@@ -5,21 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, pi
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import OptionError
+from springpot.measurement.units import ANGLE_UNITS, STRAIN_UNITS
 from springpot.misfit.error import percent
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
 from .result import Candidate, Diagnosis
 
-OF_MODULUS = {"%": 1e-2}
-OF_PHASE = {"mrad": 1e-3, "rad": 1.0, "deg": pi / 180.0}
 SOLVED = float(np.sqrt(np.finfo(float).eps))
 """Relative error down to which numbers tell a minimum of squares at all."""
 
@@ -81,7 +80,9 @@ class Accuracy:
         for part in text.split(","):
             told = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(%|mrad|rad|deg)\s*", part)
             value, unit = told.groups() if told else ("0", "%")
-            name, units = ("modulus", OF_MODULUS) if unit in OF_MODULUS else ("phase", OF_PHASE)
+            name, units = (
+                ("modulus", STRAIN_UNITS) if unit in STRAIN_UNITS else ("phase", ANGLE_UNITS)
+            )
             if float(value) == 0.0 or name in found:
                 found.clear()
                 break

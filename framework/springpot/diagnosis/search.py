@@ -20,12 +20,11 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_tests import battery, repeats_structure
-from springpot.numerics import NEGLIGIBLE
+from springpot.numerics import NEGLIGIBLE, SMALLEST
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from ..numerics import SMALLEST
 from .grown import AskedSet, Grown, Search, beside, in_each_place, once, one_more, two_more
 from .result import Fitted, TriedEffect, unseen
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice

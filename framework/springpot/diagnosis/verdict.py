@@ -36,8 +36,6 @@ from .result import Verdict
 
 DEALT = 1000
 """Times that points which stand out are dealt out anew; a chance of 0.05 is known to an eighth."""
-MEDIAN_OF_TWO = 2.0 * float(np.log(2.0))
-"""Median of chi-square with two degrees of freedom."""
 
 
 @dataclass(frozen=True)
@@ -327,7 +325,8 @@ def _standing_out(base: Refit) -> NDArray[np.bool_]:
     squares: Real = off[:n] ** 2 + off[n:] ** 2
     # Further off than one of so many would be by chance; all of a curve that is a little off itself
     # do not stand out.
-    usual = max(1.0, float(np.median(squares)) / MEDIAN_OF_TWO)
+    # The median of chi-square with two degrees of freedom is ln 4.
+    usual = max(1.0, float(np.median(squares) / np.log(4.0)))
     stands_out = squares > 2.0 * usual * f_quantile(1.0 - 1.0 / n, 2.0, base.noise.dof)
     return np.asarray(stands_out)
 

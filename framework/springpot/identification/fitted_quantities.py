@@ -17,7 +17,7 @@ from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test
-from springpot.numerics import ALIKE
+from springpot.numerics import ALIKE, DECADE
 from springpot.rheology.effect import Layer
 from springpot.rheology.nodes import FULL
 from springpot.rheology.parameters import STIFFNESS, VISCOSITY
@@ -29,7 +29,6 @@ from .measured_quantities import of_amplitude
 from .prediction import Known
 from .value import Quantities, Quantity, energy_unit, in_logarithm, noun
 
-DECADE = float(np.log(10.0))
 REACH = 3.0 * DECADE
 """How far beyond the measured frequencies a crossover or a plateau is looked for."""
 FINE = 60.0
@@ -132,12 +131,17 @@ class OfModel:
         """A quantity by its logarithm and the derivative (p,) of that by the parameters."""
         with np.errstate(all="ignore"):
             variance = float(slope @ self.known.theta_covariance @ slope)
-        reach = student(INTERVAL, self.known.dof) * np.sqrt(max(variance, 0.0))
+        sd = np.array([np.sqrt(max(variance, 0.0))])
+        times = student(INTERVAL, self.known.dof)
+        below, above = (
+            in_logarithm(log, float(times * one[0]), unit[1], unit[0])
+            for one in self.known.ways(sd, slope[None])
+        )
         outside = True
         if omega is not None:
             columns = {name: np.array([value]) for name, value in self.conditions.items()}
             outside = bool(self.known.covered.outside(np.array([omega]), columns)[0])
-        value = in_logarithm(log, float(reach), unit[1], unit[0])
+        value = replace(above, low=below.low)
         held = {**self.conditions, **(at or {})}
         return Quantity(name, value, "model", held, outside, says)
 

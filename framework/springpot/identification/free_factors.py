@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot.distributions import alike, student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import ENDLESS
+from springpot.numerics import ALIKE, ENDLESS, ROUNDING
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
@@ -21,7 +21,6 @@ from springpot.rheology.nodes import shift
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, INTERVAL
 
-from ..numerics import ALIKE, ROUNDING
 from .fitted import Fit
 from .material import is_material, shifted_by
 from .native import fit

@@ -16,15 +16,15 @@ import numpy as np
 
 from springpot.distributions import alike, f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.numerics import MOST_STEPS, non_negative
+from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST, non_negative
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
-from ..numerics import PRINTED, ROUNDING, SMALLEST
 from .fitted import Fit
 from .intervals import allowed_cost
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
@@ -130,11 +130,6 @@ OMEGA = np.geomspace(1e-3, 1e3, 61)
 """Frequencies in rad/s, about the time of one second that an element is given."""
 RATES = np.geomspace(1e-7, 1e7, 57)
 """Four lines a decade, and four decades beyond: a springpot between is followed to 0.1 %."""
-FOLLOWED = 0.01
-"""Relative error up to which an element is a sum of relaxations.
-
-A mass or a constant loss is 30 % off and more.
-"""
 
 
 def within_material(model: Model, effect: Effect) -> bool:
@@ -212,7 +207,7 @@ def is_relaxing(model: Model) -> bool:
     _, left = non_negative(
         np.concatenate([columns.real, columns.imag]), np.concatenate([target.real, target.imag])
     )
-    return left < FOLLOWED**2 * len(OMEGA)
+    return left < REFUSED**2 * len(OMEGA)
 
 
 MOST_PROFILED = 6

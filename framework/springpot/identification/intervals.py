@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import OptionError
-from springpot.numerics import AT_ONCE
+from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ALIKE, NEGLIGIBLE, PRINTED
 from .fitted import Fit
 from .leastsquares import WHOLE, Rows, Solution, levenberg_marquardt
 from .native import CONFIRMED, NEAR, within_bounds

@@ -22,7 +22,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
-from ..numerics import ALIKE, DECADE
+from ..numerics import ALIKE, DECADE, DEVIATIONS
 from .fitted import Fit
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
@@ -30,9 +30,6 @@ from .material import is_material
 from .problem import relative_objective
 from .space import spread_between
 from .uncertainty import Uncertainty
-
-ROOM = 2.0
-"""Standard deviations within which moduli meet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +99,7 @@ def allowed_shifts(data: Measurement, bound: Levels, log_b: Real, own: Alone) ->
     fitted, factor = np.isfinite(own.low), np.bincount(number, log_b) / np.bincount(number)
     low, high = np.where(fitted, own.low - factor, low), np.where(fitted, own.high - factor, high)
     # Beyond their scatter: where two ends only just meet, nobody knows that they do.
-    surely = meeting(low, high, -ROOM * np.sqrt(scatter_between(own)))
+    surely = meeting(low, high, -DEVIATIONS * np.sqrt(scatter_between(own)))
     first, last = ranges(number, data.points.log_omega)
     return Allowed(bound.column, np.array(bound.shown), first, last, surely)
 
@@ -303,7 +300,7 @@ def overlaps(rows: FactorRows, own: Alone) -> NDArray[np.bool_]:
     variance = scatter_between(own)
     if len(rows.elements) > 1:
         variance = variance + spread_between(rows.elements[-1]) ** 2
-    return meeting(low, high, ROOM * np.sqrt(variance))
+    return meeting(low, high, DEVIATIONS * np.sqrt(variance))
 
 
 def _frequencies(rows: FactorRows) -> NDArray[np.int64]:

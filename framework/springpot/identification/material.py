@@ -18,7 +18,16 @@ from itertools import chain
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import MOST_STEPS, non_negative
+from springpot.numerics import (
+    BEYOND,
+    DECADE,
+    MOST_STEPS,
+    NEGLIGIBLE,
+    PER_DECADE,
+    ROUNDING,
+    SMALLEST,
+    non_negative,
+)
 from springpot.rheology.effect import Layer
 from springpot.rheology.elements import (
     Continuum,
@@ -32,20 +41,9 @@ from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.parameters import Coordinates, box_of
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .leastsquares import Solving, Trial, Way
 from .problem import BLOCK, Objective, numbers_of, weighted
 
-PER_DECADE = 3
-"""Lines a decade of the first lattice.
-
-A smooth spectrum is followed to 2 exp(-4.29 * 3) = 5e-6 of K, by the error of
-the trapezoidal rule; single Maxwell elements between lines are met by refining it."""
-BEYOND = 2.0
-"""Decades beyond the reduced frequencies.
-
-What relaxes further off is a spring or a dashpot to 1 %, squared.
-"""
 REFINEMENTS = 3
 """Times that the lattice is halved about the lines that carry weight.
 
@@ -55,7 +53,7 @@ QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
-WIDEST = 60.0 * float(np.log(10.0))
+WIDEST = 60.0 * DECADE
 """Range of reduced frequencies that no material has."""
 INNER = 6
 """Solutions for the weights where K is not linear in them, as behind a spring in series."""
@@ -68,7 +66,7 @@ So that its residual tells something of the scatter. Most
 data with noise make it use far fewer lines; few or exact ones would be followed by a line for every
 number.
 """
-STEP = float(np.log(10.0)) / PER_DECADE
+STEP = DECADE / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 FINE = STEP / 8
 """Between the places at which it is asked whether a further line would explain more."""
@@ -270,8 +268,8 @@ class SpectrumSearch:
             return np.zeros(
                 0
             )  # a setting under which nothing can be measured: the solution says so
-        low = min(seen[0] for seen in probe.seen) - BEYOND * np.log(10.0)
-        high = max(seen[1] for seen in probe.seen) + BEYOND * np.log(10.0)
+        low = min(seen[0] for seen in probe.seen) - np.log(BEYOND)
+        high = max(seen[1] for seen in probe.seen) + np.log(BEYOND)
         # On multiples of the step, so that spectra of neighbouring settings have their lines in
         # common.
         return STEP * np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1.0)

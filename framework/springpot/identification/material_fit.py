@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned as thinned_rows
-from springpot.numerics import MOST_STEPS
+from springpot.numerics import DECADE, MOST_STEPS, SMALLEST
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.factors import arrhenius, wlf
@@ -28,7 +28,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 
-from ..numerics import DECADE, SMALLEST
 from .leastsquares import Trial
 from .material import STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective

@@ -13,14 +13,13 @@ import numpy as np
 
 from springpot.errors import DataError, OptionError
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import non_negative
+from springpot.numerics import ALIKE, NEGLIGIBLE, non_negative
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.writing import counted
 
-from ..numerics import ALIKE, NEGLIGIBLE
 from .fitted import Fit, task_of
 from .leastsquares import FLAT, Solution, levenberg_marquardt
 from .material import QUICK, STILL, is_material, own_parameters

@@ -182,6 +182,9 @@ class Known:
         parameters of their own, level by level (G, r, r).
     spread : ndarray, shape (q, q), or Bordered
         Covariance of these; infinite variance where the tests say nothing.
+    leanings : ndarray, shape (p, b), optional
+        Moves of theta by one standard deviation away from each bound that a parameter rests on,
+        of which the covariance knows nothing: it may go one way alone.
     units : Units
         Of the tests that they were fitted to.
     reference : float
@@ -203,6 +206,7 @@ class Known:
     theta: Real
     slopes: Real
     spread: Covariance
+    leanings: Real | None = None
     units: Units
     reference: float
     misfit: float = 0.0
@@ -220,6 +224,8 @@ class Known:
         assert isinstance(self.spread, Bordered), "levels have parameters of their own"
         model, places = self.model.of_any_level, self.spread.layout.places[number]
         told = {"model": model, "theta": self.theta[places], "slopes": self.slopes[number]}
+        # Where levels have parameters of their own nothing is told of bounds.
+        told["leanings"] = None
         return Known(**{**self._told(), **told, "spread": self.spread.of_levels[number]})
 
     def at_level(self, conditions: Mapping[str, ArrayLike]) -> Known:
@@ -247,6 +253,8 @@ class Known:
             return self.of_level(number)
         places = self.model.places[number]
         told = {"model": self.model.of_any_level, "theta": self.theta[places]}
+        if self.leanings is not None:
+            told["leanings"] = self.leanings[places]
         return Known(**{**self._told(), **told, "slopes": self.slopes[places]})
 
     def named(self, at: Mapping[str, float | str]) -> dict[str, float | str]:
@@ -263,6 +271,8 @@ class Known:
     def _of(self, model: Model, kept: list[int]) -> dict[str, Any]:
         """What changes where a part of the model is left, with some of its parameters."""
         told = {"model": model, "theta": self.theta[kept], "spread": self.spread}
+        if self.leanings is not None:
+            told["leanings"] = self.leanings[kept]
         slopes = self.slopes
         if isinstance(self.spread, Bordered) and len(kept) < len(self.theta):
             slopes, told["spread"] = self.spread.layout.matrix(slopes), self.spread.dense()
@@ -278,6 +288,22 @@ class Known:
         spread = np.nan_to_num(self.spread, nan=0.0, posinf=ENDLESS)
         covariance: Real = self.slopes @ spread @ self.slopes.T
         return covariance
+
+    def ways(self, sd: Real, by_theta: Real) -> tuple[Real, Real]:
+        """Standard deviations (n,) downwards and up, of what goes with theta by `by_theta` (n, p).
+
+        Parameters
+        ----------
+        sd : ndarray, shape (n,)
+            What the covariance says of either way.
+        by_theta : ndarray, shape (n, p)
+            The derivatives.
+        """
+        if self.leanings is None:
+            return sd, sd
+        moves = by_theta @ self.leanings
+        down, up = (np.linalg.norm(np.maximum(each, 0.0), axis=1) for each in (-moves, moves))
+        return np.hypot(sd, down), np.hypot(sd, up)
 
     def without(self, names: Iterable[str]) -> Known:
         """The same without some of its effects, such as those of the rig that it was tested in.
@@ -347,10 +373,11 @@ class Known:
                 f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}"
             ) from None
         # By the linear law of error propagation, as the intervals of the parameters are.
-        value, sd = _value_and_sd(self, rate, conditions)
+        value, down, up = _value_and_ways(self, rate, conditions)
         times = student(level, self.dof)
         low, high = (
-            _of_parts(value.real + s * sd.real, value.imag + s * sd.imag) for s in (-times, times)
+            _of_parts(value.real + s * sd.real, value.imag + s * sd.imag)
+            for s, sd in ((-times, down), (times, up))
         )
         units = self.units
         # Told in the frequencies in which it was asked.
@@ -466,25 +493,25 @@ def require_known(model: Model, covered: Covered, name: str, column: Real) -> No
     )
 
 
-def _value_and_sd(
+def _value_and_ways(
     known: Known, rate: Real, conditions: Mapping[str, Real]
-) -> tuple[Complex, Complex]:
-    """K (n,) and the standard deviations of its parts (n,); at rest both are limits."""
+) -> tuple[Complex, ...]:
+    """K (n,), and the standard deviations of its parts downwards and up; at rest all are limits."""
     with np.errstate(divide="ignore"):
         log_omega = np.log(rate)
     still = ~np.isfinite(log_omega)
-    value, sd = _at(known, np.where(still, AT_REST[0], log_omega), conditions)
+    found = _at(known, np.where(still, AT_REST[0], log_omega), conditions)
     if not np.any(still):
-        return value, sd
+        return found
     # At rest K may be zero, which limits approach but never reach: so little is none.
     slowest = np.where(still, np.log(max(known.covered.rate[0], SMALLEST)), log_omega)
     tiny = ROUNDING * float(np.min(np.abs(_at(known, slowest, conditions)[0])))
     for place in AT_REST:
-        nearer, spread = _at(known, np.where(still, place, log_omega), conditions)
+        nearer = _at(known, np.where(still, place, log_omega), conditions)
         # A limit that is no number further out keeps the last one that was.
-        good = still & np.isfinite(nearer)
-        value, sd = np.where(good, nearer, value), np.where(good, spread, sd)
-    return _without_rounding(value, still, tiny), _without_rounding(sd, still, tiny)
+        good = still & np.isfinite(nearer[0])
+        found = tuple(np.where(good, *both) for both in zip(nearer, found, strict=True))
+    return tuple(_without_rounding(each, still, tiny) for each in found)
 
 
 def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) -> Complex:
@@ -502,7 +529,7 @@ def _of_parts(real: Real, imaginary: Real) -> Complex:
     return whole
 
 
-def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
+def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, ...]:
     # At the reference of the fit: constants of shifts mean something there only.
     points = points_at(log_omega, conditions, known.reference)
     if isinstance(known.spread, Bordered):
@@ -513,21 +540,23 @@ def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[
         # band.
         by_theta = np.nan_to_num(known.model.jacobian(known.theta, points))
         by_u = by_theta @ known.slopes
-    sd = [_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)]
-    return value, _of_parts(*sd)
+    parts = []
+    for by, moved in ((by_u.real, by_theta.real), (by_u.imag, by_theta.imag)):
+        parts.append(known.ways(_band(by, known.spread, np.abs(value)), moved))
+    return value, *(_of_parts(*both) for both in zip(*parts, strict=True))
 
 
 def _at_levels(
     known: Known, points: Points, log_omega: Real, conditions: Mapping[str, Real]
-) -> tuple[Complex, Complex]:
+) -> tuple[Complex, ...]:
     """The same, each point by what is known of its level."""
     number = known.model.levels(points)
-    value, sd = np.empty((2, len(number)), dtype=np.complex128)
+    found = np.empty((3, len(number)), dtype=np.complex128)
     for level, rows in enumerate(rows_of_levels(number, len(known.model.places))):
         if len(rows):
             some = {name: column[rows] for name, column in conditions.items()}
-            value[rows], sd[rows] = _at(known.of_level(level), log_omega[rows], some)
-    return value, sd
+            found[:, rows] = _at(known.of_level(level), log_omega[rows], some)
+    return tuple(found)
 
 
 def _band(by_u: Real, covariance: Real, size: Real) -> Real:

@@ -15,16 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
-from springpot.numerics import non_negative
+from springpot.numerics import ALIKE, BEYOND, DECADE, non_negative
 from springpot.rheology.elements import Continuum, Probe
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ALIKE
 from .fitted import Fit
-from .material import BEYOND, is_material
+from .material import is_material
 from .problem import weighted
 
 PER_DECADE = 8
@@ -187,9 +186,9 @@ class _System:
         )
         count = len(material.parameters)
         lines, own = fit.theta[:count], fit.theta[count:]
-        step = float(np.log(10.0)) / PER_DECADE
+        step = DECADE / PER_DECADE
         low, high = reduced_range(fit.model, fit.theta, points)
-        beyond = BEYOND * float(np.log(10.0))
+        beyond = float(np.log(BEYOND))
         log_rates = np.arange(low - beyond, high + beyond + step, step)
         assert isinstance(material, Continuum)
         # Beside the lines of the fit new ones without weight, by which K changes as it would by

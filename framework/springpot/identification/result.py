@@ -108,6 +108,7 @@ def known_of_sweep(known: Uncertainty) -> Known:
         theta=fit.theta,
         slopes=slopes_of(fit),
         spread=known.covariance,
+        leanings=known.leanings,
         units=data.units,
         reference=data.reference_temperature,
         misfit=float(np.sqrt(np.mean(missed**2))),

@@ -22,12 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import AT_ONCE
+from springpot.numerics import AT_ONCE, ROUNDING, SMALLEST
 from springpot.rheology.nodes import GRADIENT, Chain, Node, Parallel, Renamed, Series, Shift
 from springpot.rheology.parameters import Coordinates, Parameter
 from springpot.rheology.points import Complex, Points, Real
-
-from ..numerics import ROUNDING, SMALLEST
 
 if TYPE_CHECKING:
     from springpot.rheology.model import Model

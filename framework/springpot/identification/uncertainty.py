@@ -257,29 +257,56 @@ class Uncertainty:
             low[i], high[i] = self._one_sided(i)
         return low, high
 
+    @cached_property
+    def leanings(self) -> Real | None:
+        """Moves (p, b) of theta by one standard deviation away from each bound it rests on.
+
+        The others go along, to make up for it. None where levels have parameters of their own.
+        """
+        if self.eliminated is not None:
+            return None
+        fit, free = self.fit, np.flatnonzero(self.at_bound == 0)
+        turn, moves = slopes_of(fit)[:, free], []
+        for i in np.flatnonzero(self.at_bound).tolist():
+            reach, made_up = self._reach(i)
+            room = fit.theta[i] - fit.model.box[0][i]
+            if self.at_bound[i] < 0:
+                room = fit.model.box[1][i] - fit.theta[i]
+            # Where the data give no end the others make up for all of it.
+            if np.isfinite(reach):
+                far = -self.at_bound[i] * min(reach, float(room))
+                move = -far * (turn @ made_up)
+                move[i] += far
+                moves.append(move / self.quantile)
+        return np.array(moves).reshape(-1, len(fit.theta)).T
+
+    def _reach(self, i: int) -> tuple[float, Real]:
+        """How far a parameter on its bound may be from it, and what others do for each of that."""
+        slope = _linear_slope(self.fit, i)
+        made_up: Real = np.zeros(0)
+        whole = float(np.linalg.norm(slope))
+        # What the others can make up for tells nothing of this one.
+        if self.eliminated is not None:
+            size = self.eliminated.left(slope)
+        else:
+            others = self.fit.jacobian_u[:, self.at_bound == 0]
+            if others.size:
+                made_up = np.asarray(np.linalg.lstsq(others, slope, rcond=RANK)[0])
+            size = float(np.linalg.norm(slope - others @ made_up))
+        # From a bound there is one way only: the whole tail lies on that side.
+        side = student(2.0 * self.level - 1.0, self.freedom)
+        # What rounding leaves of a slope that the others make up for is none.
+        if size > RANK * whole:
+            return side * self.scale / size, made_up
+        return float("inf"), made_up
+
     def _one_sided(self, i: int) -> tuple[float, float]:
         """Interval of a parameter on its bound.
 
         In the parameter itself, as a logarithm has no end there.
         """
         fit, (lower, upper) = self.fit, self.fit.model.box
-        slope = _linear_slope(fit, i)
-        whole = float(np.linalg.norm(slope))
-        # What the others can make up for tells nothing of this one.
-        if self.eliminated is not None:
-            size = self.eliminated.left(slope)
-        else:
-            others = fit.jacobian_u[:, self.at_bound == 0]
-            if others.size:
-                slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
-            size = float(np.linalg.norm(slope))
-        # From a bound there is one way only: the whole tail lies on that side.
-        side = student(2.0 * self.level - 1.0, self.freedom)
-        reach = float("inf")
-        # What rounding leaves of a slope that the others make up for is none.
-        if size > RANK * whole:
-            reach = side * self.scale / size
-        value = float(fit.theta[i])
+        (reach, _), value = self._reach(i), float(fit.theta[i])
         if self.at_bound[i] < 0:
             return float(lower[i]), min(value + reach, float(upper[i]))
         if np.isinf(upper[i]):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -14,6 +14,7 @@ from springpot.rheology.points import Real
 
 from .geometry import Geometry
 from .measurement import CONDITIONS, Measurement
+from .other_test import OtherTest
 from .timetest import TimeTest
 from .units import AMPLITUDE_UNITS, LENGTH_UNITS, STRAIN_UNITS, one_modulus
 
@@ -56,13 +57,14 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
     Raises
     ------
     DataError
-        If a stiffness is to join a modulus, or one modulus another, or if temperature or amplitude
-        is known of some only.
+        If a stiffness is to join a modulus, or one modulus another, if temperature or amplitude is
+        known of some only, or if two hold the same numbers.
     """
     first = measurements[0]
     letter = one_modulus((each.name, each.units) for each in measurements)
     for other in measurements[1:]:
         _refuse_unlike(first, other)
+    refuse_copies(measurements)
     scale = [_factor(each, first) for each in measurements]
     sd = None
     # Deviations of some rows alone would be weights on no common scale.
@@ -114,6 +116,31 @@ def _refuse_unlike(first: Measurement, other: Measurement) -> None:
             f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column,"
             f" or say it of all rows as in 'FILE?{example}'"
         )
+
+
+def refuse_copies(tests: Iterable[Measurement | TimeTest | OtherTest]) -> None:
+    """Tell of a test that is there twice: its noise would count as that of two.
+
+    Raises
+    ------
+    DataError
+        If two hold the same numbers.
+    """
+    seen: dict[object, str] = {}
+    for each in tests:
+        if isinstance(each, Measurement):
+            told, columns = "sweep", [each.omega, each.stiffness, *each.conditions.values()]
+        elif isinstance(each, TimeTest):
+            told = f"{each.control} {each.temperature}"
+            columns = [each.time, each.response, each.loading.value]
+            columns += [] if each.warmth is None else [each.warmth]
+        else:
+            continue
+        numbers = (told, each.units, *(column.tobytes() for column in columns))
+        if numbers in seen:
+            both = f"{seen[numbers]} and {each.name}"
+            raise DataError(f"{both} hold the same numbers: name each test once")
+        seen[numbers] = each.name
 
 
 def _known_of_some(measurements: Sequence[Measurement]) -> set[str]:

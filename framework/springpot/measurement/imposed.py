@@ -11,16 +11,14 @@ from functools import cached_property
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.rheology.levels import HELD
 from springpot.rheology.motion import Between
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
 
-STEADY = 0.02
-"""Share of its largest value by which what is called held may move.
-
-Rheometers hold a strain to 1 or 2 %.
-"""
+STEADY = HELD["amplitude"]
+"""Share of its largest value by which what is called held may move."""
 NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05

@@ -15,7 +15,7 @@ from shlex import split
 import numpy as np
 
 from springpot.distributions import samples_of_one
-from springpot.numerics import non_negative
+from springpot.numerics import BEYOND, PER_DECADE, non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SIGNALS
 
@@ -45,16 +45,6 @@ MOST_POINTS = 60
 """Points that are looked at, evenly chosen.
 
 A question asked at each opening must take a millisecond.
-"""
-MODES_PER_DECADE = 3
-"""Relaxation rates of the spectrum.
-
-A decade has no room for more that differ by more than a per cent in K.
-"""
-BEYOND = 100.0
-"""How far below and above the measured frequencies the spectrum reaches.
-
-Its tails enter by (omega / r)^2.
 """
 BACK = 0.1
 """Share by which a test goes back under a load that is held, from which a note says so."""
@@ -139,7 +129,7 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     True
     """
     low, high = np.log10([omega.min() / BEYOND, omega.max() * BEYOND])
-    rates = np.logspace(low, high, int(MODES_PER_DECADE * (high - low)) + 1)
+    rates = np.logspace(low, high, int(PER_DECADE * (high - low)) + 1)
     modes = 1j * omega[:, None] / (1j * omega[:, None] + rates)
     # Beside the spectrum a spring and a dashpot, its limits at infinitely low and high rates.
     basis = np.column_stack([np.ones_like(omega), 1j * omega / omega.max(), modes])

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import OUTLIERS, REPEATS, VARIED
+from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
 from ..numerics import SMALLEST
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
-from .mixed_tests import NOTE as TOGETHER
-from .mixed_tests import RUNS, largest_test, sweeps_of, told_apart
+from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
+from .rows import SAME_AMPLITUDE
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -377,10 +377,6 @@ ADVICE = (
     "if the sweep was repeated, number the sweeps in a column repeat; their scatter is the noise"
 )
 """What a user can do with rows that nothing tells apart."""
-FEWEST_FREQUENCIES = 5
-"""Fewer that come again are a test that follows something else, such as a setting in time."""
-SAME_AMPLITUDE = 0.05
-"""Relative range within which amplitudes are one, as where a user chooses rows by an amplitude."""
 
 
 def again_note(measurement: Measurement) -> dict[str, str]:
@@ -441,7 +437,7 @@ def stands_again(measurement: Measurement) -> NDArray[np.int64] | None:
     """
     number = frequency_numbers(measurement)
     count = np.bincount(number)
-    if len(count) < FEWEST_FREQUENCIES or count.min() < 2 or count.min() != count.max():
+    if len(count) < COURSE.fewest_of_a_round or count.min() < 2 or count.min() != count.max():
         return None
     # What names runs, or was set to several values, tells them apart already.
     if (

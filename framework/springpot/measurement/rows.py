@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
+from springpot.rheology.levels import HELD
 from springpot.rheology.points import Complex, Real
 from springpot.writing import LISTED
 
@@ -70,10 +71,8 @@ class Moduli:
         return np.abs(self.stiffness)
 
 
-KELVINS = 0.5
-"""Temperatures that agree to this belong to one choice."""
-CLOSE = {"amplitude": 0.05}
-"""Relative agreement of a condition, where it is coarser than one per cent."""
+SAME_AMPLITUDE = 0.05
+"""Relative range within which amplitudes are one; other conditions are so within one per cent."""
 PLACES = ("frequency", "omega", "row", "sample")
 """Columns that all tests of a kind have: they go without saying."""
 
@@ -173,12 +172,12 @@ def _matching(measured: Asked, key: str, value: str) -> NDArray[np.bool_]:
     number = _number(measured, key, value)
     # Batches 1001 and 1002 are a thousandth apart: a number of no known kind means itself where it
     # stands there.
-    if key not in (*CLOSE, "temperature", "frequency", "omega") and np.any(column == number):
+    if key not in ("amplitude", "temperature", "frequency", "omega") and np.any(column == number):
         return np.asarray(column == number)
     # Measured conditions are never quite what was set; a row has a number, which is exact.
-    reach = CLOSE.get(key, 0.01) * abs(number)
+    reach = (SAME_AMPLITUDE if key == "amplitude" else 0.01) * abs(number)
     if key == "temperature":
-        reach = KELVINS
+        reach = HELD[key]
     elif key in ("row", "sample"):
         reach = 0.0
     rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + ALIKE)

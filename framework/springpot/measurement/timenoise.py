@@ -20,20 +20,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.numerics import non_negative
-from springpot.rheology.points import Real
-from springpot.writing import SHOWN
-
-from ..numerics import (
+from springpot.numerics import (
     ALIKE,
     FOURTH_WORTH,
     MEDIAN_WORTH,
     NEGLIGIBLE,
     NORMAL,
+    REWEIGHTINGS,
     ROUNDING,
     SMALLEST,
     TWO_DEVIATIONS,
+    non_negative,
 )
+from springpot.rheology.points import Real
+from springpot.writing import SHOWN
+
 from ..thresholds import OUTLIERS
 from .measurement import Measurement
 from .timetest import TimeTest
@@ -52,8 +53,6 @@ BINS = 12
 """Levels of the signal at most, at each of which the scatter is told."""
 FEWEST_IN_BIN = 16
 """Samples of a level of the signal whose scatter is worth a number."""
-ROUNDS = 6
-"""Of reweighting: after four the parts change in the third digit only."""
 DOUBTED = 0.05
 """Chance of noises as unlike as several tests', below which they are not held to be one."""
 RULED_OUT = 1e-3
@@ -354,7 +353,7 @@ def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:
     """Non-negative amounts of the columns, and minus twice the logarithm of their likelihood."""
     power, worth = levels.power, levels.worth
     expected, parts = power, np.zeros(columns.shape[1])
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTINGS):
         # Weighed by what is expected: by what was found, groups that are small by chance would
         # count for more.
         share = np.sqrt(worth) / expected

@@ -367,6 +367,13 @@ class Units:
         return f"loss {self._noun}"
 
     @property
+    def parts(self) -> tuple[str, str]:
+        """Storage and loss as the heads of a table: ``G'`` and ``G''`` where the file says so."""
+        if self.letter:
+            return self.storage, self.loss
+        return "storage", "loss"
+
+    @property
     def magnitude(self) -> str:
         """What the whole is called: ``|G*|``, ``|E*|`` or, for a stiffness, ``|K|``."""
         if self.modulus:

@@ -28,16 +28,14 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import LEAST_LEFT, NoiseFrame, chance_of_squares, phase_of
-from .outliers import Trimmed, trimmed
+from .frame import ENOUGH_NEIGHBOURS, LEAST_LEFT, NoiseFrame, chance_of_squares, phase_of
+from .outliers import MOST_TURNS, Trimmed, trimmed
 from .refit import Refit, refit
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
-STARTS_RESCALED = 4
-"""The same for noise multiplied by one number, which leaves the minima where they are."""
 STARTS_OF_A_ROUND = 2
-"""The same where it only changed its shape."""
+"""The same for noise that only changed its size or shape: the minima stay nearly where they are."""
 NEARLY = 2.0
 """Error over noise floor up to which a model may be right, and its scatter tell where the noise is
 larger.
@@ -46,19 +44,12 @@ LEAST_RISE = 0.01
 """Relative change of noise over |K| along a sweep from which its shape is not that of |K|."""
 ROUNDS = 2
 """Times that the noise is estimated anew about the fit that it gave."""
-TRIMMED_FITS = 6
-"""Fits without what stands out, each beside the last.
-
-Of the notches tried nearly all settle in three.
-"""
 DIFFERENCES = (2, 3, 4, 5)
 """Orders of the differences.
 
 Of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
 order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points.
 """
-ENOUGH_NEIGHBOURS = 10
-"""Degrees of freedom below which second differences say too little."""
 FEWEST_ABOUT_MODEL = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
 LEAST_SPARE = 0.4
@@ -106,7 +97,7 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     noise = checked_noise(first.noise, *scatter_about(free.frame()))
     if noise is first.noise:
         return first
-    return refit(model, data, noise, [first.theta], starts=STARTS_RESCALED)
+    return refit(model, data, noise, [first.theta], starts=STARTS_OF_A_ROUND)
 
 
 def beyond_floor(fitted: Refit) -> bool:
@@ -262,7 +253,7 @@ def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
     n = len(fitted.fit.measurement)
     free, followed = fitted, np.ones(n, dtype=bool)
     inside = trimmed(fitted.frame()).kept[:n]
-    for _ in range(TRIMMED_FITS):
+    for _ in range(MOST_TURNS):
         if np.array_equal(inside, followed):
             break
         free, followed = fitted.without(~inside), inside

@@ -182,6 +182,8 @@ DEALT_ALONE = 8
 """Points of a sweep from which its scatter is dealt out anew by itself."""
 FEWEST_OWN = 20.0
 """Degrees of freedom below which a scatter says too little of itself."""
+ENOUGH_NEIGHBOURS = 10
+"""Degrees of freedom, or neighbours, from which second differences tell the scatter."""
 LEAST_LEFT = 0.1
 """Share of a point, a level or a narrow shape that the fitted curves must leave.
 
@@ -549,7 +551,8 @@ class NoiseFrame:
         Shape (n,).
         """
         column = self.measurement.conditions.get(name)
-        if column is None or np.ptp(column) < HELD_ALIKE * np.max(np.abs(column)):
+        # At 0 degC throughout as well: nothing is less than a share of zero.
+        if column is None or np.ptp(column) <= HELD_ALIKE * np.max(np.abs(column)):
             return None
         x = column
         # Nonlinear effects go with powers of the amplitude, which is measured over decades.

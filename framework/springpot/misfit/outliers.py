@@ -33,6 +33,7 @@ from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 from ..numerics import ALIKE, ROUNDING, SMALLEST
 from .error import plain, point_in_words
 from .frame import (
+    FEWEST_OWN,
     LEAST_LEFT,
     LEAST_SEEN,
     NoiseFrame,
@@ -60,8 +61,6 @@ SLOW_WAVES = 2
 """Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its
 points.
 """
-FEWEST_FREE = 20.0
-"""Degrees of freedom below which a period would take too many of them."""
 LEAST_KEPT = 0.7
 """Share of the data below which what is left out is no few frequencies any more."""
 LEAST_FREE = 0.5
@@ -113,11 +112,11 @@ def trimmed(frame: NoiseFrame, kept: NDArray[np.bool_] | None = None) -> Trimmed
     # Only what chance does not explain is taken out: shapes chosen to follow noise make the floor
     # too low.
     drift = frame.relative(drift_shapes(len(frame.measurement)))
-    if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
+    if found.dof >= FEWEST_OWN and _explains(drift, followed, found):
         followed = _beside(followed, drift)
         found = trimmed_residual(frame.residual, followed, omega)
     for _ in range(MOST_RIPPLES):
-        if found.dof < FEWEST_FREE or (period := _ripple(frame, followed, found)) == 0.0:
+        if found.dof < FEWEST_OWN or (period := _ripple(frame, followed, found)) == 0.0:
             break
         ripple = frame.relative(waves(frame.measurement, period))
         followed = _beside(followed, ripple)

@@ -36,16 +36,19 @@ from springpot.thresholds import VERDICT
 
 from ..numerics import MOST_STEPS, ROUNDING, SMALLEST
 from .error import percent, plain
-from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal, relative_to
+from .frame import (
+    ENOUGH_NEIGHBOURS,
+    LEAST_SEEN,
+    NoiseFrame,
+    chance_of_squares,
+    orthonormal,
+    relative_to,
+)
 from .refit import Refit
-from .where import where
+from .where import WIDE, where
 
 Rows: TypeAlias = NDArray[np.int64]
 
-LEAST_SHIFT = 0.7
-"""Range of ln a_T below which fixed and moving cannot be told apart."""
-FEWEST = 10
-"""Second differences from which they tell the scatter."""
 NARROW = 8
 """Narrow resonances that are tried for each point of a sweep."""
 BEYOND = 5.0
@@ -473,11 +476,7 @@ def _curve(frame: NoiseFrame, x: Real) -> Real:
 def _pattern(frame: NoiseFrame, log_shift: Real | None) -> str:
     """Whether the residual is one curve of frequency (fixed) or reduced frequency (moving)."""
     # Where the shift is small beside the band, one curve is as good as the other.
-    if (
-        log_shift is None
-        or not temperatures_differ(frame.measurement)
-        or np.ptp(log_shift) < LEAST_SHIFT
-    ):
+    if log_shift is None or not temperatures_differ(frame.measurement) or np.ptp(log_shift) < WIDE:
         return ""
     x = np.log(frame.measurement.omega)
     # Each without what the other has: both follow slow misfits, and only what one alone follows can
@@ -534,7 +533,7 @@ def _no_rougher(frame: NoiseFrame) -> NoiseFrame:
     """
     n, lines = len(frame.measurement), [sweep.rows for sweep in sweeps_of(frame.measurement)]
     bend = np.concatenate([np.diff(frame.rest[rows + k], 2) for rows in lines for k in (0, n)])
-    if len(bend) < FEWEST:
+    if len(bend) < ENOUGH_NEIGHBOURS:
         return frame
     # The median, which a narrow resonance does not raise; second differences of white noise vary
     # six times as much.

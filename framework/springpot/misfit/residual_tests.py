@@ -31,6 +31,7 @@ from .error import plain, point_in_words, times
 from .frame import (
     DRAWN,
     DRAWS,
+    ENOUGH_NEIGHBOURS,
     FURTHER,
     Drawn,
     NoiseFrame,
@@ -45,8 +46,6 @@ from .refit import unseen_error, unseen_in_words
 from .regions import near_mains
 
 Rows: TypeAlias = NDArray[np.int64]
-FEWEST_OFF_MAINS = 10
-"""Points away from the mains from which their scatter can be held against that at the mains."""
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
 """Weights of the first to sixth neighbour in runs.
 
@@ -286,7 +285,7 @@ def _hum(frame: NoiseFrame, sample: Drawn) -> Real | None:
     """Whether points at mains multiples stand off from their neighbours more than others do."""
     before, here, after = _bends(frame)
     near = np.tile(near_mains(frame.measurement.frequency), 2)[here]
-    if not np.any(near) or np.sum(~near) < FEWEST_OFF_MAINS:
+    if not np.any(near) or np.sum(~near) < ENOUGH_NEIGHBOURS:
         return None
     off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
     # In double precision: of exact data next to nothing is left, whose square is none in single.

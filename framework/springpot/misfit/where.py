@@ -18,6 +18,7 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
+from springpot.writing import SHOWN
 
 from ..numerics import SMALLEST
 from .error import plain, with_unit
@@ -34,8 +35,6 @@ STEADY = 0.5
 """Correlation with the number of the level from which a misfit is said to grow or to fall."""
 BANDS = (24, 12, 6)
 """Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
-MOST = 5
-"""Places told of at most: the most telling ones."""
 SWEPT = 10.0
 """Span, in units of how nearly a rig holds a value, from which values are a sweep, not a drift."""
 AMPLITUDE_POWERS = {
@@ -265,7 +264,7 @@ def _power(amplitude: Real, residual: Real) -> str:
 
 
 def where(frame: NoiseFrame) -> list[Where]:
-    """Places at which a fit fails, the most telling first, at most `MOST`.
+    """Places at which a fit fails, the most telling first, at most `SHOWN`.
 
     Empty where noise explains the residual.
 
@@ -307,11 +306,12 @@ def where(frame: NoiseFrame) -> list[Where]:
     if found:
         plane = _simplest_plane(frame)
     places = [
-        _place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]
+        _place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:SHOWN]
     ]
     if period:
-        places.insert(sum(abs(region.sigma) > clear for _, region in found[:MOST]), periodic(frame))
-    return places[:MOST]
+        clearer = sum(abs(region.sigma) > clear for _, region in found[:SHOWN])
+        places.insert(clearer, periodic(frame))
+    return places[:SHOWN]
 
 
 def _length(frequencies: MeasuredAxis, region: Region) -> float:

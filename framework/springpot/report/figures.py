@@ -121,9 +121,8 @@ def figure_identification(
         return finished(figure, path)
 
 
-COLUMN = 84.0
-"""Width in mm of a column of a journal."""
-INCH = 25.4
+COLUMN = 84.0 / 25.4
+"""Width in inches of a column of a journal, 84 mm."""
 VIEWS: dict[str, Callable[[Axes, Scene], None]] = {
     "storage-loss": views.storage_and_loss,
     "loss-factor": views.loss_factor,
@@ -158,8 +157,7 @@ def figure_view(
     path : str or Path, optional
         Where to write; see `springpot.report.canvas.finished`.
     """
-    width = COLUMN / INCH
-    with blank(width, 0.78 * width) as figure:
+    with blank(COLUMN, 0.78 * COLUMN) as figure:
         draw_one_view(figure.subplots(), identified, view)
         return finished(figure, path)
 

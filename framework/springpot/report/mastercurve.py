@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.identification.value import noun
 from springpot.rheology.levels import level_text
 from springpot.rheology.points import KELVIN, Points, Real
 from springpot.superposition.curve import MasterCurve
@@ -33,8 +34,7 @@ WORDS = {
     "not-simple": "one curve does not hold: it adds {added} to the error",
     "not-judged": "no level has points enough to judge whether one curve holds",
 }
-LEGEND = 8
-"""Levels that a legend names; more are told by a bar of colours."""
+REDUCED = {"Hz": "a f [Hz]", "rad/s": "a ω [rad/s]"}
 EXACT = "exact by construction"
 """How far a law with as many constants as factors is off."""
 
@@ -210,6 +210,9 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
     from matplotlib.cm import ScalarMappable
 
     clock, *names = master.columns
+    reduced_clock, units = "t / a [s]", master.data.units
+    if clock == "omega":
+        reduced_clock, names = REDUCED[units.clock], list(units.parts)
     planes = figure.subplots(1, len(names), sharex=True, squeeze=False)[0]
     left = planes[0]
     data, levels = master.reduced, master.factors.levels
@@ -218,6 +221,8 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
     omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), SMOOTH)
     x, *lines = master.drawn(omega, master.curve(omega))
     places, *measured_at = master.drawn(data.omega, data.stiffness)
+    if clock == "omega":
+        x, places = (units.on_clock(rate / (2.0 * np.pi)) for rate in (x, places))
     unit = master.measured_unit
     for axes, points, line, name in zip(planes, measured_at, lines, names, strict=True):
         # On a logarithmic axis nothing else has a place.
@@ -237,7 +242,7 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
         if name == "compliance":
             reduced = f"b {name}"
         axes.set_ylabel(f"{reduced} [{unit}]")
-        axes.set_xlabel({"time": "t / a [s]"}.get(clock, "a ω [rad/s]"))
+        axes.set_xlabel(reduced_clock)
     named = level_text(master.factors.column, master.reference)
     off = percent(master.simplicity.error, 2)
     verdict = master.simplicity.verdict.replace("-", " ")
@@ -247,7 +252,7 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
     bar = figure.colorbar(ScalarMappable(norm, colour), ax=list(planes), pad=0.01, aspect=30)
     bar.set_label(f"{master.factors.column}{_in_unit(master.unit)}")
     # Each level by its number, as long as the numbers do not touch.
-    if len(levels) <= LEGEND:
+    if len(levels) <= LISTED:
         bar.set_ticks(levels.tolist(), labels=[f"{value:.4g}" for value in levels])
     bar.outline.set_visible(False)
     left.legend(loc="best")
@@ -295,7 +300,7 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
     axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")
     title = "factors a of frequency"
     if vertical:
-        title = "factors b of stiffness"
+        title = f"factors b of {noun(master.data.units)}"
     axes.set_title(title)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")

@@ -17,7 +17,6 @@ LABEL_RISE = 20.0
 RAIL = 26.0
 LEAD = 14.0
 MARGIN = 8.0
-FONT = 13
 
 Point: TypeAlias = tuple[float, float]
 
@@ -237,6 +236,6 @@ def network_svg(node: Node) -> str:
         f' viewBox="0 0 {width:.1f} {height:.1f}" role="img"'
         f' aria-label={quoteattr(f"network of {named}")}>\n<g fill="none" stroke="currentColor"'
         f' stroke-width="1.4" stroke-linejoin="round">\n{lines}\n</g>\n<g fill="currentColor"'
-        f' font-family="sans-serif" font-size="{FONT}"'
+        ' font-family="sans-serif" font-size="13"'
         f' text-anchor="middle">\n{labels}\n</g>\n</svg>\n'
     )

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from springpot.diagnosis.ladder import Case, Ladder
 from springpot.files import write_with
+from springpot.numerics import DEVIATIONS
 from springpot.rheology.points import Complex, Points, Real
 
 from . import views
-from .canvas import COLOURS as LINES
-from .canvas import QUIET, blank, check_figure_path, logarithmic
+from .canvas import COLOURS as LINES, QUIET, blank, check_figure_path, logarithmic
 from .interactive.in_time import PLANE, TimeScene, case_of
 from .ladder_text import ROOM, draw_ladder, entitled
 from .residuals import symmetric, with_noise_of
@@ -42,8 +42,6 @@ COLOURS = 64
 """Of a frame, which has few."""
 DOTS = 100
 """Per inch."""
-NOISE = 2.0
-"""Standard deviations within which a residual may be noise."""
 ABREAST, MOST_PLAYED = 3, 6
 """Tests beside one another, and at most: those that the first model misses most."""
 
@@ -287,7 +285,7 @@ class PlayedTest(Played):
             / np.array(drawn["planes"][PLANE]["width"], dtype=float)[rows]
             for drawn in whole
         ]
-        self.largest = max(NOISE, *(float(np.nanmax(np.abs(left))) for left in self.left))
+        self.largest = max(DEVIATIONS, *(float(np.nanmax(np.abs(left))) for left in self.left))
 
     def curve(self, axes: Axes, step: int, share: float) -> None:
         """Draw what was measured and what is computed."""
@@ -304,11 +302,11 @@ class PlayedTest(Played):
 
     def residual(self, axes: Axes, step: int, share: float) -> None:
         """Draw what was measured less what is computed, over the noise."""
-        axes.axhspan(-NOISE, NOISE, color="#EEEEEE")
+        axes.axhspan(-DEVIATIONS, DEVIATIONS, color="#EEEEEE")
         for left, colour in zip(_between(self.left, step, share), LINES, strict=False):
             axes.plot(self.x, left, ".", color=colour)
-        if self.largest > 2.0 * NOISE:
-            symmetric(axes, NOISE, self.largest)
+        if self.largest > 2.0 * DEVIATIONS:
+            symmetric(axes, DEVIATIONS, self.largest)
         axes.set_ylim(-ROOM * self.largest, ROOM * self.largest)
         axes.set_ylabel("residual / noise")
         self._along(axes)

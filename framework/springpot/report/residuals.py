@@ -187,9 +187,6 @@ def set_aside(measurement: Measurement, kept: Measurement) -> Measurement | None
     return used.subset(np.array(rows))
 
 
-WIDTH, HEIGHT = 4.6, 3.3
-"""Inches of a panel; at these, its letters are as large as those of the page."""
-
 VIEWS: tuple[tuple[str, Callable[[Axes, Scene], None]], ...] = (
     ("Loss factor", views.loss_factor),
     ("Cole-Cole: loss against storage", views.cole_cole),
@@ -199,7 +196,7 @@ VIEWS: tuple[tuple[str, Callable[[Axes, Scene], None]], ...] = (
 
 
 def panel(
-    draw: Callable[[Axes], None], caption: str, width: float = WIDTH, height: float = HEIGHT
+    draw: Callable[[Axes], None], caption: str, width: float = 4.6, height: float = 3.3
 ) -> Html:
     """A figure with its caption as an element of a page.
 

@@ -47,7 +47,7 @@ from .replay import SUFFIX, write_replay
 from .residuals import figure_compared, fits_of
 from .text import percent
 from .timetests import figure_prediction, figure_tests, fits_in_time
-from .views import DrawnFit, Scene
+from .views import ALONG_CLOCK, DrawnFit, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -206,7 +206,7 @@ def _predicted(result: Prediction, path: Any) -> Any:
 def _predicted_onto(result: Prediction, axes: Any) -> None:
     # A line follows its points in their order, and one may ask for frequencies in any.
     order = result.frequency.argsort(kind="stable")
-    x = result.frequency[order]
+    x = result.units.on_clock(result.frequency[order])
     parts = (
         (result.storage, result.low.real, result.high.real),
         (result.loss, result.low.imag, result.high.imag),
@@ -215,13 +215,17 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
     marker = ""
     if len(result) < 3:
         marker = "o"
-    for colour, label, (value, low, high) in zip(COLOURS, ("storage", "loss"), parts, strict=False):
+    names = result.units.parts
+    for colour, label, (value, low, high) in zip(COLOURS, names, parts, strict=False):
         axes.plot(x, value[order], color=colour, label=label, marker=marker)
         axes.fill_between(x, low[order], high[order], color=colour, alpha=0.2, linewidth=0.0)
     # The limit at rest, frequency zero, has no place on a logarithmic axis.
     if x[0] > 0.0 and len(x) > 1:
         logarithmic(axes, "x")
-    axes.set(xlabel="frequency f [Hz]", ylabel=f"storage, loss [{result.units.stiffness}]")
+    axes.set(
+        xlabel=ALONG_CLOCK[result.units.clock],
+        ylabel=f"{', '.join(names)} [{result.units.stiffness}]",
+    )
     axes.legend(title=f"{result.model}, {100 * result.level:.0f} % bands")
 
 

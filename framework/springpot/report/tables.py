@@ -17,8 +17,7 @@ from typing import IO, TYPE_CHECKING, TypeAlias
 from springpot.errors import OutputError
 from springpot.files import write_text, write_with
 from springpot.identification.value import Value
-from springpot.writing import guarded
-from springpot.writing import number as digits
+from springpot.writing import guarded, number as digits
 
 from .text import halved
 

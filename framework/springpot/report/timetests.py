@@ -210,6 +210,8 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[Identifi
 def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure | Path:
     """A predicted test with its band: over log and linear time, or K' and K'' over frequency.
 
+    A record swings in linear time alone.
+
     Parameters
     ----------
     predicted : TestPrediction
@@ -217,8 +219,9 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
     path : str or Path, optional
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
+    places = 1 if predicted.kind == "history" else 2
     with blank(9.0, 3.6) as figure:
-        row = figure.subplots(1, 2)
+        row = figure.subplots(1, places, squeeze=False)[0]
         if predicted.kind == "sweep":
             # A predicted sweep holds all of storage, then all of loss.
             half = len(predicted.at) // 2
@@ -232,10 +235,11 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
             for axes in row:
                 _draw_predicted(axes, predicted, slice(None))
                 axes.set(xlabel="t [s]", ylabel=f"{predicted.quantity} [{predicted.unit}]")
-            if predicted.at[0] > 0.0:
+            if places > 1:
                 logarithmic(row[0], "x")
-        row[0].set_title(f"{predicted.test}: {predicted.verdict}")
-        row[0].legend()
+        row[0].set_title(f"{predicted.test}: {predicted.verdict}", loc="left")
+        # Beside the title: no corner of a picture is free of a curve that swings.
+        row[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
         return finished(figure, path)
 
 

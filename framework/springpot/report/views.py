@@ -36,6 +36,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+ALONG_CLOCK = {"Hz": "frequency f [Hz]", "rad/s": "angular frequency ω [rad/s]"}
+"""What the axis of frequencies is called, as these are told."""
+
+
 @dataclass(frozen=True, eq=False)
 class DrawnFit:
     """A model with its identified parameters.
@@ -94,11 +98,9 @@ class DrawnAxis:
 
 def axis_of(measurement: Measurement) -> DrawnAxis:
     """The frequency if it varies, else the amplitude or the temperature, whichever does."""
-    label = {"Hz": "frequency f [Hz]", "rad/s": "angular frequency ω [rad/s]"}[
-        measurement.units.clock
-    ]
+    units = measurement.units
     along_frequency = DrawnAxis(
-        "frequency", label, measurement.units.on_clock(measurement.frequency)
+        "frequency", ALONG_CLOCK[units.clock], units.on_clock(measurement.frequency)
     )
     if varies("frequency", measurement.frequency):
         return along_frequency

@@ -10,9 +10,7 @@ from ..numerics import DECADE
 from .elements import delay_time
 from .grammar import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
-from .nonlinear import delay as delay_law
-from .nonlinear import gain as gain_law
-from .nonlinear import one_filter as one_filter_law
+from .nonlinear import delay as delay_law, gain as gain_law, one_filter as one_filter_law
 from .parameters import PURE, Dimension, Parameter, viscosity
 from .points import GAS_CONSTANT, LARGEST_SHIFT, Points, Real
 

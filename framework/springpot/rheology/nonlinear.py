@@ -128,8 +128,6 @@ def one_filter(t: Real, signals: Real, tau: float) -> Law:
     return signals - np.stack(behind, axis=-1), (slope,)
 
 
-CUBIC = Dimension(stiffness=1, amplitude=-2)
-CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
 NEARLY_SINE = 1.0 / 12.0
 """Most that the third harmonic of filled rubber may be of dK / d ln X.
 
@@ -266,7 +264,7 @@ def cubic_spring(k3: str = "k3") -> Formula:
     >>> cubic_spring().respond(np.array([4.0]), at).value.real
     array([ 3., 12.])
     """
-    free = (Parameter(k3, "k₃", CUBIC, -np.inf, scale="linear"),)
+    free = (Parameter(k3, "k₃", Dimension(stiffness=1, amplitude=-2), -np.inf, scale="linear"),)
     return Formula(
         free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third, cubic_spring_law
     )
@@ -292,7 +290,7 @@ def cubic_dashpot(c3: str = "c3") -> Formula:
     >>> cubic_dashpot().respond(np.array([4.0]), at).value.imag.round(6)
     array([ 3., 24.])
     """
-    free = (Parameter(c3, "c₃", CUBIC_RATE),)
+    free = (Parameter(c3, "c₃", Dimension(stiffness=1, time=3, amplitude=-2)),)
     return Formula(
         free,
         _cubic_dashpot,

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import log
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from springpot.errors import ModelError
 
-from ..numerics import NEGLIGIBLE, ROUNDING
+from ..numerics import BEYOND, NEGLIGIBLE, ROUNDING
 from .effect import Effect, Layer
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import HALF_PI, ROOM, Complex, Points, Real
@@ -49,13 +50,9 @@ REFUSED = 1e-2
 
 Those that have one stay far below.
 """
-NEGATIVE = 1e-7
-"""Share of K by which H may be negative from rounding."""
 SCALES = np.arange(-45.0, 45.0, 0.25)
 """Twenty decades of rates either side of one, in which a model's own relaxation times are sought.
 """
-MARGIN = 2.0 * np.log(10.0)
-"""Two decades beyond a model's own times are of interest by default."""
 NOTED = 0.05
 """Share of the largest change of that power from which a turn is a time of the model's own."""
 MOST_TERMS = 60
@@ -401,7 +398,8 @@ class Sum:
         at = SCALES[1:-2][turns]
         if not len(at):
             return WITHOUT_TIME
-        return float(at.min() - MARGIN), float(at.max() + MARGIN)
+        margin = log(BEYOND)
+        return float(at.min() - margin), float(at.max() + margin)
 
     def summed(
         self,
@@ -486,7 +484,7 @@ class Sum:
             value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
             sizes = self._sizes(low, high)
             height = value.imag / np.pi
-            if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
+            if not signed and np.any(height < -NEGLIGIBLE * np.abs(value) - ROUNDING * max(sizes)):
                 raise _NoSpectrumError(
                     "is no passive material: weights of its relaxation would be negative"
                 )
@@ -522,7 +520,7 @@ class Sum:
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)
         # At real s nothing oscillates, and no phase can be: a network that has one there is no
         # material.
-        if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
+        if np.any(np.abs(value.imag) > NEGLIGIBLE * np.abs(value)):
             raise _NoSpectrumError(
                 "is no material: without oscillation its force would not be real"
             )

@@ -11,14 +11,8 @@ if TYPE_CHECKING:
     from .handoff import Handoff as Handoff
     from .prony import (
         Prony as Prony,
-    )
-    from .prony import (
         prony_of as prony_of,
-    )
-    from .prony import (
         solid_of as solid_of,
-    )
-    from .prony import (
         young_of as young_of,
     )
     from .writer import Writer as Writer

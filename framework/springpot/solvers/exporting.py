@@ -162,8 +162,10 @@ def exported(
     if times is not None and not source.endswith(".json") and not _is_model(source):
         told = _of_data(source, times, dashpot, modulus)
         return _finished(writer, [replace(told, poisson=poisson, bulk=_bulk(bulk))], "")
+    if band is None and _is_file(source) and not source.endswith(".json"):
+        raise ModelError(f"{source}: of data give the relaxation --times, such as 1e-3:1e2")
     if band is None:
-        raise ModelError(f"{source} is a model: give the --band on which a series follows it")
+        raise ModelError(f"{source}: give the --band on which a series follows this model")
     known = _known(source, values, unit).without(without)
     whole = known
     sliding: dict[str, dict[str, float]] = {}

@@ -21,11 +21,9 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
-from springpot.numerics import non_negative
+from springpot.numerics import HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
-
-from ..numerics import HALVINGS, SMALLEST
 
 IN_VAIN = 6
 """Terms that do not help after which no more are tried.
@@ -47,8 +45,6 @@ BEYOND = 5.0
 
 Two decades, where a term is a spring or a dashpot to 1 %.
 """
-ROUNDS = 6
-"""Reweightings towards the least largest error (Lawson); more gain less than 2 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +245,7 @@ def _fitted(
     # Evenly over the decades to begin with; the descent moves them.
     u = grid[0] + width * (np.arange(count) + 0.5)
     best: Prony | None = None
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTINGS):
         share = np.sqrt(lawson) / np.abs(target)
 
         # Its share is bound here, as the next round has another.

@@ -15,26 +15,14 @@ if TYPE_CHECKING:
     )
     from .frame import (
         Frame as Frame,
-    )
-    from .frame import (
         modes_of as modes_of,
-    )
-    from .frame import (
         steady_of as steady_of,
-    )
-    from .frame import (
         steady_state as steady_state,
     )
     from .motion import (
         GroundMotion as GroundMotion,
-    )
-    from .motion import (
         artificial as artificial,
-    )
-    from .motion import (
         motion_of as motion_of,
-    )
-    from .motion import (
         simulate as simulate,
     )
 

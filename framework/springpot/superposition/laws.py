@@ -513,7 +513,7 @@ def _shown(test: TimeTest, kind: str) -> tuple[Real, Real, Real]:
     if test.temperature is None:
         raise DataError(
             f"{test.name}: a master curve needs the temperature: add a column, or open it as"
-            f" '{test.name}?temperature=25[degC]'"
+            f" '{test.provenance.get('file', test.name)}?temperature=25[degC]'"
         )
     clock = test.time - test.start
     seen = clock > test.rise

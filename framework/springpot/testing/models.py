@@ -28,8 +28,6 @@ from .networks import (
     sample_measurement,
 )
 
-MEMBERS = (1, 3)
-"""Members of a family that are checked."""
 RATES = (0.03, 1.0, 40.0)
 """Lines [rad/s] below, within and above the frequencies at which a material is checked."""
 FOLLOWED = 2e-4
@@ -83,7 +81,7 @@ def _check_family(family: Family, passive: bool, skip: Collection[str]) -> list[
     sentences = complaints(
         {"words": lambda: name_and_summary(family.name, family.summary, family.aliases)}
     )
-    for number in MEMBERS:
+    for number in (1, 3):
         expected = f"{family.name.removesuffix('-N')}-{number}"
         member = family.member(expected)
         # A member's name is typed and stored: it must lead back to the same member.

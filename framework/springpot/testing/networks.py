@@ -28,6 +28,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, parallel, series
 from springpot.rheology.parameters import MAXWELL_FORM, Parameter
 from springpot.rheology.points import Points, Real, power_of_s
+from springpot.rheology.poles import CIRCLE
 
 from ..numerics import ALIKE
 
@@ -161,12 +162,6 @@ def cited(citation: str) -> Iterator[str]:
         )
 
 
-EIGHTH_ORDER = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Central differences: weights of f(x + i h) - f(x - i h) for i = 1 ... 4."""
-STEPS = np.array([1, 2, 3, 4, -1, -2, -3, -4])
-ROOTS = np.exp(2j * np.pi * np.arange(16) / 16)
-
-
 def sample(
     parameters: Sequence[Parameter], rng: np.random.Generator, shape: tuple[int, ...] = ()
 ) -> Real:
@@ -232,11 +227,11 @@ def derivative(function: Callable[[Any], Any], x: Real, reach: float = 0.01) -> 
 
 def _around(function: Callable[[Any], Any], x: Real, i: int, radius: float, size: Real) -> Any:
     try:
-        values = _along(function, x, i, radius * ROOTS)
+        values = _along(function, x, i, radius * CIRCLE)
     except (TypeError, ValueError):
         return None
     # An analytic function does not change with the conjugate (Cauchy and Riemann).
-    by_x, by_conjugate = (np.mean(values * turn, axis=-1) / radius for turn in (1 / ROOTS, ROOTS))
+    by_x, by_conjugate = (np.mean(values * turn, axis=-1) / radius for turn in (1 / CIRCLE, CIRCLE))
     analytic = np.all(np.abs(by_conjugate) < 1e-7 * (np.abs(by_x) + size))
     if not analytic:
         return None
@@ -244,8 +239,10 @@ def _around(function: Callable[[Any], Any], x: Real, i: int, radius: float, size
 
 
 def _difference(function: Callable[[Any], Any], x: Real, i: int, radius: float) -> Any:
-    weights = np.concatenate([EIGHTH_ORDER, -EIGHTH_ORDER])
-    return _along(function, x, i, radius * STEPS) @ weights / radius
+    # Of eighth order: weights of f(x + i h) - f(x - i h) for i = 1 ... 4.
+    weights, steps = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280]), np.arange(1, 5)
+    both = radius * np.concatenate([steps, -steps])
+    return _along(function, x, i, both) @ np.concatenate([weights, -weights]) / radius
 
 
 def _along(function: Callable[[Any], Any], x: Real, i: int, steps: Any) -> Any:

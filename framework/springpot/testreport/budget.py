@@ -20,7 +20,7 @@ from springpot.thresholds import INTERVAL
 
 from .code import StatedError
 from .quantities import BY_NAME
-from .summary import EvaluatedTest, Told
+from .summary import EvaluatedTest
 
 
 @dataclass(frozen=True)
@@ -200,15 +200,12 @@ def _type_a(tests: Sequence[EvaluatedTest], quantity: str, slopes: Real) -> list
     """A line for each test: of many, one for all."""
     told = [test.means[quantity] for test in tests]
     return [
-        _line_of(
+        BudgetLine(
             f"{'scatter of cycles' if each.source == 'cycles' else 'noise'}, {test.name}",
-            each,
-            slope,
+            "A",
+            abs(slope) * each.sd,
+            each.freedom,
         )
         for test, each, slope in zip(tests, told, slopes.tolist(), strict=True)
         if slope
     ]
-
-
-def _line_of(name: str, told: Told, slope: float) -> BudgetLine:
-    return BudgetLine(name, "A", abs(slope) * told.sd, told.freedom)

@@ -207,7 +207,7 @@ def find_cycles(record: LoopRecord) -> Found:
     smooth = _box(seen, record.time, EIGHTH * period)
     guesses, begins, ends = _crossings(record.time, smooth, test.amplitude)
     channel = Channel(record.time, seen, noise_of(record.displacement))
-    found = [_refined(channel, guess, period) for guess in guesses]
+    found = [crossing(channel, guess, EIGHTH * period, 0.0) for guess in guesses]
     if begins and guesses:
         found[0] = _from_rest(channel, guesses[0], period, 1.0) or found[0]
     if ends and len(guesses) > 1:
@@ -293,10 +293,6 @@ def _last_zero(time: Real, smooth: Real, place: int) -> float | None:
     if slope and abs(start / slope) <= 2.0 * (time[1] - time[0]):
         return float(time[0])
     return None
-
-
-def _refined(channel: Channel, guess: float, period: float) -> tuple[Estimate, Estimate]:
-    return crossing(channel, guess, EIGHTH * period, 0.0)
 
 
 def _from_rest(

@@ -8,16 +8,13 @@ from springpot.lazy import offered
 
 if TYPE_CHECKING:
     from .comparing import compare as compare
-    from .diagnosis import diagnose as diagnose
-    from .diagnosis import examine as examine
+    from .diagnosis import diagnose as diagnose, examine as examine
     from .discovery import discover as discover
     from .fitting import identify as identify
     from .prediction import predict_test as predict_test
-    from .recording import predicted as predicted
-    from .recording import recorded as recorded
+    from .recording import predicted as predicted, recorded as recorded
     from .residuals_of_tests import Test as Test
-    from .specimen import answered as answered
-    from .specimen import as_had_by as as_had_by
+    from .specimen import answered as answered, as_had_by as as_had_by
     from .where import TestPrediction as TestPrediction
 
 __getattr__, __dir__ = offered(

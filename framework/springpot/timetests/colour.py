@@ -29,15 +29,16 @@ STRETCHES = 4
 """Parts of a record, in more than half of which noise is as it is in all."""
 AROUND = 5
 """Neighbouring frequencies of whose powers in all stretches the median is taken."""
-OF_MEDIAN = 1.0 / NORMAL**2
-"""Median of the square of a normal number of variance one."""
 ORDERS = 8
 """Samples back that an autoregression looks at most: a mean over five is followed by as many."""
+UPPER = 0.25
+"""Share of the highest frequency above which there is noise alone, and no pole is slow.
+
+A misfit spans eight samples or more.
+"""
 LONGEST = 0.75
 """Memory of a slow pole from one sample to the next, at most: what is alike over longer is no
 noise."""
-SLOW = 0.25
-"""Share of the highest frequency below which a pole is slow."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,8 @@ def _continuum(residual: Real) -> tuple[Real, Real]:
     for power in (stretches, whole):
         padded = np.pad(power, ((0, 0), (AROUND // 2, AROUND // 2)), mode="reflect")
         near = np.lib.stride_tricks.sliding_window_view(padded, AROUND, axis=1)
-        levels.append(np.median(near, axis=(0, 2)) / OF_MEDIAN)
+        # Over the median of the square of a normal number of variance one.
+        levels.append(NORMAL**2 * np.median(near, axis=(0, 2)))
     return frequencies(count), np.minimum(*levels)
 
 
@@ -188,4 +190,4 @@ def _autoregressions(level: Real, omega: Real, corner: float) -> Iterator[Colour
 def _remembers_long(past: tuple[float, ...]) -> bool:
     """Whether an autoregression goes on slowly for longer than noise does."""
     poles = np.roots(past)
-    return bool(np.any((np.abs(np.angle(poles)) < SLOW * np.pi) & (np.abs(poles) > LONGEST)))
+    return bool(np.any((np.abs(np.angle(poles)) < UPPER * np.pi) & (np.abs(poles) > LONGEST)))

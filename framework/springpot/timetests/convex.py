@@ -16,11 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.identification.material import PER_DECADE
-from springpot.numerics import non_negative
+from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, evenly, non_negative
 from springpot.rheology.points import Real
 
-from ..numerics import ENOUGH, HALVINGS, evenly
 from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
 
@@ -74,7 +72,7 @@ class ConvexSpectrum(NamedTuple):
 def lines_of(part: TestPart) -> ConvexSpectrum:
     """The material that a test shows when nothing but a material has made it."""
     low, high = part.test.seen
-    step = float(np.log(10.0)) / PER_DECADE
+    step = DECADE / PER_DECADE
     ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
     logs = np.arange(ends[0], ends[1] + step, step)
     amounts = _amounts(part, logs)

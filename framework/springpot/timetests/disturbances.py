@@ -21,9 +21,10 @@ from springpot.misfit.regions import HARMONICS, MAINS
 from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST
+from .colour import UPPER
 from .left import ORDER, Left, delta_bic, imposed_noise
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import TAILS, UPPER, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
+from .scatter import TAILS, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped
 from .where import rms
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.material import PER_DECADE, is_material
+from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
-from springpot.numerics import non_negative
+from springpot.numerics import PER_DECADE, non_negative
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates

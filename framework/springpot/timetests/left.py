@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import comb, sqrt
 
 import numpy as np
 
@@ -20,18 +21,14 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
 
-from ..numerics import NORMAL, SMALLEST
+from ..numerics import DEVIATIONS, NORMAL, SMALLEST
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import ResidualScatter, times_noise
 
 ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
-OF_NOISE = 12870.0
-"""Variance of such a difference of white noise of variance one: 16 over 8."""
 WORTH = 0.15
 """Share of the samples that such a median is worth: by 600 simulated channels of 100 to 3,000."""
-DOUBT = 2.0
-"""Standard errors by which the noise may be larger than it looks."""
 FEWEST = 100
 """Samples below which it is not told."""
 APART = 16
@@ -225,7 +222,9 @@ def imposed_noise(value: Real) -> float:
     >>> round(imposed_noise(np.sin(0.1 * np.arange(2000)) + noise), 3)
     0.01
     """
-    return NORMAL * float(np.median(np.abs(np.diff(value, ORDER)))) / float(np.sqrt(OF_NOISE))
+    # Of white noise of variance one such a difference has the variance 2n over n.
+    own = sqrt(comb(2 * ORDER, ORDER))
+    return NORMAL * float(np.median(np.abs(np.diff(value, ORDER)))) / own
 
 
 def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
@@ -286,7 +285,7 @@ def _heard(part: TestPart) -> float:
     if size * factor < HEARD * float(np.median(part.sd)):
         return 0.0
     error = float(np.sqrt(2.0 / (WORTH * len(part.at))))
-    return size * float(np.sqrt(1.0 + DOUBT * error))
+    return size * float(np.sqrt(1.0 + DEVIATIONS * error))
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,14 +17,23 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.material import PER_DECADE, STILL
-from springpot.numerics import non_negative
+from springpot.identification.material import STILL
+from springpot.numerics import (
+    ALIKE,
+    DECADE,
+    MOST_STEPS,
+    NEGLIGIBLE,
+    PER_DECADE,
+    PRINTED,
+    SMALLEST,
+    TWO_DEVIATIONS,
+    non_negative,
+)
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE, PRINTED, SMALLEST, TWO_DEVIATIONS
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
@@ -352,7 +361,7 @@ class _Search:
 
         Lines that carry nothing stay where effects are still on their way.
         """
-        step = share * np.log(10.0) / PER_DECADE
+        step = share * DECADE / PER_DECADE
         carry = place.weights[2:] > 0.0
         near = np.log(self.rates[carry])[:, None] + step * np.arange(-4.0, 5.0)
         kept = carry | (spared and len(place.u) > 0)

@@ -70,7 +70,7 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
     require_its_conditions(known.model, test)
     # The fit is brought to the test, and not the test to the fit: what is printed is in the units
     # that were measured.
-    theta, covariance = _in_units_of(known, test.units)
+    theta, factors = _in_units_of(known, test.units)
     part = part_of(test)
     rows = np.flatnonzero(part.sure)
     answer = part.answer(known.model, theta, known.reference, rows)
@@ -80,8 +80,9 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         measured, noise, size = value, np.zeros(len(rows)), np.full(len(rows), rms(value))
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share, counted = (value - measured) / size, part.counted[rows]
-    known_sd = spread_of(answer.by_theta, covariance)
-    wide = student(level, known.dof) * known_sd
+    by_theta = answer.by_theta * factors
+    down, up = known.ways(spread_of(by_theta, known.theta_covariance), by_theta)
+    times, known_sd = student(level, known.dof), np.maximum(down, up)
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(known_sd, noise) / size
     # One over a time is a frequency only nearly: what lies near the ends was seen.
@@ -93,8 +94,8 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         kind=test.kind,
         at=part.at[rows],
         value=value,
-        low=value - wide,
-        high=value + wide,
+        low=value - times * down,
+        high=value + times * up,
         measured=measured,
         error=rms(share[counted]),
         expected=float(np.hypot(rms(known_error[counted]), known.misfit)),
@@ -123,7 +124,7 @@ def _settings(part: TestPart, rows: NDArray[np.intp], units: Units) -> dict[str,
 
 
 def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
-    """Parameters and their covariance in the units of a test."""
+    """Parameters in the units of a test, and by what factors."""
     own = known.units
     stiffer = own.factor_to(units, "the fit", "the test")
     one_modulus([("the fit", own), ("the test", units)])
@@ -134,7 +135,7 @@ def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
     ]
     factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
     _require_same_model(known, factors, stiffer, longer, units)
-    return known.theta * factors, known.theta_covariance * np.outer(factors, factors)
+    return known.theta * factors, factors
 
 
 def _require_same_model(

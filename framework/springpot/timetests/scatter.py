@@ -24,17 +24,12 @@ from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
-from .colour import SLOWEST, Colour, colour_of, frequencies, transformed
+from .colour import SLOWEST, UPPER, Colour, colour_of, frequencies, transformed
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
 
 Then the noise of the signal is believed, and taken as white.
-"""
-UPPER = 0.25
-"""Share of the highest frequency above which there is noise alone.
-
-A misfit spans eight samples or more.
 """
 MEMORIES = np.linspace(0.0, 0.7, 36)
 """Correlations of neighbours that are tried.

@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.identification.space import require_columns, require_effects
-from springpot.measurement.conversion import FILE, file_of
+from springpot.measurement.conversion import FILE, file_of, refuse_copies
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
@@ -209,7 +209,7 @@ def require_its_conditions(model: Model, test: Test) -> None:
     elif "temperature" in model.needs and test.temperature is None:
         raise DataError(
             f"{test.name}: {model.name} needs a temperature: open it as"
-            f" '{test.name}?temperature=25[degC]'"
+            f" '{test.provenance.get('file', test.name)}?temperature=25[degC]'"
         )
 
 
@@ -219,9 +219,10 @@ def require_tests(model: Model, tests: Sequence[Test]) -> None:
     Raises
     ------
     SpringpotError
-        If a condition lacks, or there are fewer numbers than parameters.
+        If a condition lacks, there are fewer numbers than parameters, or two tests hold the same.
     """
     require_effects(model, tests)
+    refuse_copies(tests)
     for test in tests:
         require_its_conditions(model, test)
     numbers = sum(part_of(test).count() for test in tests)

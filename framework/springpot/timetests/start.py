@@ -12,14 +12,12 @@ from springpot.identification.native import fit
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.numerics import evenly, non_negative
+from springpot.numerics import SMALLEST, evenly, non_negative
 from springpot.rheology.effect import ALL
 from springpot.rheology.model import Model
 from springpot.rheology.motion import acceleration, velocity
 from springpot.rheology.points import Complex, Real
 from springpot.rheology.terms import Modes, driven
-
-from ..numerics import SMALLEST
 
 PER_DECADE = 2
 """Exponentials a decade: half a per cent of a springpot, enough for a start."""

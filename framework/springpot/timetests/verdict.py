@@ -35,12 +35,11 @@ from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
 from springpot.misfit.where import Where
-from springpot.numerics import TWO_DEVIATIONS
+from springpot.numerics import SMALLEST, TWO_DEVIATIONS
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from ..numerics import SMALLEST
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
 from .left import TWINS, Left, Promise, Tried
@@ -287,7 +286,8 @@ def answer_of(
         quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
-    return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))
+    misfits = tuple(_misfit(part, base) for part in parts)
+    return TimeCase(diagnosis, base, fit, misfits, tuple(tried))
 
 
 def _over_one_noise(
@@ -380,10 +380,6 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
             yield from filter(None, [said_of_strays(test), said_of_start(test.name, test.loading)])
     for part, residual in zip(parts, best.residuals, strict=True):
         yield from lines_in(part, residual)
-
-
-def _misfits(parts: Sequence[TestPart], base: Identification) -> tuple[Misfit, ...]:
-    return tuple(_misfit(part, base) for part in parts)
 
 
 def _misfit(part: TestPart, base: Identification) -> Misfit:

@@ -27,7 +27,7 @@ from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import SMALLEST
+from ..numerics import DEVIATIONS, SMALLEST
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ def rms(values: Real) -> float:
 PIECES = 12
 """Parts of a record among which the place of the largest misfit is sought."""
 NOTABLE = 1.5
-"""Times the noise from which a part of a record is worth a word."""
+"""Times the noise, or the misfit elsewhere, from which a part of a record is worth a word."""
 EDGES = (-1.001, -0.8, -0.3, 0.3, 0.8, 1.001)
 """Of what was imposed over its largest size: two ends, two flanks and the middle of a loop."""
 ENDS = (
@@ -58,12 +58,8 @@ ONE_SIDED = 3.0
 """Times by which one side of a loop must be missed more than its mirror image to be told alone."""
 SLOW = 0.3
 """Share of the highest speed, single peaks apart, below which a motion turns."""
-PLAINLY_MORE = 2.0
-"""Ratio of squared misfits where a motion turns and elsewhere for either to be told."""
 AFTER_TURN = 0.25
 """Share of a half cycle that is just after a turn."""
-MORE_AFTER = 1.5
-"""Times by which the misfit just after turns must exceed the rest to be told."""
 USUAL_TOP = 95
 """Percentile that stands for the highest speed: a single peak of the derivative is mostly noise."""
 FLAT = 1e-3
@@ -179,9 +175,9 @@ def _manner(test: TimeTest, residual: Real) -> str:
     if not (slow & told).any() or not (~slow & told).any():
         return ""
     turning, moving = (float(np.mean(residual[rows & told] ** 2)) for rows in (slow, ~slow))
-    if turning > PLAINLY_MORE * moving:
+    if turning > NOTABLE**2 * moving:
         return f"; all along, where the motion {'turns' if _goes_back(test) else 'is slow'}"
-    if moving > PLAINLY_MORE * turning:
+    if moving > NOTABLE**2 * turning:
         return "; all along, where the motion is fast"
     return ""
 
@@ -230,7 +226,7 @@ def _after_turn(imposed: Real, residual: Real) -> str:
     told = np.isfinite(residual)
     if not (fresh & told).any() or not (~fresh & told).any():
         return ""
-    if rms(residual[fresh & told]) > MORE_AFTER * rms(residual[~fresh & told]):
+    if rms(residual[fresh & told]) > NOTABLE * rms(residual[~fresh & told]):
         return "; just after each turn"
     return ""
 
@@ -252,11 +248,6 @@ def worst_first(located: Sequence[Where]) -> tuple[Where, ...]:
 SCHEMA = "springpot.prediction/2"
 VAGUE = 0.5
 """Expected error from which a fit says nothing of a test: it may be off by its own size."""
-HOLDS = 2.0
-"""Error over what was to be expected up to which a prediction holds.
-
-Nineteen of twenty of a normal error do.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,6 +320,9 @@ class TestPrediction:
     clock: str = "Hz"
     level: float = INTERVAL
 
+    def __repr__(self) -> str:
+        return f"<TestPrediction {self.model}: {self.says}>"
+
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
         """The prediction with its band beside what was measured; see `springpot.lazy.draw`."""
         return draw(self, path)
@@ -339,7 +333,7 @@ class TestPrediction:
         if not self.judged:
             return "not-judged"
         # First: an error beyond even a wide expectation is a failure, not a vague prediction.
-        if self.error > HOLDS * self.expected:
+        if self.error > DEVIATIONS * self.expected:
             return "fails"
         if self.expected > VAGUE:
             return "vague"

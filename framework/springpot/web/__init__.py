@@ -14,11 +14,7 @@ from springpot.lazy import offered
 if TYPE_CHECKING:
     from .launch import (
         Workbench as Workbench,
-    )
-    from .launch import (
         serve as serve,
-    )
-    from .launch import (
         workbench as workbench,
     )
 

@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 import anywidget
 import traitlets
 
+from springpot.processes import LEAVING
 from springpot.registry import parse_model
 
 from .desk import Desk
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
 HEIGHT = 900
 """Pixels of the page within its cell."""
-CLOSING = 10.0
-"""Seconds that closing may take: a worker that hangs must not hold the notebook."""
 Say = Callable[[dict[str, Any], list[bytes]], object]
 
 
@@ -107,9 +106,11 @@ class KernelChannel:
         """End all workers, and the thread."""
         if self._loop.is_closed():
             return
-        asyncio.run_coroutine_threadsafe(self._desk.close(), self._loop).result(CLOSING)
+        # Longer than the desk itself waits: a worker that hangs must not hold the notebook.
+        wait = 2.0 * LEAVING
+        asyncio.run_coroutine_threadsafe(self._desk.close(), self._loop).result(wait)
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(CLOSING)
+        self._thread.join(wait)
         self._loop.close()
 
 

@@ -11,12 +11,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from typing import Any
 
+from springpot.processes import LEAVING
+
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """The matrices of a fit are small: more threads only wait for one another."""
 LONGEST_LINE = 256 << 20
 """Bytes of an answer: that to the largest upload with all its previews has a tenth."""
-LEAVING = 5.0
-"""Seconds that the pipes of a process that was ended may stay open."""
 KEPT = 64 << 20
 """Bytes of answers that are kept: some hundred rungs."""
 

@@ -31,17 +31,14 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from springpot.errors import OptionError, OutputError
 
+from .server import PATIENCE
+
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
 
     from .cell import WorkbenchCell
 
 
-HEAD_PATIENCE = 10.0
-"""Seconds from the first byte of a head, or from the connection, to its end.
-
-At loopback a millisecond is enough.
-"""
 MOST = 128
 """Connections at once.
 
@@ -78,7 +75,7 @@ class Punctual(H11Protocol):
         if self.conn.their_state is not h11.IDLE:
             self._stop()
         elif self._late is None and not self.transport.is_closing():
-            self._late = self.loop.call_later(HEAD_PATIENCE, self.transport.close)
+            self._late = self.loop.call_later(PATIENCE, self.transport.close)
 
     def _stop(self) -> None:
         if self._late is not None:

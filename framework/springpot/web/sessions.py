@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 from springpot.constraints import parameters_of
 from springpot.errors import DataError
 from springpot.files import bytes_of, json_of
-from springpot.measurement.conversion import FILE
-from springpot.measurement.conversion import joined as together
+from springpot.measurement.conversion import FILE, joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
 from springpot.registry import open_measurement, open_tests, parts_of, plugins

@@ -16,13 +16,11 @@ from springpot.benchmark.standings import Findings, tables_of
 from springpot.benchmark.store import Store
 from springpot.errors import DataError, SpringpotError
 from springpot.report.tables import Table
-from springpot.writing import suggested
+from springpot.writing import DIGITS, suggested
 
 RESULTS = Path("results")
 SHOWN = ("choice", "summary", "ranks", "failures")
 """Tables of a report that fit a screen."""
-DIGITS = 4
-"""Of a share that is drawn."""
 
 
 def _stores() -> dict[str, Path]:

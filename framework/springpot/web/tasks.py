@@ -33,9 +33,7 @@ from springpot.report.interactive.answers import drawn
 from springpot.report.interactive.in_time import TimeScene, drawn_in_time
 from springpot.report.interactive.scene import rounded
 from springpot.report.network import network_svg
-from springpot.report.plugin_cards import EXAMPLE_MEMBER
-from springpot.report.plugin_cards import effect as effect_card
-from springpot.report.plugin_cards import model as model_card
+from springpot.report.plugin_cards import EXAMPLE_MEMBER, effect as effect_card, model as model_card
 from springpot.rheology.model import Family, Model
 from springpot.timetests.residuals_of_tests import units_of
 from springpot.writing import suggested

@@ -42,12 +42,11 @@ from springpot.rheology.typed import law
 from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import as_had_by, reference_of
+from springpot.writing import LISTED
 
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen, tests_in
 
-MOST_RANKED = 8
-"""Models that are proposed in the place of the present one."""
 FEW = 100
 """Rows that are looked at, evenly many of all: more would take longer than a first look may."""
 Told = Callable[[Any], None]
@@ -243,7 +242,7 @@ def ranked(state: State, data: Opened, found: Comparison) -> dict[str, Any]:
     """
     handy, draw = [found.handy] if found.handy else [], drawing(state, data)
     actions, previews = [], {}
-    for one in list(dict.fromkeys([*found.shown[: MOST_RANKED - len(handy)], *handy])):
+    for one in list(dict.fromkeys([*found.shown[: LISTED - len(handy)], *handy])):
         assert isinstance(one.fitted, Identification | Refit)
         name, count = f"{one.model.name} instead", one.free_parameters
         previews[name] = draw(one.fitted.model, one.fitted.theta)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from springpot.rheology import (
     AMPLITUDE,
-    RADIAN_PER_SECOND,
     Effect,
     InstrumentConstant,
     Layer,
@@ -19,7 +18,8 @@ from springpot.rheology import (
     stiffness,
 )
 
-RESONANCE = Parameter("omega_r", "ω_r", RADIAN_PER_SECOND, typical=100.0)
+from .signal import RESONANCE
+
 STRUCTURAL_DAMPING = Parameter("zeta", "ζ", lower=1e-4, upper=0.3, scale="linear", typical=0.05)
 """Of steel frames and their joints, even on rubber mounts.
 

@@ -9,6 +9,7 @@ import numpy as np
 from springpot.measurement import Record, TimeTest
 from springpot.rheology import (
     AMPLITUDE,
+    VISCOSITY,
     Answered,
     AppliesTo,
     Dimension,
@@ -34,7 +35,6 @@ TO_THAT_SIDE = 0.05
 """Share of the largest motion from which it goes to a side at all, and can meet a stop there."""
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.85, 0.95)
 """Shares of the way, to either side, at which a stop is sought."""
-DRAG = Dimension(stiffness=1, time=1)
 ASYMMETRY = Dimension(stiffness=1, amplitude=-1)
 
 
@@ -150,7 +150,7 @@ EFFECTS = (
     Effect(
         "asymmetric-damping",
         on_response,
-        StageLaw(damped, (Parameter("c2", "c₂", DRAG, -np.inf, scale="linear"),)),
+        StageLaw(damped, (Parameter("c2", "c₂", VISCOSITY, -np.inf, scale="linear"),)),
         "more drag one way than the other, as a damper with a valve each for bump and rebound",
         citation="Dixon, The Shock Absorber Handbook, 2007",
         applies_to=AppliesTo(("displacement",), _moves),

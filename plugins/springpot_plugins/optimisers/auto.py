@@ -35,12 +35,12 @@ from springpot.rheology import Real
 from .cube import keep_on
 from .leastsquares import LeastSquares, Misfit
 
-ALIKE = 1e-6
-"""Share of the way from no response at all to the best end that is as good as nothing."""
-EDGE = 1e-6
-"""Share of the box within which a parameter lies at an edge of it."""
-TOLERANCE = 1e-6
-"""Relative change of objective, point and gradient that ends a short descent."""
+NEGLIGIBLE = 1e-6
+"""Share that is as good as nothing.
+
+Of the way from no response at all to the best end, of the box at its edges, and of the changes that
+end a short descent.
+"""
 LARGEST = 16.0
 """Decades beyond which nothing but rounding is told."""
 
@@ -180,7 +180,7 @@ def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
 
 def kinds() -> Iterator[LeastSquares]:
     """The kinds of descent in the order of the rules, over and over."""
-    return cycle(LeastSquares(tolerance=TOLERANCE, **each) for each in rules()["descents"])
+    return cycle(LeastSquares(tolerance=NEGLIGIBLE, **each) for each in rules()["descents"])
 
 
 def descended(
@@ -232,7 +232,7 @@ def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
     best, middle = float(np.min(ends)), float(np.median(starts))
     # Of exact data the best is rounding, which says nothing of a problem.
     way = min(middle, _nothing(problem)) - best
-    nothing = ALIKE * max(way, np.finfo(float).tiny)
+    nothing = NEGLIGIBLE * max(way, np.finfo(float).tiny)
     # At the best point: the evaluation is one of the search, and counted.
     width, x = problem.upper - problem.lower, problem.best_x
     conditioning = LARGEST
@@ -247,7 +247,7 @@ def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
         _decades(float(np.median(ends)) + nothing, best + nothing),
         _decades(middle + nothing, best + nothing),
         conditioning,
-        float(np.mean((share < EDGE) | (share > 1.0 - EDGE))),
+        float(np.mean((share < NEGLIGIBLE) | (share > 1.0 - NEGLIGIBLE))),
     )
 
 

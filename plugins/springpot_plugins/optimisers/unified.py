@@ -21,6 +21,7 @@ from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
 from springpot.rheology import Real
 
 from .cube import Cube, integer, keep_on, seeded
+from .evolution import UNENDING
 
 PREFIX = "optimagic-"
 INSTALL = "pip install 'springpot[optimagic]'"
@@ -32,11 +33,6 @@ The recorder's generator seeds, and a trial has one process and prints nothing.
 """
 PLAIN = (bool, int, float, str)
 """What an option may be, to be written in a study and kept in its store."""
-UNENDING = 2**31 - 1
-"""Evaluations and iterations after which an algorithm may end by itself.
-
-The recorder ends the run long before.
-"""
 LIMITS = frozenset({"stopping_maxfun", "stopping_maxiter"})
 
 

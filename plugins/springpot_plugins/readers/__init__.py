@@ -7,9 +7,7 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.measurement import Reader, TimeReader
 
-from ..timereaders import records as time_records
-from ..timereaders import reptate as time_reptate
-from ..timereaders import table as time_table
+from ..timereaders import records as time_records, reptate as time_reptate, table as time_table
 from . import (
     excel,
     generic,

@@ -24,7 +24,7 @@ FREQUENCY = "frequency [Hz] or omega [rad/s]"
 ANGLE = "phase [deg] or loss_factor [-]"
 """What a table lacks: of these the second makes a complex modulus of its size."""
 SINGLE_AMPLITUDE = "amplitude [mm] of the displacement"
-_WIDEST = 400
+WIDEST = 500
 """Cells of a line in which names are sought."""
 _KEPT = 1000
 """Lines of numbers without names that are kept above a table: what is said of it stands nearer."""
@@ -257,7 +257,7 @@ def is_header(row: Sequence[str], words: Vocabulary = SWEEPS) -> bool:
     """Whether a row names columns: at least two roles and no number."""
     if len(row) < 2 or not _is_worded(row):
         return False
-    headings = [words.heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
+    headings = [words.heading(unquoted(cell.strip())) for cell in uncommented(row)[:WIDEST]]
     roles = {each.role for each in headings if each.role}
     if any(each.unit is not None and names_a_modulus(each.name) for each in headings):
         roles.add("modulus")
@@ -267,7 +267,7 @@ def is_header(row: Sequence[str], words: Vocabulary = SWEEPS) -> bool:
 
 def _is_worded(row: Sequence[str]) -> bool:
     """Whether a row holds words and no number; a sensor may be called by that of its kind."""
-    numbers = [cell for cell in row[:_WIDEST] if holds_number(cell)]
+    numbers = [cell for cell in row[:WIDEST] if holds_number(cell)]
     return not numbers or (len(numbers) <= len(row) // 3 and all(map(_COUNT.fullmatch, numbers)))
 
 

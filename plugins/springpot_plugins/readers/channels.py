@@ -29,6 +29,7 @@ from springpot.measurement import (
     known_unit,
     normal_unit,
 )
+from springpot.measurement.timetest import IMMENSE
 from springpot.rheology import Real
 
 from .languages import CHANNELS
@@ -90,7 +91,6 @@ _FEW = {
     "force": ("N", "kN", "lbf", "MPa", "N m"),
 }
 """Units that a page offers for a column that it asks for: those that test machines write."""
-_LARGEST = 1e100
 _EXAMPLE = {"time": "s", "displacement": "mm", "force": "N"}
 _ANY = {unit for table in UNITS.values() for unit in table}
 _OF = {fold(name): channel for channel, names in reversed(NAMES.items()) for name in names}
@@ -451,10 +451,10 @@ def signals_from(values: Sequence[Real], places: Places, path: Path, origin: str
     for name, channel in zip(UNITS, values, strict=True):
         if (
             not isinstance(channel, np.memmap)
-            and (np.abs(channel[np.isfinite(channel)]) > _LARGEST).any()
+            and (np.abs(channel[np.isfinite(channel)]) > IMMENSE).any()
         ):
             raise DataError(
-                f"{name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel"
+                f"{name} has values beyond {IMMENSE:g}; the file is broken, or the wrong channel"
             )
     factors = (TIME_UNITS[places.units[0]] * places.signs[0], *places.signs[1:])
     clock, moved, pulled = map(_times, values, factors)

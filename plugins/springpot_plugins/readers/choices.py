@@ -241,7 +241,8 @@ def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the units that are missing."""
     missing = [heading for heading in headings if heading.role]
     message = f"{_without_unit(missing)}; {_units_if(missing)}"
-    return OpenQuestion(message, [_unit_of(heading) for heading in missing])
+    units = _usual_units(missing)
+    return OpenQuestion(message, [_unit_of(heading, units) for heading in missing])
 
 
 def in_units_of_file(headings: Sequence[Heading]) -> str:
@@ -254,9 +255,19 @@ def _without_unit(missing: Sequence[Heading]) -> str:
     return f"{names} {'have' if len(missing) > 1 else 'has'} no unit"
 
 
+def _usual_units(missing: Sequence[Heading]) -> dict[str, str]:
+    """The usual unit of each role; storage and loss have one, whichever of their titles tells."""
+    units = {str(heading.role): usual_unit(str(heading.role), heading.title) for heading in missing}
+    alike = [role for role in ("storage", "loss", "magnitude") if role in units]
+    told = [units[role] for role in alike if units[role] != USUAL[role]]
+    if told:
+        units |= dict.fromkeys(alike, told[0])
+    return units
+
+
 def _units_if(missing: Sequence[Heading]) -> str:
     """How the usual units of some columns are said."""
-    units = {str(heading.role): usual_unit(str(heading.role), heading.title) for heading in missing}
+    units = _usual_units(missing)
     given = ",".join(f"{role}={unit}" for role, unit in units.items())
     they_are = "they are" if len(missing) > 1 else "it is"
     write = f"{missing[0].title} [{units[str(missing[0].role)]}]"
@@ -267,9 +278,9 @@ def _units_if(missing: Sequence[Heading]) -> str:
     return f"if {they_are} {usual}, open 'FILE?{given}', or write {write} in it"
 
 
-def _unit_of(heading_: Heading) -> Question:
+def _unit_of(heading_: Heading, units: Mapping[str, str]) -> Question:
     role = str(heading_.role)
-    return Question.of_unit(role, usual_unit(role, heading_.title), UNITS.get(role, ()))
+    return Question.of_unit(role, units[role], UNITS.get(role, ()))
 
 
 def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
@@ -294,7 +305,8 @@ def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
         " log10 or ln in it"
     )
     base = Question(LOG, "base", {"10": f"{LOG}=10", "e": f"{LOG}=e"})
-    return OpenQuestion(message, [base, *(_unit_of(heading) for heading in bare)])
+    of_each = _usual_units(bare)
+    return OpenQuestion(message, [base, *(_unit_of(heading, of_each) for heading in bare)])
 
 
 MEANINGS = (

@@ -29,8 +29,7 @@ from springpot.measurement import (
 )
 from springpot.measurement.mixed_tests import runs_together
 from springpot.measurement.mixed_up import EXCHANGED, SIGN, exchange_note
-from springpot.measurement.replicates import NOTE as AGAIN
-from springpot.measurement.replicates import again_note
+from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of

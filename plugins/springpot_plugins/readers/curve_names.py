@@ -21,7 +21,7 @@ _QUANTITY = re.compile(
     r"(°\s?C|℃|º\s?C|deg\s?C|C|°\s?F|kHz|mHz|Hz|rad/s)(?![^\W_])\s*[)\]]?",
 )
 _UNITS = {"C": "degC", "F": "degF"}
-_LONGEST = 120
+LONGEST = 120
 """Signs of a cell that are looked at: the pattern of a quantity may try each of them from each."""
 _PLAIN = re.compile(r"(.*?['\w)])(?:[\s_\-.#]+|\s*\()([^\W_][\w.+-]{0,19}|\d[\d.]*)\)?\Z")
 _DERIVED = frozenset(
@@ -190,7 +190,7 @@ def curve_in_suffix(name: str) -> tuple[str, CurveName] | None:
 @lru_cache(maxsize=2048)
 def curve_in_cell(text: str) -> CurveName:
     """What a cell above the columns of one curve says of it: ``T = 20 °C``, ``20 °C`` or a name."""
-    text = text[:_LONGEST]
+    text = text[:LONGEST]
     match = _QUANTITY.search(f" {text}")
     if match is not None and re.fullmatch(
         r"\s*(?:T|temp\.?|temperatur[ea]?|température|f|freq\.?|frequency|frequenz)?\s*[=:]?\s*",

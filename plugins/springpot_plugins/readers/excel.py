@@ -24,21 +24,17 @@ from springpot.measurement import (
 
 from .archive import check_archive
 from .blocks import Block, blocks_of
-from .channels import UNITS as CHANNELS
-from .channels import found_in
+from .channels import UNITS as CHANNELS, found_in
 from .conditions_above import with_conditions_above
 from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
 from .generic import numbers_said
-from .grid import LONGEST_CELL, Grid, Unpacked, grid_of_sheet
+from .grid import LONGEST_CELL, SEARCHED, Grid, Unpacked, grid_of_sheet
 from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
 from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart, has_condition
 from .signals_csv import signals_of_sheet
-
-_SEARCHED = 100
-"""Rows of a sheet that may stand above the names of channels."""
 
 
 def recognises(head: bytes) -> float:
@@ -169,7 +165,7 @@ def signals(path: Path, choice: Choice) -> Signals:
 
 
 def _holds_signals(grid: Grid) -> bool:
-    return any(len(found_in(row)) == len(CHANNELS) for row in grid.rows[:_SEARCHED])
+    return any(len(found_in(row)) == len(CHANNELS) for row in grid.rows[:SEARCHED])
 
 
 def _as_lines(grid: Grid) -> list[str]:

@@ -17,8 +17,7 @@ from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
 from .blocks import Block, blocks_of, is_data, is_header, lacking
-from .channels import UNITS as CHANNELS
-from .channels import found_in
+from .channels import UNITS as CHANNELS, found_in
 from .choices import ask_clock, ask_columns, ask_each, numbered, with_choice
 from .conditions_above import with_conditions_above
 from .dynamic import columns_of, measurement_from, parts_from

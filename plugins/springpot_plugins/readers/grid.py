@@ -13,6 +13,8 @@ from math import isnan
 from springpot.errors import DataError
 from springpot.measurement import MOST_CELLS, MOST_COLUMNS
 
+from .text import HEAD
+
 NUMBER = re.compile(r"\s*[-+−]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?\s*\Z")
 APOSTROPHES = re.compile(r"\s*[-+−]?\d{1,3}(?:['’]\d{3})+(?:[.,]\d*)?\s*\Z")
 """Thousands as in Switzerland: 1'234.5."""
@@ -86,6 +88,8 @@ LONGEST_CELL = 500
 
 No name of a column is longer, and patterns are sought in it.
 """
+SEARCHED = 500
+"""Lines that may stand above the names of a table, or above its numbers."""
 _SAMPLED = 300
 """Lines of the whole file by which the separator is told."""
 _OPEN = re.compile(r'(?:^|[;,\t|]) *"[^"]*$')
@@ -95,8 +99,6 @@ _MOST_JOINED = 3
 
 A quote that never closes must not swallow the rest of the file.
 """
-_HEAD = 1 << 15
-"""Signs of a file by which it is recognised."""
 _LONG = 20_000
 """Signs beyond which a line is no row of a table: to take it apart in every way would take long."""
 _BY_BLANKS = 0.8
@@ -253,10 +255,10 @@ def grid_of(text: str) -> Grid:
 def head_grid(text: str, most: int = 400) -> Grid:
     """The first lines of a file as rows, for its recognition; never an error."""
     numbered = (
-        (i, line) for i, line in enumerate(lines_of(text[:_HEAD])) if line and not line.isspace()
+        (i, line) for i, line in enumerate(lines_of(text[:HEAD])) if line and not line.isspace()
     )
     filled = [line for _, line in closed(islice(numbered, most))]
-    if len(filled) > 1 and len(text) >= _HEAD:
+    if len(filled) > 1 and len(text) >= HEAD:
         # The last line may be cut off.
         filled = filled[:-1]
     if not filled:

@@ -31,7 +31,7 @@ _STORED = {
 _MATRIX, _COMPRESSED = 14, 15
 _STRUCT, _NUMERIC = 2, range(6, 16)
 _COMPLEX = 0x0800
-_HEADER = 128
+HEADER = 128
 _DEEPEST = 4
 
 
@@ -66,7 +66,7 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
     if content[126:128] == b"MI":
         order = ">"
     arrays: dict[str, NDArray[np.float64]] = {}
-    for element in _elements(memoryview(content)[_HEADER:], order, padded=False):
+    for element in _elements(memoryview(content)[HEADER:], order, padded=False):
         if element.kind == _COMPRESSED:
             unpacked = _unpacked(element.data, most)
             # What may be unpacked is counted over the whole file: many small bombs are one.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .channels import UNITS, found_in
-from .grid import SEPARATORS, is_number, lines_of, separator_in, split_line
+from .grid import SEARCHED, SEPARATORS, is_number, lines_of, separator_in, split_line
 from .headings import uncommented, unquoted
 from .titles import is_unit
 
@@ -17,8 +17,6 @@ MOST_UNITS = 0.6
 """Share of the cells of a row of units that are known ones."""
 _LABVIEW = "Y_Unit_Label"
 """Before the units in a LabVIEW measurement file (.lvm), with columns X_Value and so on."""
-_SEARCHED = 500
-"""Lines that may stand above the numbers."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ def layout_of(head: str) -> Layout:
 
     Below names of all channels, or else of the first numbers.
     """
-    lines = lines_of(head)[:_SEARCHED]
+    lines = lines_of(head)[:SEARCHED]
     # A report above the table may have more of another sign: then any sign that shows all three
     # names will do.
     surest = separator_in([line for line in lines if line.strip()])

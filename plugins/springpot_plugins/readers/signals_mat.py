@@ -25,10 +25,8 @@ from springpot.measurement import (
 )
 
 from .channels import places_of, signals_from
-from .matfile import BrokenFile, arrays_in
+from .matfile import HEADER, BrokenFile, arrays_in
 
-HEADER = 128
-"""Bytes before the first array: a shorter file holds none."""
 MOST_CHANNELS = 64
 """Columns of a matrix at most: a larger one is no table of signals."""
 

@@ -15,14 +15,11 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology import Real
 
-from .grid import require_columns
+from .grid import LONGEST_CELL, require_columns
 
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 _EXPONENT = re.compile(r"(\d\.?)[dD]([-+]?\d+\s*)\Z")
 _COMMENT = re.compile(r"^#+\s*([\w][\w .-]{0,40}?)\s*:\s+(.*)$")
-
-_LONGEST = 400
-"""Signs of a title in which a unit is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +171,7 @@ def split_header(header: str, separator: str) -> list[str]:
 def name_and_unit(title: str) -> tuple[str, str | None]:
     """``Storage modulus [kN/m]`` as (``storage_modulus``, ``kN/m``)."""
     name, unit = title, None
-    if len(title) <= _LONGEST and (match := _BRACKETED.match(title)) and match[1]:
+    if len(title) <= LONGEST_CELL and (match := _BRACKETED.match(title)) and match[1]:
         name, unit = match[1], match[2]
     return re.sub(r"[\s-]+", "_", name.strip().lower()), unit
 

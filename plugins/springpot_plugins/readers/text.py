@@ -27,8 +27,8 @@ _WORDS = frozenset(
     if not word.isascii() and len(word) > 1
 )
 """What a table of dynamic tests says in languages that need one of those codes."""
-_MOST_LOOKED_AT = 1 << 14
-"""Bytes in which the names of columns stand, in files that have any."""
+HEAD = 1 << 15
+"""Signs of a file by which its format is told: there stand the names of columns, if it has any."""
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\r\f")) + b"\x7f"
 
 
@@ -55,7 +55,7 @@ def _older(head: bytes) -> str:
     Latin-1 where it has none in any other.
     """
     count = dict.fromkeys(("latin-1", *_OLDER), 0)
-    head = head[:_MOST_LOOKED_AT]
+    head = head[:HEAD]
     for encoding in count:
         # The head may end within a character; what cannot be read at all has no words either.
         text = head.decode(encoding, errors="ignore").casefold()

@@ -26,7 +26,7 @@ from springpot.measurement import (
     normal_unit,
 )
 
-from .curve_names import CurveName, curve_in_suffix, curve_in_title, logarithm
+from .curve_names import LONGEST, CurveName, curve_in_suffix, curve_in_title, logarithm
 from .names import FREQUENCIES, MODULI, ROLES, role_of
 from .peaks import without_swing
 from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
@@ -135,8 +135,6 @@ KNOWN = frozenset(
     for unit in table
 ) | {"1/s", "1/K", "1/Pa", "1/MPa", "1/kPa", "1/rad", "A", "V"}
 _MADE_A_NAME = re.compile(r"(.*[A-Za-z*])(?:_|\.\.+)([A-Za-z]\w*(?:\.\w+)*)[_.]+\Z")
-_LONGEST = 120
-"""Signs of a title that is looked at."""
 _BRACKETS = re.compile(r"^(.*?)\s*\[([^\[\]]*)\]\s*$")
 _PARENTHESES = re.compile(r"^(.+?)\s*\(([^()]*(?:\([^()]*\)[^()]*)?)\)\s*$")
 
@@ -215,8 +213,8 @@ class Vocabulary:
     @lru_cache(maxsize=4096)  # noqa: B019  (there are two of them, and they stay)
     def heading(self, title: str, below: str | None = None) -> Heading:
         """Role, name and unit of a title; `below` is what a row of units says."""
-        if len(title) > _LONGEST:
-            return Heading(title[:_LONGEST], title[:_LONGEST], None, below)
+        if len(title) > LONGEST:
+            return Heading(title[:LONGEST], title[:LONGEST], None, below)
         title = " ".join(title.split())
         own = self.by_unit(self._marked(title) or self.plain(title))
         if below is None or not below.strip():

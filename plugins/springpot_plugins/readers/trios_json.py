@@ -10,7 +10,7 @@ from typing import Any
 from springpot.errors import DataError
 from springpot.measurement import json_of
 
-from .blocks import Block
+from .blocks import WIDEST, Block
 from .dynamic import reader_of_blocks
 from .grid import shortest
 from .header_facts import facts_of
@@ -41,8 +41,6 @@ _MOST_SEEN, _DEEPEST = 20_000, 12
 
 A file may be nested as somebody likes.
 """
-_WIDEST = 500
-"""Columns of a table: an instrument writes some tens."""
 _STEPS = ("Results Step Id", "Procedure Step Id", "Step")
 
 
@@ -155,7 +153,7 @@ def _by_headers(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
     headers, rows = table.get("ColumnHeaders"), table.get("Rows")
     if not isinstance(headers, dict) or not isinstance(rows, list):
         return (), []
-    keys = list(islice(headers, _WIDEST))
+    keys = list(islice(headers, WIDEST))
     headings = tuple(_heading(headers[key], key) for key in keys)
     return headings, [
         [_cell(row.get(key)) for key in keys] for row in rows if isinstance(row, dict)
@@ -169,7 +167,7 @@ def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
     if not isinstance(columns, list) or not isinstance(values, list):
         return (), []
     headings = tuple(
-        _heading(column, f"column {i}") for i, column in enumerate(columns[:_WIDEST], 1)
+        _heading(column, f"column {i}") for i, column in enumerate(columns[:WIDEST], 1)
     )
     width = len(headings)
     rows = [[_cell(cell) for cell in row[:width]] for row in values if isinstance(row, list)]

@@ -13,13 +13,11 @@ from typing import TypeAlias
 from springpot.errors import DataError
 from springpot.measurement import normal_unit
 
-from .grid import COMMENT, MISSING, Grid, holds_number, is_number
+from .grid import COMMENT, MISSING, SEARCHED, Grid, holds_number, is_number
 from .names import FREQUENCIES, fold, names_a_modulus
 from .titles import UNITS, VALUES, heading, is_dynamic
 from .written import value_of
 
-_SEARCHED = 200
-"""Lines in which the names of such a table are sought."""
 _FEWEST = 4
 """Rows of such a table: two points of two quantities."""
 _FEWEST_CELLS = 3
@@ -156,7 +154,7 @@ def from_rows(grid: Grid) -> tuple[Grid, str] | None:
     DataError
         If several columns may hold the values.
     """
-    for i, row in enumerate(grid.rows[:_SEARCHED]):
+    for i, row in enumerate(grid.rows[:SEARCHED]):
         titles = [cell.strip().lstrip("# ") for cell in row]
         if len(titles) < 3 or any(map(holds_number, titles)):
             continue

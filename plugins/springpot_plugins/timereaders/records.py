@@ -20,13 +20,11 @@ from ..readers.reptate import first_line
 from ..readers.reptate_laos import READER as LAOS
 from ..readers.signals_mat import READER as MATLAB
 from ..readers.signals_tdms import READER as TDMS
-from ..readers.text import head_text
+from ..readers.text import HEAD, head_text
 from ..readers.written import value_of
 from .table import manner_of
 
 _FORMATS = (LAOS, MATLAB, TDMS)
-_HEAD = 1 << 13
-"""Bytes in which the first line of a .laos lies."""
 
 
 def recognises(head: bytes) -> float:
@@ -37,7 +35,7 @@ def recognises(head: bytes) -> float:
 def read(path: Path, choice: Choice) -> list[TimeTest]:
     """The record in a file; none where it holds something else, such as a sweep."""
     with path.open("rb") as stream:
-        head = stream.read(_HEAD)
+        head = stream.read(HEAD)
     reader = max(_FORMATS, key=lambda each: each.recognises(head))
     manner, columns = manner_of(choice, path)
     try:

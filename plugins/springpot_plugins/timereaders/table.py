@@ -39,6 +39,7 @@ from springpot.measurement.from_signals import stiffness_unit
 from springpot.measurement.mixed_up import history_note, sign_note
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
+from springpot.rheology.levels import HELD
 
 from ..readers.blocks import Block
 from ..readers.channels import STRESSES, channel_of
@@ -65,8 +66,6 @@ OF_FILE = {
 """Units of columns that tell none; a displacement is what the force is over."""
 WITHOUT_UNIT = ({"relaxation"}, {"compliance"}, {"displacement", "force"})
 """What needs none."""
-STEADY = 0.5
-"""Kelvin by which a temperature may wander and still be one."""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
 
 
@@ -348,7 +347,7 @@ def _temperature(
     if not known.any():
         return None
     moved = float(np.ptp(warm[known]))
-    if moved <= STEADY:
+    if moved <= HELD["temperature"]:
         return float(np.mean(warm[known]))
     # Reduced time is followed from row to row, and cannot be where the temperature lacks.
     if not known.all():

@@ -20,8 +20,7 @@ from ..readers.choices import with_choice
 from ..readers.clock import sample_rate, seconds_of
 from ..readers.conditions_above import with_conditions_above
 from ..readers.dynamic import columns_of
-from ..readers.excel import called_by_sheet, sheets_in
-from ..readers.excel import recognises as is_workbook
+from ..readers.excel import called_by_sheet, recognises as is_workbook, sheets_in
 from ..readers.generic import without_names
 from ..readers.grid import Grid, grid_of, head_grid
 from ..readers.side_by_side import apart

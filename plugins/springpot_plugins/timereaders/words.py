@@ -12,8 +12,7 @@ from springpot.measurement import (
     normal_unit,
 )
 
-from ..readers.channels import UNITS as CHANNELS
-from ..readers.channels import channel_of
+from ..readers.channels import UNITS as CHANNELS, channel_of
 from ..readers.names import EXACT, fold, names_a_modulus, role_of
 from ..readers.titles import COMPLIANCE_UNITS, UNITS, Heading, Vocabulary, plain_title
 

@@ -25,8 +25,6 @@ from springpot.solvers import Handoff, Writer
 
 PLATFORMS = {("Linux", "x86_64"): ("linux64", ".so"), ("Darwin", "x86_64"): ("darwin64", ".dylib")}
 """Folders of FMI 2.0 for machines on which ``cc -shared`` gives what they need."""
-STAMP = (1980, 1, 1, 0, 0, 0)
-"""Time in the archive: the same model gives the same bytes."""
 
 SOURCE = r"""
 /* @HEADING@ */
@@ -288,7 +286,8 @@ def to_fmu(handoff: Handoff) -> bytes:
     with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
 
         def put(name: str, data: bytes) -> None:
-            archive.writestr(zipfile.ZipInfo(name, STAMP), data, zipfile.ZIP_DEFLATED)
+            # Without the date of this run: the same model gives the same bytes.
+            archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
 
         put("modelDescription.xml", description_of(handoff).encode())
         put("sources/unit.c", source.encode())

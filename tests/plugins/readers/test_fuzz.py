@@ -5,8 +5,7 @@ A measurement or a one-line DataError, nothing else.
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from springpot.errors import DataError
 from springpot.measurement import Choice

@@ -187,6 +187,11 @@ QUESTIONS = {
         "frequency=Hz,storage=Pa,loss=Pa",
         "'f', 'E_stor', 'E_loss' have no unit",
     ),
+    "a stiffness in one title alone": (
+        "Freq,Kp,Kpp",
+        "frequency=Hz,storage=N/mm,loss=N/mm",
+        "if they are Hz and N/mm, open",
+    ),
 }
 
 

@@ -24,8 +24,6 @@ from .plot import Dot, Pen, PlotAxis, Ranked, StepLine, critical_differences, ke
 BANDS = 3
 """Optimisers whose quartiles are drawn on a problem; more would hide each other."""
 
-SHARE = PlotAxis("share of trials", 0.0, 1.0)
-
 
 def figure(picture: Html, caption: str) -> Html:
     """A picture with what it shows."""
@@ -130,7 +128,8 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
             for own, share in zip(labels, shares[order], strict=True)
         ]
         x = PlotAxis(label, 1.0, float(along[-1]), logarithmic=True)
-        yield figure(plot(lines, x, SHARE, name), f"{name.capitalize()}: {says}")
+        y = PlotAxis("share of trials", 0.0, 1.0)
+        yield figure(plot(lines, x, y, name), f"{name.capitalize()}: {says}")
 
 
 def progress(findings: Findings, race: ProblemRace, pens: Pens) -> Iterator[Html]:

@@ -25,8 +25,9 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen, units_of
 from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import rms
+from springpot.writing import DIGITS as OF_RESIDUALS
 
-from .scene import MOST_ON_CURVES, MOST_POINTS, OF_RESIDUALS, parameters_of, rounded
+from .scene import MOST_ON_CURVES, MOST_POINTS, parameters_of, rounded
 
 PLANE = "signal"
 """The one plane of residuals: what was measured less what was computed."""

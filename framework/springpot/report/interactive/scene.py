@@ -21,6 +21,7 @@ from springpot.measurement.units import Units
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.writing import DIGITS as OF_RESIDUALS
 
 from ..residuals import plane_name, plane_of
 from ..sweeps import MOST_DRAWN, DrawnSweep, chosen
@@ -40,8 +41,6 @@ With thirty previews this keeps an answer below half a MB.
 """
 DIGITS = 6
 """Significant digits of what is drawn; a screen shows three."""
-OF_RESIDUALS = 4
-"""Significant digits of residuals, of which an answer has the most numbers."""
 
 
 def _words(units: Units) -> dict[str, Any]:

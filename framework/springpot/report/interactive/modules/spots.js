@@ -11,7 +11,7 @@ export function spotOf(place, { part, levels }, scene) {
 
 // What lies too high or too low is the model's; of tests in time and of single points whole sentences are said.
 // How it changes along frequency and conditions is told after a comma.
-export const modelled = ({ place, part }) => pretty(part ? `the model's ${place.says.replace(/ of \|[^|]*\|/, "")}` : place.says);
+export const modelled = ({ place, part }) => pretty(part ? `the model's ${place.says}` : place.says);
 export const inBrief = (spot) => (spot.part ? modelled(spot).split(", ")[0] : modelled(spot));
 
 // The sign of data less model there, as in the picture and beside each point.
