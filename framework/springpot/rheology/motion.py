@@ -24,16 +24,6 @@ SHARP = 8.0
 """Times as much as the samples beside it a corner bends the motion; at the peaks of a sine of eight
 samples a cycle it would be nearly five.
 """
-ROUGH = 2.0
-"""Ratio of the squares of third differences to those of second ones below which a motion is smooth.
-
-Of noise it is four, of a sine of six samples a cycle 1.25. Of a corner it is one to two.
-"""
-ALONE = 0.45
-"""Share of one in six squares of second differences that tells of a corner, which has half or more.
-
-A sine of five to seven samples a cycle has 0.4 at the most.
-"""
 STEPS_OF_A_WAY = 3
 """Steps that a motion goes each way about a turn at least."""
 APART = 1e-3
@@ -287,9 +277,11 @@ def _smooth(t: Real, x: Real) -> NDArray[np.bool_]:
     # each.
     about = np.convolve(second, np.ones(4))[1:-1]
     among = np.convolve(third, np.ones(5))[1:-1]
-    # What bends all along may be sampled coarsely; what bends at one sample alone has a corner.
+    # What bends all along may be sampled coarsely: a sine by six samples a cycle, of which the
+    # ratio is 1.25. Of a corner, which has half or more of the bend about it, it is one to two, and
+    # of noise four.
     near = np.lib.stride_tricks.sliding_window_view(np.pad(second, 3), 6)
-    limit = np.where(near.max(axis=1) < ALONE * near.sum(axis=1), ROUGH, 1.0)
+    limit = np.where(near.max(axis=1) < 0.45 * near.sum(axis=1), 2.0, 1.0)
     return np.asarray(among < limit * about)
 
 

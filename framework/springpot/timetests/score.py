@@ -46,8 +46,6 @@ GIVING = (0.3, 1.0, 3.0, 10.0)
 
 K saturates there, which no
 small step foretells."""
-SLIGHT = 1e-3
-"""Of the natural size of an effect: it is linear still, and far above what an answer is off by."""
 RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
 
@@ -238,14 +236,14 @@ class TimeScan:
 
         No change of K at one temperature tells them.
         """
-        # From a little to twice as much: without the effect the answer goes another way.
+        # From a little, which is linear still and far above what an answer is off by, to twice as
+        # much: without the effect the answer goes another way.
         slopes = []
         for size, *shape in places:
             some, more = (
-                self._as_it_is(effect, np.array([share * size, *shape]))
-                for share in (SLIGHT, 2.0 * SLIGHT)
+                self._as_it_is(effect, np.array([share * size, *shape])) for share in (1e-3, 2e-3)
             )
-            slopes.append((more - some) / (SLIGHT * size))
+            slopes.append((more - some) / (1e-3 * size))
         return np.column_stack(slopes)
 
     def _as_it_is(self, effect: Effect, values: Real) -> Real:

@@ -22,7 +22,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
-from springpot.misfit.error import times
+from springpot.misfit.error import plain, times
 from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -104,9 +104,9 @@ def _in_time(test: TimeTest, residual: Real) -> Where | None:
     side = "smaller"
     if way > 0.0:
         side = "larger"
-    between = f"at {first:.3g} s"
+    between = f"at {plain(first)} s"
     if len(worst) > 1:
-        between = f"from {first:.3g} to {last:.3g} s"
+        between = f"from {plain(first)} to {plain(last)} s"
     says = (
         f"{test.name} is missed most {between}, by {times(size)} the noise: "
         f"the model's {test.words[1]} is {side} there{_manner(test, residual)}"
@@ -369,7 +369,7 @@ class TestPrediction:
         if self.bias > 0:
             way = "too much"
         worst = self.at[int(np.argmax(np.abs(self.value - self.measured)))]
-        place = f"{worst:.3g} s"
+        place = f"{plain(worst)} s"
         if self.kind == "sweep":
             place = Units(clock=self.clock).at(worst)
         mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {place}"
