@@ -524,7 +524,6 @@ NO_LAW = {
         "hysteretic-loss",
     ),
     *(
-        "smooth-hysteresis",
         "hardening-mount",
         "power-law-slip",
         "strain-softening",

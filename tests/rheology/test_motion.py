@@ -6,7 +6,7 @@ import pytest
 from springpot import TimeTest
 from springpot.measurement import Loading
 from springpot.rheology import Model, dashpot, parallel, series, spring
-from springpot.rheology.motion import Between
+from springpot.rheology.motion import Between, _smooth
 from springpot.rheology.terms import driven
 from springpot.timetests import recorded
 
@@ -97,3 +97,18 @@ def test_what_modes_take_of_a_bent_step_is_its_integral_and_has_its_slope(rng, c
     more, less = (driven(rates * (1.0 + s * h), steps, changes, one, none) for s in (1, -1))
     slope = driven(rates, steps, changes, none, rates[:, None])
     assert slope == pytest.approx((more - less) / (2.0 * h), rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize(("samples", "off"), [(12, 0.002), (8, 0.01), (6, 0.03)])
+def test_a_sine_of_few_samples_a_cycle_is_no_polygon(samples, off):
+    """Between its samples straight lines would be off by 3, 7 and 13 % of it."""
+    t = np.arange(6 * samples + 1) / samples
+    fine = Between.of(t, np.sin(2.0 * np.pi * t + 0.3)).at(np.linspace(1.0, 5.0, 401))
+    inner = (fine.time >= 1.0) & (fine.time <= 5.0)
+    expected = np.sin(2.0 * np.pi * fine.time[inner] + 0.3)
+    assert np.max(np.abs(fine.value[inner] - expected)) < off
+
+
+def test_noise_is_no_smooth_motion():
+    noise = np.random.default_rng(1).normal(size=2000)
+    assert np.mean(_smooth(np.arange(2000.0), noise)) < 0.02

@@ -11,11 +11,13 @@ import pytest
 
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Loading, TimeTest
-from springpot.registry import open_in_time, parse_model
+from springpot.registry import open_in_time, parse_model, plugins
 from springpot.timetests import identify, predicted
+from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.native import TimeSearch
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.score import TimeScan
 
 DATA = (
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
@@ -174,3 +176,56 @@ def test_a_ramp_that_ends_at_a_sample_can_be_followed_by_a_clock_that_turns():
     [test] = open_in_time(f"{UNSEEN}/rel_lapo_1200.csv?time=s,relaxation=Pa")
     found = identify(test, parse_model("fractional-maxwell + thermal-transient + finite-ramp"))
     assert np.isfinite(found.relative_rms)
+
+
+def test_a_smooth_motion_is_none_of_straight_lines_while_it_warms():
+    """As at one temperature: with twelve samples a cycle these would be 2 % off."""
+    steady = [np.full(2001, 35.0), 35.0, np.full(101, 35.0)]
+    forces = []
+    for temperature, n in zip(steady, (2001, 101, 101), strict=True):
+        t = np.linspace(0.0, 100.0, n)
+        x = 0.01 * np.sin(0.5 * t)
+        blank = TimeTest.of_history(
+            t, x, 0 * t, "-", "kPa", control="displacement", temperature=temperature
+        )
+        forces.append(predicted(MODEL, THETA, blank, REFERENCE).value)
+    fine, one, each = forces
+    np.testing.assert_allclose(each, one, atol=1e-4 * np.abs(one).max())
+    inner = slice(1, -1)
+    np.testing.assert_allclose(each[inner], fine[::20][inner], atol=4e-3 * np.abs(one).max())
+
+
+def test_a_law_of_temperature_is_foretold_while_it_warms():
+    """At the mean temperature alone it changes nothing."""
+    strain = 0.01 * np.sin(0.5 * T)
+    warmer = 30.0 + 0.02 * T
+    blank = TimeTest.of_history(
+        T, strain, 0 * T, "-", "kPa", control="displacement", temperature=warmer
+    )
+    exact = predicted(MODEL, THETA, blank, 304.15).value
+    stress = exact + 0.002 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(T))
+    test = replace(blank, response=stress)
+    base = identify(test, MODEL - "arrhenius-shift")
+    scan = TimeScan(base, quick_parts(parts_of_specimen([test])))
+    effects = [plugins().effect(name) for name in ("arrhenius-shift", "force-drift")]
+    promises = scan.promises(effects)
+    [best] = promises["arrhenius-shift"]
+    assert best.values[0] == pytest.approx(80.0, rel=0.15)
+    assert best.drop > 10.0 * promises["force-drift"][0].drop
+
+
+def test_what_the_exact_response_alone_follows_is_fitted_to_all_samples():
+    """A few of them, by which a search finds its way, have a bottom of their own."""
+    t = np.linspace(0.0, 100.0, 601)
+    strain, warmer = 0.01 * np.sin(0.5 * t), 30.0 + 0.02 * t
+    blank = TimeTest.of_history(
+        t, strain, 0 * t, "-", "kPa", control="displacement", temperature=warmer
+    )
+    exact = predicted(MODEL, THETA, blank, 304.15).value
+    stress = exact + 0.02 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(t))
+    parts = parts_of_specimen([replace(blank, response=stress)])
+    search = TimeSearch(MODEL, quick_parts(parts), 304.15, [THETA], thorough=False)
+    found, _ = search.near(parts, [search.centred(each) for each in search.starts()])
+    left = parts[0].residual(MODEL, search.theta(found), 304.15).value
+    best = parts[0].residual(MODEL, THETA, 304.15).value
+    assert left @ left < best @ best

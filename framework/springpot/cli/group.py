@@ -97,9 +97,6 @@ def _table(guest: EntryPoint) -> dict[str, tuple[str, str]]:
         return {guest.name: ("", f"cannot be loaded: {type(error).__name__}: {error}")}
 
 
-CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
-
-
 class LazyGroup(click.Group):
     """A click group that knows its commands by a table instead of importing them."""
 
@@ -145,7 +142,7 @@ class LazyGroup(click.Group):
 
 @click.group(
     cls=LazyGroup,
-    context_settings=CONTEXT,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
     epilog=(
         "'springpot COMMAND --help' shows an example of each. "
         "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 a fault in springpot."

@@ -39,8 +39,6 @@ FAR = log(1e6)
 BIASED = (
     "the intervals are those of this model as it is: what it misses may move its parameters by more"
 )
-HANG = " " * 12
-"""Below the words that stand behind the name of a line."""
 
 
 def fit_document(identified: Identification, verbose: bool = False) -> list[Passage]:
@@ -73,7 +71,8 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         Prose(_spectrum(identified)),
         *quantities_passages(identified.quantities, verbose),
         tests,
-        Listing(_lines(identified, verbose), hang=HANG),
+        # Below the words that stand behind the name of a line.
+        Listing(_lines(identified, verbose), hang=" " * 12),
     ]
 
 

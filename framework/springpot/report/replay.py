@@ -40,8 +40,6 @@ FRAMES = 10
 """Frames between two steps."""
 COLOURS = 64
 """Of a frame, which has few."""
-DOTS = 100
-"""Per inch."""
 ABREAST, MOST_PLAYED = 3, 6
 """Tests beside one another, and at most: those that the first model misses most."""
 
@@ -164,7 +162,7 @@ class Replay(ABC):
                 of = self.played[0].name
             entitled(panels["curve 0"], f"{model.name} of {of}")
             stream = BytesIO()
-            figure.savefig(stream, format="png", dpi=DOTS)
+            figure.savefig(stream, format="png", dpi=100)
         return images.open(stream).convert("RGB").quantize(COLOURS)
 
     def _ladder(self, axes: Axes, reached: int) -> None:

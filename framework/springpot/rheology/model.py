@@ -83,7 +83,7 @@ class InTime:
         t, force = _history(t, force, "force")
         with self._blaming():
             if isinstance(self.temperature, np.ndarray):
-                return self._reduced(self._only_material(), t, force, "force")
+                return self._reduced(self._only_material(), t, force, motion, "force")
             passive, own = self._linear("the answer to a force")
             return self._padded(passive.respond_force(t, force, motion=motion), own)
 
@@ -230,14 +230,26 @@ class InTime:
         self, inside: Sequence[Placed], t: Real, x: Real, motion: Between | None
     ) -> Traced:
         if isinstance(self.temperature, np.ndarray):
-            return self._reduced(inside, t, x)
+            return self._reduced(inside, t, x, motion)
         passive, own = self._inside
         return self._padded(passive.respond(t, x, motion=motion), own)
 
-    def _placed(
-        self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement"
+    def _by_its_clock(
+        self,
+        passive: Passive,
+        own: list[int],
+        time: Any,
+        x: Real,
+        motion: Between | None,
+        control: str,
+        slopes: bool = True,
     ) -> Traced:
-        return self._padded(_answer(replace(passive, theta=self.theta[own]), control)(t, x), own)
+        """What answers where its clock shows these times (n,) at the knots of the motion."""
+        if motion is not None:
+            motion = motion.by_clock(time)
+        answer = _answer(replace(passive, theta=self.theta[own]), control)
+        traced = answer(time, x, slopes=slopes, motion=motion)
+        return self._padded(traced, own) if slopes else traced
 
     def _padded(self, traced: Traced, own: list[int]) -> Traced:
         # A part knows its own parameters only: their derivatives go back to where they stand in the
@@ -247,7 +259,12 @@ class InTime:
         return Traced(traced.value, by_theta)
 
     def _reduced(
-        self, inside: Sequence[Placed], t: Real, x: Real, control: str = "displacement"
+        self,
+        inside: Sequence[Placed],
+        t: Real,
+        x: Real,
+        motion: Between | None,
+        control: str = "displacement",
     ) -> Traced:
         """What temperature moves, in reduced time (seconds / a_T), and what is beside it, in s."""
         shifts = [
@@ -255,9 +272,7 @@ class InTime:
         ]
         # What joined before the last shift goes by the clock of the material, what joined later by
         # that of the test.
-        last = 0
-        if shifts:
-            last = shifts[-1] + 1
+        last = shifts[-1] + 1 if shifts else 0
         _refuse_unfollowed(inside, last)
         temperature = np.asarray(self.temperature, dtype=float)
         if temperature.shape != t.shape or not np.all(temperature > 0.0):
@@ -281,18 +296,16 @@ class InTime:
             raise ModelError(
                 f"{self.model.name} has a mass, which does not go by the clock of its material"
             )
-        traced = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
+        traced = self._by_its_clock(passive, own, _reduced_time(t, log_shift), x, motion, control)
         for own_law, law in laws:
             for i, slope in zip(own_law, law.by_theta.real, strict=True):
                 # A complex step: exact to rounding, as nothing is subtracted.
                 turned = _reduced_time(t, log_shift + 1j * STEP * slope)
-                answer = _answer(replace(passive, theta=self.theta[own]), control)
-                moved = answer(turned, x, slopes=False)
+                moved = self._by_its_clock(passive, own, turned, x, motion, control, slopes=False)
                 traced.by_theta[:, i] = moved.value.imag / STEP
         for effect, _, places in inside[last:]:
-            outer = self._placed(
-                self._passive(effect.element, self.reference_temperature), places, t, x
-            )
+            passive = self._passive(effect.element, self.reference_temperature)
+            outer = self._by_its_clock(passive, places, t, x, motion, "displacement")
             traced = Traced(traced.value + outer.value, traced.by_theta + outer.by_theta)
         return traced
 

@@ -97,9 +97,9 @@ def dead_zone_law(t: Real, x: Real, v: Real, k: float, b: float) -> Law:
 def delay(t: Real, signals: Real, tau: float) -> Law:
     """Each signal tau later; before the record begins, and after its end, it stands still."""
     late = np.stack([np.interp(t - tau, t, column) for column in signals.T], axis=-1)
-    # The derivative by the delay is minus the rate of what is delayed.
-    rate = np.gradient(signals[:, 0], t)
-    return late, (-np.interp(t - tau, t, rate),)
+    # The derivative by the delay is minus the rate of what is delayed, which is at rest before.
+    rate, moving = np.gradient(signals[:, 0], t), (t - tau > t[0]) & (t - tau <= t[-1])
+    return late, (np.where(moving, -np.interp(t - tau, t, rate), 0.0),)
 
 
 def gain(t: Real, signals: Real, g: float) -> Law:
@@ -114,6 +114,8 @@ def one_filter(t: Real, signals: Real, tau: float) -> Law:
     """
     if tau <= 0.0:
         rate = np.gradient(signals, t, axis=0)
+        # What sets off at once was at rest before, as what is late is there.
+        rate[0] = 0.0
         return signals - tau * rate, (-rate[:, 0],)
     steps, size = np.diff(t, prepend=t[0]), signals.shape[1]
     one, none = np.ones((1, 1)), np.zeros((1, 1))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,12 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..distributions import normal_quantile
+from ..distributions import student
 from .damper import axes_of, sizes_of
 from .frame import Frame
 from .motion import GroundMotion, motion_of
 
-WIDE = float(normal_quantile(0.5 * (1.0 + INTERVAL)))
+WIDE = student(INTERVAL, inf)
 """Standard deviations of half a band."""
 
 

@@ -253,8 +253,6 @@ def _along(function: Callable[[Any], Any], x: Real, i: int, steps: Any) -> Any:
 
 OMEGA: Real = np.geomspace(0.1, 30.0, 9)
 POINTS = Points(np.log(OMEGA), np.linspace(0.5, 2.0, 9), np.linspace(285.0, 305.0, 9))
-DRAWS = 4
-"""Parameter vectors that are tried."""
 EXACT = 1e-8
 """Relative error above which a derivative is not exact; finite differences are worse than this."""
 
@@ -288,7 +286,7 @@ def network_aspects(model: Model) -> dict[str, Aspect]:
     }
 
 
-def _thetas(model: Model, count: int = DRAWS) -> Real:
+def _thetas(model: Model, count: int = 4) -> Real:
     return sample(model.parameters, np.random.default_rng(SEED), (count,))
 
 

@@ -24,6 +24,7 @@ from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
+from springpot.misfit.error import times
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
@@ -326,8 +327,8 @@ def _told(fit: Identification) -> Identification:
     for test in fit.parts:
         if not test.agrees:
             ratios = (
-                f"{test.over_floor:.2g} x its noise floor with common parameters,"
-                f" {test.over_floor_alone:.2g} x with its own"
+                f"{times(test.over_floor)} its noise floor with common parameters,"
+                f" {times(test.over_floor_alone)} with its own"
             )
             notes.append(f"{test.name} does not agree with the other tests: {ratios}")
     if fit.on_sweeps:

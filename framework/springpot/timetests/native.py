@@ -254,7 +254,10 @@ class TimeSearch:
         except UnfollowedError:
             if quick == list(parts):
                 raise
-            return self._near(parts, starts)[:2]
+            u, spent, _ = self._near(parts, starts)
+            # A few samples showed the valley: what is judged by all of them ends at their bottom.
+            last = self._descend(parts, u[None], False, QUICK, AFAR)
+            return last.u[0], spent + last.evaluations
 
     def _near(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the

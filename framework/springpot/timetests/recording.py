@@ -56,19 +56,24 @@ def warming(
         loading = test.loading
     if reference is None:
         reference = test.kelvin
-    # A history in reduced time is one value at each time: a step becomes a very short ramp.
-    loading = _gradual(loading, test.time)
     # All samples take part, whichever are asked for: between them the temperature may turn.
-    grid = np.union1d(np.union1d(loading.time, test.time), at)
+    asked, motion = np.union1d(test.time, at), loading.motion
+    if motion is not None:
+        motion = motion.at(asked)
+        grid, imposed = motion.time, motion.value
+    else:
+        # A history in reduced time is one value at each time: a step becomes a very short ramp.
+        loading = _gradual(loading, test.time)
+        grid = np.union1d(loading.time, asked)
+        imposed = np.interp(grid, loading.time, loading.value)
     kelvin = np.interp(grid, test.time, test.warmth) + KELVIN
     inside = model.in_time(
         theta, temperature=kelvin, reference_temperature=reference, tolerance=tolerance
     )
-    imposed = np.interp(grid, loading.time, loading.value)
     if test.control == "displacement":
-        answer = inside.respond(grid, imposed)
+        answer = inside.respond(grid, imposed, motion)
     else:
-        answer = inside.respond_force(grid, imposed)
+        answer = inside.respond_force(grid, imposed, motion)
     rows = np.searchsorted(grid, at)
     return Traced(answer.value[rows], answer.by_theta[rows])
 

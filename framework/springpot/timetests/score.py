@@ -10,9 +10,10 @@ or not, is tried at a few places as it is.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from springpot.rheology.effect import Effect, acting, on_clock, on_loading, on_r
 from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.nonlinear import Law
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
@@ -31,7 +33,7 @@ from .exponentials import QuickPart, points_at
 from .left import Atom, Promise
 from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
-from .specimen import Scales, stepped, tries_of
+from .specimen import MOST, Scales, stepped, tries_of
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -177,6 +179,8 @@ class TimeScan:
         if swinging:
             return self._swinging(effect, places, swinging[0])
         whole = np.concatenate([view.of_change(change, scale) for view in self.views])
+        if "temperature" in effect.needs and any(view.warms for view in self.views):
+            whole = self._while_it_warms(effect, values / [NEGLIGIBLE, *np.ones(len(shape))])
         powers = np.array(
             [float(bool(parameter.unit.stiffness)) for parameter in effect.element.parameters]
         )
@@ -226,6 +230,21 @@ class TimeScan:
                 atoms.append(Atom(effect, values, np.zeros(len(values)), column, False))
         return atoms
 
+    def _while_it_warms(self, effect: Effect, places: Real) -> Real:
+        """Columns (n, g) of what follows a temperature that moves, sample by sample.
+
+        No change of K at one temperature tells them.
+        """
+        # From a little, which is linear still and far above what an answer is off by, to twice as
+        # much: without the effect the answer goes another way.
+        slopes = []
+        for size, *shape in places:
+            some, more = (
+                self._as_it_is(effect, np.array([share * size, *shape])) for share in (1e-3, 2e-3)
+            )
+            slopes.append((more - some) / (1e-3 * size))
+        return np.column_stack(slopes)
+
     def _as_it_is(self, effect: Effect, values: Real) -> Real:
         """The change of all residuals for an effect of that size."""
         model, theta = _with_effect(self.base, effect, values)
@@ -243,6 +262,10 @@ class TimeScan:
             unit[0] = 1.0
         else:
             grids[0] = [self.scales.typical(effect.element.parameters[0])]
+        # Of many parameters the last, which shape the least, are tried at one place.
+        for i in reversed(range(len(grids))):
+            if prod(map(len, grids)) > MOST:
+                grids[i] = [self.scales.typical(effect.element.parameters[i])]
         signed = effect.element.parameters[0].lower < 0.0
         for place in product(*grids):
             values = np.array(place)
@@ -383,11 +406,18 @@ class View:
         # The exact answer once, for what is left; only the changes go by fixed exponentials.
         answer = part.answer(base.model, base.theta, base.reference, part.rows)
         seen = self.quick.seen
-        self.value = np.where(seen, answer.value, 0.0)
+        # Of samples that are not counted too, as their neighbours' rates go by them; only at the
+        # instant of a step it may be endless.
+        self.value = np.where(np.isfinite(answer.value), answer.value, 0.0)
         self.residual = (
             np.where(seen, answer.value - part.test.response[self.quick.rows], 0.0) * self.weight
         )
         self.slopes = np.where(seen[:, None], answer.by_theta, 0.0) * self.weight[:, None]
+
+    @property
+    def warms(self) -> bool:
+        """Whether its temperature moves."""
+        return self.part.test.warmth is not None
 
     @property
     def kelvin(self) -> float | None:
@@ -466,8 +496,16 @@ class View:
             raise SpringpotError(f"{effect.name} has no law here")
         if of_signal:
             law = effect.element.in_time  # type: ignore[attr-defined]
-            return np.asarray(law(self.t, self.value[:, None], *values)[1][0] * self.weight)
+            return self._of_signal(law, values) * self.weight
         return self.quick.force_of(effect, values) * self.weight
+
+    def _of_signal(self, law: Callable[..., Law], values: Real) -> Real:
+        t, value = self.t, self.value
+        more = int(self.part.test.loading.before > 0)
+        if more:
+            # What had gone on before was no rest: one sample before the record as it went then.
+            t, value = (np.append(2.0 * each[0] - each[1], each) for each in (t, value))
+        return np.asarray(law(t, value[:, None], *values)[1][0][more:])
 
     def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
         """An effect's column at the stage of the record, and whether it goes as its size."""
@@ -482,6 +520,9 @@ class View:
 
 class ExactView:
     """A test of which the answer of a model is a formula, as at frequencies."""
+
+    warms = False
+    """It has one temperature for each row."""
 
     def __init__(self, part: TestPart, base: Identification) -> None:
         self.part, self.base = part, base

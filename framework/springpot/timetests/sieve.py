@@ -174,8 +174,9 @@ def nearly_fitted(
             left = Left.by(model, search.theta(u), base.reference, parts)
         except UnfollowedError:
             # The exact response takes long: it is spent only where more than noise is left to
-            # explain.
-            if promises[0].drop < COSTLY * best or not before.misfit:
+            # explain, or where most of what passes for noise would go.
+            worth = before.misfit or _foretold(promises[0]) >= SEARCH.decisive
+            if promises[0].drop < COSTLY * best or not worth:
                 continue
             try:
                 u, _ = search.near(parts, begun[:starts])
@@ -190,6 +191,13 @@ def nearly_fitted(
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
         fitted(TriedEffect(effect, model, search.theta(u)))
     return tried
+
+
+def _foretold(promise: Promise) -> float:
+    """By how much the Bayesian information criterion would fall as a linear step foretells it."""
+    count, left = len(promise.direction), max(promise.leaves, SMALLEST)
+    fall = count * float(np.log1p(promise.drop / left))
+    return fall - len(promise.values) * float(np.log(count))
 
 
 def nearly_all(

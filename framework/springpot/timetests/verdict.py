@@ -156,7 +156,7 @@ def sentence(
     `apart` tells of tests that are followed one by one and not together, `beside` of another test
     that the best effect leaves missed.
     """
-    size = f"the error is {error.over_floor:.2g} x the noise"
+    size = f"the error is {times(error.over_floor)} the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
     place = ""
     if where:
@@ -180,7 +180,7 @@ def sentence(
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
         )
-    after = f"{candidates[0].over_floor:.2g} x with it{beside}"
+    after = f"{times(candidates[0].over_floor)} with it{beside}"
     if verdict == "unexplained":
         helps = f"{names} helps ({after}) but is not all"
         if apart:
@@ -601,6 +601,6 @@ def beside_one_ramp(
     if best is None or {each.effect for each in own} & {*leading}:
         return ""
     return (
-        f", or a specimen that is not linear ({best.effect}: {best.over_floor:.2g} x), which one"
+        f", or a specimen that is not linear ({best.effect}: {times(best.over_floor)}), which one"
         " ramp does not tell apart: ramp at another rate, or back"
     )

@@ -22,6 +22,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
+from springpot.misfit.error import plain, times
 from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -103,11 +104,11 @@ def _in_time(test: TimeTest, residual: Real) -> Where | None:
     side = "smaller"
     if way > 0.0:
         side = "larger"
-    between = f"at {first:.3g} s"
+    between = f"at {plain(first)} s"
     if len(worst) > 1:
-        between = f"from {first:.3g} to {last:.3g} s"
+        between = f"from {plain(first)} to {plain(last)} s"
     says = (
-        f"{test.name} is missed most {between}, by {size:.2g} x the noise: "
+        f"{test.name} is missed most {between}, by {times(size)} the noise: "
         f"the model's {test.words[1]} is {side} there{_manner(test, residual)}"
     )
     return Where("signal", test.name, first, last, size, says)
@@ -145,7 +146,7 @@ def places_in_sweep(sweep: Measurement, residual: Real) -> list[Where]:
     low, high = (float(end(sweep.frequency[worst])) for end in (np.min, np.max))
     between, word = f"{sweep.units.on_clock(low):.3g} to", ("storage", "loss")[part]
     says = (
-        f"{sweep.name} is missed most from {between} {sweep.units.at(high)}, by {size:.2g} x the"
+        f"{sweep.name} is missed most from {between} {sweep.units.at(high)}, by {times(size)} the"
         f" noise: the model's {word} is {side} there"
     )
     return [Where("stiffness", sweep.name, low, high, size, says)]
@@ -203,9 +204,9 @@ def _in_loop(test: TimeTest, residual: Real) -> Where | None:
     alone = counts[4 - i, 1 - j] >= FEWEST and sizes[i, j] > ONE_SIDED * max(mirror, 1.0)
     ways = ("falling", "rising")
     says = f"in the loop of {test.name} the model fails most {ENDS[i]}, {test.words[0]} {ways[j]}"
-    says += f", by {sizes[i, j]:.2g} x the noise"
+    says += f", by {times(sizes[i, j])} the noise"
     if alone:
-        says += f"; on that side alone, {mirror:.2g} x on the other"
+        says += f"; on that side alone, {times(mirror)} on the other"
     says += _after_turn(imposed, residual) + _flat(test)
     return Where(
         "loop", test.name, max(EDGES[i], -1.0), min(EDGES[i + 1], 1.0), float(sizes[i, j]), says
@@ -368,7 +369,7 @@ class TestPrediction:
         if self.bias > 0:
             way = "too much"
         worst = self.at[int(np.argmax(np.abs(self.value - self.measured)))]
-        place = f"{worst:.3g} s"
+        place = f"{plain(worst)} s"
         if self.kind == "sweep":
             place = Units(clock=self.clock).at(worst)
         mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {place}"

@@ -17,6 +17,8 @@ from springpot.rheology import (
     relaxation_time,
 )
 
+from .record import WARMING
+
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 """Gauss's rule: integrates exp(-s exp(-u)) over one time constant to rounding for |s| up to 10."""
 
@@ -67,6 +69,7 @@ def _waits(test: TimeTest) -> list[tuple[float, float]]:
 def _transients(test: TimeTest) -> list[tuple[float, float]]:
     """Sizes and times from which to look further."""
     times = np.geomspace(3.0 / test.seen[1], 0.3 / test.seen[0], 5)
+    times = np.unique(np.maximum(times, WARMING.lower))
     return [(s, float(tau)) for s in (-3.0, -0.5, 0.5, 3.0) for tau in times]
 
 
@@ -97,7 +100,7 @@ EFFECTS = (
         on_clock,
         StageLaw(
             warming,
-            (Parameter("s", "s", PURE, -12.0, 12.0, "linear", 1.0), relaxation_time("tau")),
+            (Parameter("s", "s", PURE, -12.0, 12.0, "linear", 1.0), WARMING),
             _transients,
         ),
         "the specimen comes to its temperature while it is tested: ln a_T = s exp(-t / tau)",

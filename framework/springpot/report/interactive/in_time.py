@@ -33,7 +33,6 @@ PLANE = "signal"
 """The one plane of residuals: what was measured less what was computed."""
 SMOOTH = 120
 """Points of the curve of a test after a step."""
-FIVE = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +162,8 @@ def _grid(test: Test, most: int) -> Real:
     positive = test.time[test.time > 0.0]
     if test.after_step:
         return np.geomspace(positive[0], positive[-1], min(SMOOTH, most))
-    return np.asarray(test.time[_evenly(len(test), FIVE * most)])
+    # Of its swings a picture needs five times the points of a smooth curve.
+    return np.asarray(test.time[_evenly(len(test), 5 * most)])
 
 
 def _moved(test: TimeTest, at: Real) -> Real:

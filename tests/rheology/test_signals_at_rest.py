@@ -1,0 +1,29 @@
+"""What the measurement chain does to a force that sets off at once: before, it was at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.numerics import DIFFERENCE
+from springpot.rheology.nonlinear import delay, one_filter
+
+T = np.linspace(0.0, 2.0, 101)
+SETS_OFF = np.column_stack([np.sin(3.0 * T)])
+
+
+@pytest.mark.parametrize("tau", [0.03, 0.25, -0.03, -0.25])
+def test_the_slope_of_a_delay_is_that_of_what_is_late(tau):
+    later, earlier = (delay(T, SETS_OFF, tau + step)[0][:, 0] for step in (DIFFERENCE, -DIFFERENCE))
+    (slope,) = delay(T, SETS_OFF, tau)[1]
+    inner = np.abs(slope - (later - earlier) / (2.0 * DIFFERENCE))
+    # Straight between samples it has the slope of one side, here that of both.
+    assert np.max(inner) < 0.2
+
+
+@pytest.mark.parametrize("law", [delay, one_filter])
+def test_a_small_lag_leaves_the_first_sample_where_it_is(law):
+    (slope,) = law(T, SETS_OFF, 0.0)[1]
+    little = (law(T, SETS_OFF, 1e-4)[0] - SETS_OFF)[:, 0] / 1e-4
+    assert slope[0] == little[0] == 0.0
+    np.testing.assert_allclose(slope[1:-1], little[1:-1], atol=0.3)
