@@ -7,6 +7,7 @@ against the noise and against what any material reaches.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from springpot.thresholds import VERDICT
 from springpot.timetests.floor import TimeFloor, effects_of, material_floor, material_floors
 
 from .fitting import identify
-from .left import Left
+from .left import Left, delta_bic, independent, plain_bic
 from .residuals_of_tests import (
     Test,
     parts_of_specimen,
@@ -86,19 +87,22 @@ def compare(
             left_out[model.name] = str(error)
     if not fits:
         raise DataError(next(iter(left_out.values()), "there is no model to compare"))
-    # All models were fitted to the same samples.
-    points = sum(test.points for test in fits[0].tests)
-    # By what the best model leaves, where that is more than noise: see the notes.
-    scale = max(1.0, min(fit.cost for fit in fits) / points)
-    criteria = [fit.cost / scale + len(fit.theta) * np.log(points) for fit in fits]
-    least = min(criteria)
-    ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
-    # One noise for all, that about the best model.
-    noise = _left(ranked[0][1]).scatters
+    lefts = [_left(fit) for fit in fits]
+    best = min(lefts, key=plain_bic)
+    # One noise for all, that about the best model; by what it leaves, where that is more.
+    wider = max(1.0, best.squares(best.scatters) / independent(best.residuals, best.scatters))
+    unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
+    gains = [delta_bic(best, left, unit, left.count - best.count) for left in lefts]
     floors = material_floors(fits)
     judged = [
-        judgement_of(fit, float(value - least), floors[effects_of(fit.model)], noise)
-        for value, fit in ranked
+        judgement_of(
+            fit,
+            max(gains) - gain,
+            floors[effects_of(fit.model)],
+            left.heard(best.scatters, best),
+            left,
+        )
+        for gain, fit, left in sorted(zip(gains, fits, lefts, strict=True), key=lambda row: -row[0])
     ]
     names = together(test.name for test in fits[0].tests)
     comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)

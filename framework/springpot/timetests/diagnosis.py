@@ -49,7 +49,7 @@ from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, Promise, Tried
+from .left import Left, Promise, Tried, plain_bic, power_of
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -73,8 +73,6 @@ from .sieve import (
     nearly_all,
     noise_of_both,
     of_material,
-    plain_bic,
-    power_of,
 )
 from .specimen import at_rigs, at_tests
 from .verdict import AskedTests, TimeCase, answer_of, worst_of

@@ -23,11 +23,11 @@ from springpot.thresholds import SEARCH
 
 from .diagnosis import examine
 from .fitting import identify
-from .left import Left, weight_of
+from .left import Left, plain_bic, weight_of
 from .residuals_of_tests import Test
 from .scatter import ResidualScatter
 from .score import TimeScan
-from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both, plain_bic
+from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both
 from .specimen import at_tests
 from .verdict import AskedTests, TimeCase
 

@@ -157,6 +157,19 @@ class Left:
         pairs = zip(self.felt, noise, strict=True)
         return sum(float(np.sum(scatter.whitened(value) ** 2)) for value, scatter in pairs)
 
+    def heard(self, noise: Sequence[ResidualScatter], best: Left) -> list[ResidualScatter]:
+        """The noise that the best fit tells, by what this one answers to noise of imposed channels.
+
+        The specimen never felt it, and a fit that answers more to it, or less, leaves as much more.
+        """
+        told = []
+        for each, own, other in zip(noise, self.felt, best.felt, strict=True):
+            square = each.size**2 + float(np.mean(own**2) - np.mean(other**2))
+            # No less than what the signal itself says.
+            least = min(each.size, 1.0)
+            told.append(replace(each, size=float(np.sqrt(max(square, least**2)))))
+        return told
+
     def over(self, noise: Sequence[ResidualScatter]) -> float:
         """Error over that noise, of the worst test."""
         pairs = zip(self.residuals, noise, strict=True)
@@ -196,15 +209,39 @@ def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
     return max(varied / max(size, SMALLEST), 1.0)
 
 
+def plain_bic(left: Left) -> float:
+    """Of a fit by itself: the size of its noise is read from what it leaves."""
+    points = sum(len(value) for value in left.residuals)
+    power = power_of(left)
+    # What the fit answers to noise of the imposed channel is no misfit: a story that answers less
+    # to it is no better, as long as more than the signal's own noise is left.
+    power = max(power - sum(float(np.sum(value**2)) for value in left.felt), min(power, points))
+    variance = max(power, SMALLEST) / max(points - left.lines, 1)
+    return float(points * np.log(variance) + left.count * np.log(points))
+
+
+def power_of(left: Left) -> float:
+    """Sum of squares of all that is left."""
+    return sum(float(np.sum(value**2)) for value in left.residuals)
+
+
+def gain_of(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
+    """By how much less another fit leaves, but for what is to be expected of imposed noise.
+
+    To answer less to what the specimen never felt is no evidence, nor is it to answer more: so much
+    is expected, and the root of such a change, noncentral chi-square, varies by one.
+    """
+    gain = base.squares(noise) - other.squares(noise)
+    spared = base.squares_felt(noise) - other.squares_felt(noise)
+    if gain * spared <= 0.0:
+        return gain
+    left = max(float(np.sqrt(abs(gain)) - np.sqrt(abs(spared))), 0.0)
+    return float(np.copysign(left**2, gain))
+
+
 def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
     """By how much the Bayesian information criterion falls with `more` parameters."""
-    gain = base.squares(noise) - other.squares(noise)
-    # To answer less to what the specimen never felt is no evidence: so much is expected, and the
-    # root of such a fall, noncentral chi-square, varies by one.
-    spared = max(base.squares_felt(noise) - other.squares_felt(noise), 0.0)
-    if gain > 0.0:
-        gain = max(float(np.sqrt(gain) - np.sqrt(spared)), 0.0) ** 2
-    gain /= _alike(base, other, noise)
+    gain = gain_of(base, other, noise) / _alike(base, other, noise)
     gain += base.lines - other.lines
     return float(gain - more * np.log(independent(base.residuals, noise)))
 

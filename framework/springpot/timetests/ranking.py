@@ -30,7 +30,7 @@ from .comparing import judgement_of
 from .discovery import discover
 from .fitting import identify
 from .floor import TimeFloor, effects_of, material_floors
-from .left import Left, delta_bic, independent
+from .left import Left, delta_bic, gain_of, independent
 from .residuals_of_tests import Test, TestPart, parts_of_specimen
 from .scatter import ResidualScatter
 from .verdict import TimeCase, error_of
@@ -73,7 +73,7 @@ class RankedInTime:
     @cached_property
     def rss(self) -> float:
         """Sum of squares of the residual over the noise."""
-        return self.left.squares(self.noise)
+        return self.beside.squares(self.noise) - gain_of(self.beside, self.left, self.noise)
 
     @property
     def numbers(self) -> float:
@@ -93,7 +93,12 @@ class RankedInTime:
     @cached_property
     def error(self) -> Error:
         """Its error beside the noise."""
-        return self._error(self.noise)
+        return self._error(self.heard)
+
+    @property
+    def heard(self) -> list[ResidualScatter]:
+        """The noise, with what it answers more to noise of imposed channels than the material."""
+        return self.left.heard(self.noise, self.beside)
 
     @property
     def own_floor(self) -> float:
@@ -214,7 +219,7 @@ class _BesideMaterial:
         self, found: RankedInTime, delta: float, floors: Mapping[tuple[str, ...], TimeFloor]
     ) -> Judgement:
         judged = judgement_of(
-            found.fit, delta, floors[effects_of(found.model)], self.noise, left=found.left
+            found.fit, delta, floors[effects_of(found.model)], found.heard, left=found.left
         )
         known = not (found.beyond or found.hardly_known)
         vars(judged).update(

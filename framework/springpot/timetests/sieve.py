@@ -20,7 +20,7 @@ from springpot.thresholds import SEARCH
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
-from .left import Left, Promise, Tried, delta_bic, independent
+from .left import Left, Promise, Tried, delta_bic, independent, plain_bic
 from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import Test, TestPart
@@ -367,22 +367,6 @@ def delta_of(
 ) -> float:
     """By how much the Bayesian information criterion falls with an effect, over a noise."""
     return delta_bic(before, each.left, noise, each.left.count - before.count)
-
-
-def plain_bic(left: Left) -> float:
-    """Of a fit by itself: the size of its noise is read from what it leaves."""
-    points = sum(len(value) for value in left.residuals)
-    power = power_of(left)
-    # What the fit answers to noise of the imposed channel is no misfit: a story that answers less
-    # to it is no better, as long as more than the signal's own noise is left.
-    power = max(power - sum(float(np.sum(value**2)) for value in left.felt), min(power, points))
-    variance = max(power, SMALLEST) / max(points - left.lines, 1)
-    return float(points * np.log(variance) + left.count * np.log(points))
-
-
-def power_of(left: Left) -> float:
-    """Sum of squares of all that is left."""
-    return sum(float(np.sum(value**2)) for value in left.residuals)
 
 
 def noise_of_both(before: Left, best: Left) -> list[ResidualScatter]:
