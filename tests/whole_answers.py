@@ -22,8 +22,9 @@ DIGITS = 7
 WITHIN = 1e-4
 """Relative difference that another machine's rounding may make."""
 NEXT_TO_NOTHING = 1e-8
-NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[-+]\d+)?")
-"""One in full, as files hold them; what is rounded for a reader must stay to the letter."""
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+IN_FULL = 6
+"""Digits of a number as files hold them; what is rounded for a reader must stay to the letter."""
 NOTHING = re.compile(r"-?\d+(?:\.\d+)?e-(?:1[2-9]|[2-9]\d)\d*|(?<![\d.])-?0\.0(?!\d)")
 """What only rounding leaves, however a machine writes it."""
 WHOLE = re.compile(r"(?<=\d)\.0(?!\d)")
@@ -151,12 +152,18 @@ def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[s
         before, after = rounded(before), rounded(after)
         words = NUMBER.split(before) == NUMBER.split(after)
         numbers = zip(NUMBER.findall(before), NUMBER.findall(after), strict=False)
-        if not words or any(
-            list(moved(float(old), float(new), within)) for old, new in numbers if old != new
-        ):
+        if not words or not all(_alike(old, new, within) for old, new in numbers):
             yield f"{place}: {before!r} -> {after!r}"
     elif before != after:
         yield f"{place}: {before!r} -> {after!r}"
+
+
+def _alike(old: str, new: str, within: float) -> bool:
+    """Whether two numbers of a text are one: in full but for rounding, else to the letter."""
+    if old == new:
+        return True
+    digits = min(len(re.sub(r"e.*|[-.]", "", each).lstrip("0")) for each in (old, new))
+    return digits >= IN_FULL and not list(moved(float(old), float(new), within))
 
 
 def rounded(text: str) -> str:

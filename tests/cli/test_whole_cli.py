@@ -121,7 +121,7 @@ def folder(tmp_path, monkeypatch, asked_once):
 def told(answer):
     """What a user sees, without seconds, and what was written."""
     written = {
-        path.name: [line[:40] for line in path.read_text().splitlines()[:3]]
+        path.name: [",".join(row.split(",")[:3]) for row in path.read_text().splitlines()[:3]]
         for path in sorted(Path().glob("*.csv"))
         if path.name not in FILES and not path.name.startswith("at")
     }
