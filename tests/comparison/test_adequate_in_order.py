@@ -9,7 +9,7 @@ from springpot.comparison.ordering import _no_worse_than_rejected
 
 
 def judged(parameters, error):
-    ranked = SimpleNamespace(theta=[0.0] * parameters, floor=0.1, least_error=0.0)
+    ranked = SimpleNamespace(theta=[0.0] * parameters, floor=0.1, least_error=0.0, relative_rms=1.0)
     return SimpleNamespace(
         ranked=ranked, error=SimpleNamespace(relative_rms=error, noise_floor=0.1)
     )

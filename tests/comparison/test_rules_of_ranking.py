@@ -14,8 +14,9 @@ from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 def judged(name, bic=0.0, size=2, adequate=True, beside=1.0, rms=0.01, floor=0.01, points=20):
     """A judgement of a model, and the chance of what a spectrum gains on it."""
     ranked = SimpleNamespace(
-        theta=np.zeros(size), beside=beside, floor=floor, least_error=0.0, numbers=2 * points
-    )
+        theta=np.zeros(size), beside=beside, floor=floor, least_error=0.0, relative_rms=1.0,
+        numbers=2 * points,
+    )  # fmt: skip
     error = SimpleNamespace(relative_rms=rms, noise_floor=floor)
     return SimpleNamespace(
         name=name, delta_bic=bic, adequate=adequate, at_noise=adequate, computed=False,

@@ -8,7 +8,7 @@ import pytest
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import plugins
-from springpot.timetests import diagnose, left
+from springpot.timetests import compare, diagnose, left
 from springpot.timetests.left import imposed_noise
 
 TIME = 0.005 * np.arange(1000)
@@ -61,6 +61,21 @@ def test_a_mass_is_found_all_the_same():
     assert "inertia" in found.leading
 
 
+def test_a_dashpot_that_answers_to_it_is_no_worse_than_a_spring_that_does_not():
+    """At one frequency both models are one stiffness: `compare` and `identify` say the same."""
+    rng, t = np.random.default_rng(1), 0.005 * np.arange(1000)
+    turn = 2.0 * np.pi * t
+    force = 615.0 * np.sin(turn) + 298.0 * np.cos(turn) + 3.0 * rng.normal(size=1000)
+    read = 5.0 * np.sin(turn) + 0.002 * rng.normal(size=1000)
+    test = TimeTest.of_history(t, read, force, "mm", "N")
+    found = {one.model.name: one for one in compare([test], ["kelvin", "maxwell"]).judgements}
+    assert not any(one.fails or one.unclear for one in found.values())
+    assert all(one.error.over_floor < 1.15 for one in found.values())
+    assert found["kelvin"].delta_bic < 6.0
+    # The spring swallows what the dashpot passes on: its error is less, and its noise too.
+    assert found["maxwell"].error.noise_floor < 0.8 * found["kelvin"].error.noise_floor
+
+
 def test_corners_and_smooth_motion_are_no_noise():
     triangle = np.abs((TIME % 1.0) - 0.5)
     assert imposed_noise(triangle) < 1e-12
@@ -82,7 +97,7 @@ def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(
         return left._heard(part)
 
     # A variance is known to the root of two by their number.
-    most = 0.3 * np.sqrt(1.0 + left.DOUBT * np.sqrt(2.0 / (left.WORTH * 400)))
+    most = 0.3 * np.sqrt(1.0 + left.DEVIATIONS * np.sqrt(2.0 / (left.WORTH * 400)))
     assert heard(0.99 * 1.2 / left.HEARD) == pytest.approx(most)
     assert heard(1.01 * 1.2 / left.HEARD) == 0.0
     assert heard(0.99 * 0.075 / left.HEARD, "force") == pytest.approx(most)
