@@ -11,7 +11,7 @@ import springpot
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.timetests import compare, diagnose, discover
+from springpot.timetests import compare, diagnose, discover, identify
 
 EFFECTS = [plugins().effect(name) for name in ("friction", "inertia", "time-delay")]
 MODEL = parse_model("fractional-maxwell")
@@ -97,6 +97,12 @@ def test_a_diagnosis_in_time_is_loaded_again_with_the_effect_itself(drifting, lo
     assert again.best.physics is effects[0]
     assert (again.says, again.verdict) == (diagnosis.says, "effect-missing")
     assert again.where == diagnosis.where
+
+
+def test_a_drift_is_found_though_the_material_alone_takes_it_for_slow_modes(drifting):
+    fit = identify([drifting], parse_model("fractional-maxwell + force-drift"))
+    assert fit.tests[0].over_floor < 1.1
+    assert fit.parameters["force-drift.rate"].value == pytest.approx(0.2, rel=0.05)
 
 
 def test_a_comparison_in_time_is_loaded_again(drifting, loaded):

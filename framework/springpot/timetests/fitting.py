@@ -424,21 +424,21 @@ def _scanned(
     parts: Sequence[TestPart],
     noise: Sequence[Real | None] | None,
 ) -> list[Real]:
-    """Starts (p,) with the last nonlinear force where a scan of the model without it puts it.
+    """Starts (p,) with the last effect where a scan of the model without it puts it.
 
-    A threshold has a minimum for each way to share the force between it and the rest: natural sizes
-    find any of them.
+    A threshold has a minimum for each way to share the force between it and the rest, and a drift
+    that a material has taken for slow modes never comes back: natural sizes find any of them.
     """
-    beside = sorted_out(model)[1]
-    if not beside:
+    # Of the tests alone where no nonlinear force stands beside the material.
+    effects = [each.effect for each in sorted_out(model)[1]] or list(model.of_tests)
+    if not effects:
         return []
-    last = beside[-1].effect
+    last = effects[-1]
     try:
         base = identify(given, model - last, noise=noise)
         promises = TimeScan(base, quick_parts(parts)).promises([last])
     except SpringpotError:
-        # It has no law in such a test, or nothing is left to fit: the search begins at natural
-        # sizes.
+        # It has no law in such a test, or nothing is left to fit: natural sizes are left.
         return []
     best = promises.get(last.name, [])[:STARTS]
     starts = []
