@@ -342,8 +342,6 @@ ROWS = 64
 """Parts of a block that are scanned side by side, as long as they are many."""
 RUN = 64
 """Evenly spaced samples that are one product of matrices."""
-RUNS = 4
-"""Of these at least are worth their kernel."""
 SMALL = 1e-2
 """Below this |r h| the power series of g' is as exact as its closed form."""
 
@@ -378,7 +376,8 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
     inner = steps[1:]
-    if n > RUNS * RUN and not np.iscomplexobj(inner) and np.ptp(inner) <= ALIKE * np.max(inner):
+    # A few runs are not worth their kernel.
+    if n > 4 * RUN and not np.iscomplexobj(inner) and np.ptp(inner) <= ALIKE * np.max(inner):
         return _driven_evenly(rates, float(np.mean(inner)), changes, mix, rate_mix)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))

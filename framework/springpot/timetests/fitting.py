@@ -429,8 +429,10 @@ def _scanned(
     A threshold has a minimum for each way to share the force between it and the rest, and a drift
     that a material has taken for slow modes never comes back: natural sizes find any of them.
     """
-    # Of the tests alone where no nonlinear force stands beside the material.
-    effects = [each.effect for each in sorted_out(model)[1]] or list(model.of_tests)
+    effects = [each.effect for each in sorted_out(model)[1]]
+    # Of the tests alone where no nonlinear force stands there; any material is sought with them.
+    if not effects and not is_material(model):
+        effects = list(model.of_tests)
     if not effects:
         return []
     last = effects[-1]
