@@ -7,6 +7,7 @@ import os
 import resource
 import signal
 import stat
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -334,13 +335,14 @@ def test_words_of_constraints(stays):
 
 def test_what_users_hand_over_is_a_list(stays):
     relaxed = TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.5], "kPa")
+    again = replace(DATA, stiffness=1.01 * DATA.stiffness)
     model = parse_model("kelvin")
     effects = library(only=["inertia", "time-delay"])
     stays(
         {
             "listed": [api._listed("ab"), api._listed(3), api._listed([1, 2])],
             "tests": [len(api._tests(DATA)), len(api._tests([DATA, relaxed]))],
-            "joined": [len(each) for each in api._tests([DATA, DATA])],
+            "joined": [len(each) for each in api._tests([DATA, again])],
             "none": answer(lambda: api._tests([])),
             "number": answer(lambda: api._tests([3])),
             "models": [api._model("kelvin").name, api._model(model).name, api._judged(None).name],

@@ -98,9 +98,9 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
         refit = property(lambda self: self.fitted)
 
     def judged(size):
-        known = SimpleNamespace(dof=40)
+        known = SimpleNamespace(dof=40, source="estimated")
         fitted = SimpleNamespace(
-            fit=known, noise=known, relative_rms=size, floor=0.01, error_dof=40
+            fit=known, noise=known, relative_rms=size, error=size, floor=0.01, error_dof=40
         )
         return Quiet.told(fitted, Error(size, 0.01, "estimated", "", 0.005), 0.0, {})
 

@@ -22,7 +22,7 @@ DELAY = 2e-3
 
 def sweep(name, expression="fractional-maxwell", theta=THETA):
     k = springpot.parse_model(expression).stiffness(theta, OMEGA)
-    noise = 1.0 + 0.002 * np.random.default_rng(len(name)).normal(size=(2, len(OMEGA)))
+    noise = 1.0 + 0.002 * np.random.default_rng(ord(name[0])).normal(size=(2, len(OMEGA)))
     measured = noise[0] * k.real + 1j * noise[1] * k.imag
     return springpot.Measurement(OMEGA, measured, units=springpot.Units("kPa"), name=name)
 

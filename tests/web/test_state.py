@@ -37,6 +37,7 @@ from springpot.web.sessions import (
     digest_of,
     is_session,
     joined,
+    joined_anew,
     kept,
     measured_in,
     measurement_of,
@@ -498,6 +499,8 @@ def test_places_in_hertz_stand_where_the_axis_is_in_radians():
 def test_a_file_that_is_added_to_itself_is_no_repeat_without_noise(data: Measurement):
     with pytest.raises(DataError, match="stand in the open data already"):
         joined(data, data)
+    # A folder that is watched brings the same file again.
+    assert joined_anew(data, data) is data
     again = Measurement(
         data.omega[3:6], 1.001 * data.stiffness[3:6], units=data.units, name="again"
     )

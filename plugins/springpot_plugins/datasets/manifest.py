@@ -36,7 +36,7 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
     sha256 = "..."                              # of the file there
 
 A manifest is limited: `LARGEST` bytes, names of files as in `names`, patterns as in `patterns`,
-addresses with https. It stands in the folder that it describes. For
+texts of `LONGEST_TEXT` signs, addresses with https. It stands in the folder that it describes. For
 the folders that this package knows by name, it is shipped. Without [columns], and where a
 downloaded file has another name than `file`, the reader of its format opens it.
 """
@@ -72,8 +72,12 @@ from .names import inside, is_name
 FILE = "dataset.toml"
 LARGEST = 1 << 14
 """Bytes of a manifest; the shipped ones have two thousand."""
+LONGEST_TEXT = 2000
+MOST_COLUMNS = 400
 MOST_FILES = 100
 """Files of one set: a rig that sweeps a hundred temperatures is rare, and each has to be opened."""
+LARGEST_SIZE = 10**12
+"""Rows that are believed."""
 _TEXTS = (
     "name",
     "summary",
@@ -315,6 +319,8 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         raise DataError(
             f"{path}: [columns] is a table; write omega, storage, loss = {{ from, unit }}"
         )
+    if len(columns) > MOST_COLUMNS:
+        raise DataError(f"{path}: more than {MOST_COLUMNS} columns")
     mapped = {}
     for name, source in columns.items():
         entry = source
@@ -402,14 +408,14 @@ def _check_values(values: dict[str, Any], path: str) -> None:
     if not is_name(values.get("name", "name")):
         raise DataError(f"{path}: '{values['name']:.80}' is no name of a data set")
     size, physics = values.get("size", 0), values.get("physics", [])
-    if not (isinstance(size, int) and size >= 0):
+    if not (isinstance(size, int) and 0 <= size <= LARGEST_SIZE):
         raise DataError(f"{path}: size is the number of rows")
     if not (isinstance(physics, list) and all(map(_is_text, physics))):
         raise DataError(f"{path}: physics is a list of sentences")
 
 
 def _is_text(value: object) -> bool:
-    return isinstance(value, str)
+    return isinstance(value, str) and len(value) <= LONGEST_TEXT
 
 
 def checked(pattern: str) -> str:
