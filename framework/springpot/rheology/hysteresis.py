@@ -21,11 +21,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate, pairwise
 from math import copysign, sqrt
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.interpolate import CubicHermiteSpline
 from scipy.special import betainc, betaln
 
 from ..numerics import ENDLESS, MOST_STEPS, ROUNDING, SMALLEST
@@ -36,6 +35,9 @@ from .nonlinear import NEEDS_AMPLITUDE, balanced_series, slip_film
 from .parameters import FORCE, PURE, Parameter, stiffness
 from .points import FURTHEST, Complex, Points, Real
 from .terms import BLOCK
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
 
 NODES = 24
 """Nodes on each half of z; the error falls by a factor of ten with every three more."""
@@ -288,6 +290,9 @@ def _slopes(q: Real, n: float, beta: float) -> tuple[Real, Real, Real, Real]:
 @lru_cache(maxsize=8)
 def ways(n: float, beta: float) -> Ways:
     """Phi and its derivatives for one sharpness and one hysteretic share."""
+    # Late: it takes a sixth of a second to load, and nothing else of this file needs it.
+    from scipy.interpolate import CubicHermiteSpline
+
     nodes, weights = legendre.leggauss(5)
     # Finer towards no force, where z^n has a kink: the cubics are good to 1e-6 for n from 0.5 to 8.
     graded = np.linspace(0.0, 1.0, 161) ** FLATNESS

@@ -25,9 +25,9 @@ from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
-from springpot.timetests.floor import TimeFloor, effects_of, material_floor, material_floors
 
 from .fitting import identify
+from .floor import TimeFloor, effects_of, material_floor, material_floors
 from .left import Left, delta_bic, independent, plain_bic
 from .residuals_of_tests import (
     Test,
