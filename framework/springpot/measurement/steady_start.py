@@ -27,6 +27,8 @@ PERIODIC = 0.2
 """The same by which a period is found, which need not be a whole number of samples."""
 OF_PERIOD = (0.125, 0.5, 1.0)
 """Parts of a period, from the first sample on, in which the response may still be settling."""
+MANY = 10
+"""Times the cycles recorded, that a motion had gone on for before them."""
 SETTLING = 1e-3
 """Chance of so large a difference there from noise alone, below which it began at rest."""
 
@@ -61,8 +63,27 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     period, lag = _lag(loading.value)
     if not lag or not _repeats(response[lag:] - response[:-lag], period):
         return loading
+    # What flows on has no place that it had always been at.
+    if abs(float(np.mean(response[lag:] - response[:-lag]))) > REPEATS * float(np.std(response)):
+        return loading
     # As many cycles as were recorded.
-    count = samples // lag
+    return _after_cycles(loading, lag, samples // lag)
+
+
+def lasting(loading: Loading) -> Loading:
+    """The same with many more cycles before it, where there are any.
+
+    What hangs on how many there were, no such record tells.
+    """
+    if not loading.before:
+        return loading
+    recorded = loading.recorded
+    _, lag = _lag(recorded.value)
+    return _after_cycles(recorded, lag, MANY * loading.before // lag)
+
+
+def _after_cycles(loading: Loading, lag: int, count: int) -> Loading:
+    """A loading after so many cycles like its first, which grow from nothing."""
     middle = float(np.mean(loading.value[:lag]))
     grown = np.minimum(2.0 * np.arange(count * lag) / (count * lag), 1.0)
     earlier = middle + np.sin(0.5 * np.pi * grown) ** 2 * (
@@ -112,9 +133,9 @@ def _repeats(change: Real, period: int) -> bool:
     """Whether a response changes from its first cycle to a later one no more than later ones do."""
     rest = change[period:]
     usual = float(np.mean(rest**2)) if len(rest) else 0.0
-    # What never differs was not measured.
+    # Of what never differs, as a command does not, any difference is one.
     if usual == 0.0:
-        return False
+        return not change.any()
     for part in OF_PERIOD:
         first = change[: max(int(part * period), 2)]
         ratio = float(np.mean(first**2)) / usual

@@ -293,8 +293,7 @@ class TimeTest:
         _require_numbers(clock, imposed, name, control)
         clock = even_clock(clock)
         loading = from_rest(clock, imposed, rise)
-        # What flows under a force has no place of its own: where it was before, nobody knows.
-        if loading.sampled and control == "displacement":
+        if loading.sampled:
             loading = gone_on(loading, response)
         return cls(
             clock,

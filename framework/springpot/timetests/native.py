@@ -388,6 +388,8 @@ class TimeSearch:
             # With no more numbers than parameters nothing is left over that could show a scatter.
             if len(value) > len(u):
                 scatter = max(1.0, part.sampled(value))
+            if (lasting := part.lasting) is not part:
+                _, slopes = self.residual([lasting], u)
             information += slopes @ slopes.T / scatter
         # A direction that no test sees is left with next to no information, and so with endless
         # variance.
