@@ -18,9 +18,9 @@ from springpot.identification.native import fit, minima_in_box
 from springpot.identification.problem import Objective, Problem, SpecimenProblem
 from springpot.identification.runs import BatchedOptimiser, Optimiser, options_of
 from springpot.identification.space import rounded_up
-from springpot.measurement.fingerprint import told_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
+from springpot.measurement.rows import told_of
 from springpot.measurement.scatter import with_noise
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import ALIKE

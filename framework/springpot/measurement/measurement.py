@@ -19,9 +19,8 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
-from .fingerprint import digest_of_columns
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
-from .rows import Rows, rows_without
+from .rows import Rows, digest_of_columns, rows_without
 from .units import Units
 
 if TYPE_CHECKING:
@@ -433,12 +432,9 @@ class Measurement(Rows):
 
         By content and not by name or order of columns.
         """
-        known = {"sd": self.sd, "repeat": self.repeat, "harmonics": self.harmonics}
-        beside = {**known, **self.conditions, **self.labels}
-        columns: dict[str, Any] = {"omega": self.omega, "stiffness": self.stiffness}
-        columns |= {key: beside[key] for key in sorted(beside) if beside[key] is not None}
-        if self.reference is not None:
-            columns["reference"] = np.array([self.reference])
+        names = ("omega", "stiffness", "sd", "repeat", "harmonics", "reference")
+        columns = {name: getattr(self, name) for name in names}
+        columns |= {**self.conditions, **self.labels}
         return digest_of_columns(self.units, columns, alone=("omega",))
 
     def levels(self, name: str) -> NDArray[np.int64]:

@@ -15,11 +15,11 @@ from springpot.errors import DataError, plain
 from springpot.rheology.points import KELVIN, Real
 
 from ..numerics import SMALLEST
-from .fingerprint import digest_of_columns
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
+from .rows import digest_of_columns
 from .steady_start import gone_on
 from .units import (
     AMPLITUDE_UNITS,
@@ -356,17 +356,8 @@ class TimeTest:
     def digest(self) -> str:
         """SHA-256 of everything in it that a fit can see, whatever its name."""
         imposed = self.loading
-        columns = {
-            "time": self.time,
-            "response": self.response,
-            "knots": imposed.time,
-            "imposed": imposed.value,
-        }
-        if self.warmth is not None:
-            columns["warmth"] = self.warmth
-        elif self.temperature is not None:
-            columns["temperature"] = np.array([self.temperature])
-        columns |= {key: np.array([self.marks[key]]) for key in sorted(self.marks)}
+        columns = {"time": self.time, "response": self.response, **self.conditions}
+        columns |= {"knots": imposed.time, "imposed": imposed.value}
         units = (self.displacement_unit, self.force_unit)
         about = (self.control, *units, imposed.sampled, imposed.before)
         return digest_of_columns(about, columns, alone=("time", "knots"))
