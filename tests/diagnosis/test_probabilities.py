@@ -37,6 +37,7 @@ def grown(*priors, names=None, beyond=(), evidence=0.0):
     return SimpleNamespace(
         effects=[SimpleNamespace(prior=prior) for prior in priors],
         names=names,
+        key=tuple(sorted(names or ())),
         beyond_physics=beyond,
         refit=SimpleNamespace(log_evidence=evidence),
     )

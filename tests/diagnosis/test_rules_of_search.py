@@ -139,7 +139,10 @@ def test_further_points_are_as_noisy_as_the_median_and_quieter_by_repeats(scale,
 def test_a_set_replaces_rungs_where_it_leads_to_no_worse_verdict(monkeypatch, verdict, then, taken):
     def step(name, verdict):
         return SimpleNamespace(
-            model=SimpleNamespace(name=name), diagnosis=SimpleNamespace(verdict=verdict)
+            model=SimpleNamespace(name=name),
+            diagnosis=SimpleNamespace(verdict=verdict),
+            accepted=name[1:],
+            alike=(),
         )
 
     class Base(str):
@@ -152,15 +155,15 @@ def test_a_set_replaces_rungs_where_it_leads_to_no_worse_verdict(monkeypatch, ve
         def __add__(self, effect):
             return Base(str.__add__(self, effect.name))
 
-    first = SimpleNamespace(model=Base("k"), diagnosis=SimpleNamespace(verdict="unexplained"))
+    first, made = step("k", "unexplained"), step("ka", then)
+    first.model = Base("k")
     steps = [first, step("kb", verdict)]
-    made = SimpleNamespace(model=Base("ka"), diagnosis=SimpleNamespace(verdict=then))
     monkeypatch.setattr(ladder, "rung_of", lambda case, before, name: made)
-    monkeypatch.setattr(ladder, "with_rivals", lambda kept, found: kept)
+    monkeypatch.setattr(ladder, "replace", lambda step, alike: (step, alike))
     rungs = SimpleNamespace(examined=lambda *given: None)
-    found = SimpleNamespace(effects=[SimpleNamespace(name="a")])
+    found = ladder.FoundSet((SimpleNamespace(name="a"),), None, lambda names: {"a": ("a", "c")})
     now = ladder.replaced_by(rungs, steps, found, None)
-    assert now == ([first, made] if taken else steps)
+    assert now == ([(first, ()), (made, ("a", "c"))] if taken else steps)
 
 
 def test_what_the_best_model_leaves_is_told_in_multiples_of_its_noise(monkeypatch):

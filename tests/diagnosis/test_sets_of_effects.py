@@ -7,9 +7,12 @@ import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
 from springpot.diagnosis import discovery
-from springpot.diagnosis.discovery import EffectSet, complete_set, likeliest_set, searched_sets
+from springpot.diagnosis.discovery import SweepRungs, searched_sets
 from springpot.diagnosis.evidence import Evidence
+from springpot.diagnosis.ladder import FoundSet, Rungs, rung_of
+from springpot.diagnosis.result import silent
 from springpot.diagnosis.search import search_from
+from springpot.misfit.error import Error
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.refit import refit
 from springpot.registry import parse_model, plugins
@@ -35,6 +38,24 @@ def case_of(search):
     return SimpleNamespace(search=search, naming=search, course=None)
 
 
+def rungs():
+    """Those of a sweep, whose data are in the searches."""
+    return SweepRungs(measurement=None, effects=LIBRARY, rng=np.random.default_rng(0))
+
+
+def rung(search, accepted=None):
+    """A step of a ladder, as far as sets are concerned."""
+    case = case_of(search)
+    told = SimpleNamespace(verdict="unexplained")
+    return SimpleNamespace(case=case, model=search.base.model, accepted=accepted, diagnosis=told)
+
+
+def likeliest(first, last, *names):
+    """The likeliest set, begun with effects that were accepted one after the other."""
+    end = SimpleNamespace(base=last, scan=first.scan)
+    return rungs().likeliest_set([rung(first), *(rung(end, name) for name in names)])
+
+
 def with_effects(search, *names):
     """The fit of the search's base with some effects."""
     model = search.base.model
@@ -56,7 +77,7 @@ def delayed():
 @pytest.mark.soak
 def test_three_effects_of_which_no_two_explain_the_data_are_found_together(three):
     assert max(len(grown.effects) for grown in three.grown) == 2
-    found = complete_set(case_of(three), np.random.default_rng(0))
+    found = rungs().complete_set([rung(three)])
     assert sorted(each.name for each in found.effects) == [
         "hysteretic-loss",
         "inertia",
@@ -64,35 +85,32 @@ def test_three_effects_of_which_no_two_explain_the_data_are_found_together(three
     ]
     # What a rung begins with fits as the set was fitted, whatever came first.
     model = parse_model(KELVIN.name) + "hysteretic-loss" + "time-delay" + "inertia"
-    assert found.makes(model)
-    off = measured(SWEEP, THREE, level=0.002).stiffness / model.stiffness(
-        found.start(model), three.base.fit.measurement.points
-    )
+    known = rungs()
+    known.sets.append(found)
+    (fit,) = known.fits_of(model)
+    assert fit is found.fit
+    off = measured(SWEEP, THREE, level=0.002).stiffness / fit.stiffness
     assert np.sqrt(np.mean(np.abs(off - 1.0) ** 2)) < 1.2 * three.base.floor
 
 
 def test_where_a_pair_explains_the_data_no_further_set_is_sought(delayed):
-    assert complete_set(case_of(delayed), np.random.default_rng(0)) is None
+    assert rungs().complete_set([rung(delayed)]) is None
 
 
 def test_one_rung_is_exchanged_for_the_effect_that_belongs_there(delayed):
     """A mount took the place of the mass beside a delay."""
     last = with_effects(delayed, "series-spring", "time-delay")
-    cases = [case_of(delayed), case_of(SimpleNamespace(base=last, scan=delayed.scan))]
-    found = likeliest_set(cases, ["series-spring", "time-delay"], LIBRARY)
-    # What stays keeps its rung and comes first.
-    assert [effect.name for effect in found.effects] == ["time-delay", "inertia"]
-    assert found.refit.rss < last.rss - 20.0
+    found = likeliest(delayed, last, "series-spring", "time-delay")
+    assert {effect.name for effect in found.effects} == {"time-delay", "inertia"}
+    assert found.fit.rss < last.rss - 20.0
 
 
 @pytest.mark.soak
 def test_one_rung_is_exchanged_for_two_only_if_the_evidence_says_so(three, delayed):
     for search, wanted in ((three, ["hysteretic-loss", "time-delay"]), (delayed, ["time-delay"])):
         last = with_effects(search, "inertia", "parallel-dashpot")
-        cases = [case_of(search), case_of(SimpleNamespace(base=last, scan=search.scan))]
-        found = likeliest_set(cases, ["inertia", "parallel-dashpot"], LIBRARY)
-        assert found.effects[0].name == "inertia"
-        assert sorted(effect.name for effect in found.effects[1:]) == wanted
+        found = likeliest(search, last, "inertia", "parallel-dashpot")
+        assert sorted(effect.name for effect in found.effects) == sorted(["inertia", *wanted])
 
 
 def test_rivals_that_the_first_rung_has_seen_are_weighed_too(delayed, monkeypatch):
@@ -105,14 +123,52 @@ def test_rivals_that_the_first_rung_has_seen_are_weighed_too(delayed, monkeypatc
         lambda search, effects: begun.extend(search.grown) or searched(search, []),
     )
     last = with_effects(delayed, "series-spring", "hysteretic-loss")
-    cases = [case_of(delayed), case_of(SimpleNamespace(base=last, scan=delayed.scan))]
-    found = likeliest_set(cases, ["series-spring", "hysteretic-loss"], LIBRARY)
+    found = likeliest(delayed, last, "series-spring", "hysteretic-loss")
     assert ("inertia", "time-delay") in {grown.key for grown in begun}
     assert {effect.name for effect in found.effects} == {"inertia", "time-delay"}
 
 
-def test_a_single_rung_is_what_the_diagnosis_says():
-    assert likeliest_set([], ["inertia"], LIBRARY) is None
+def test_a_single_rung_is_what_the_diagnosis_says(delayed):
+    assert likeliest(delayed, with_effects(delayed, "inertia"), "inertia") is None
+
+
+class Letters(Rungs):
+    """Rungs by letters, of which some stand in the place of those that were accepted."""
+
+    complete_set = decisive = None
+
+    def examined(self, model, progress, before, effect):
+        diagnosis = SimpleNamespace(verdict="adequate", candidates=(), parameters={}, tests=())
+        diagnosis.model, diagnosis.next_experiment = model, None
+        diagnosis.error = Error(0.1, 0.1, "given")
+        return SimpleNamespace(diagnosis=diagnosis)
+
+    def likeliest_set(self, steps):
+        effects = tuple(plugins().effect(name) for name in self.effects)
+        return FoundSet(effects, None, lambda names: {name: (name, "another") for name in names})
+
+
+@pytest.mark.parametrize(
+    ("accepted", "found", "told"),
+    [
+        (["inertia", "friction"], ["friction", "inertia"], ["inertia", "friction"]),
+        (["inertia", "friction"], ["time-delay", "friction"], ["friction", "time-delay"]),
+        (["friction"], ["inertia", "friction"], ["friction", "inertia"]),
+        (["inertia", "friction"], ["time-delay"], ["time-delay"]),
+    ],
+)
+def test_what_stays_keeps_its_rung(accepted, found, told):
+    letters, model, steps = Letters(effects=found), parse_model("kelvin"), []
+    for name in (None, *accepted):
+        model = model if name is None else model + name
+        steps.append(rung_of(letters.examined(model, None, None, None), None, name))
+    settled = letters.settled(steps, silent)
+    assert [step.accepted for step in settled] == [None, *told]
+    assert [step.alike for step in settled[1:]] == [(name, "another") for name in told]
+    # As far as nothing changes the examinations are those that were made.
+    kept = [step.accepted for step in steps[1:]] + [None] * 2
+    same = next(i for i, name in enumerate([*told, ""]) if name != kept[i])
+    assert all(settled[i].examined is steps[i].examined for i in range(1 + same))
 
 
 def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):
@@ -125,11 +181,10 @@ def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):
         told(0.2, "c", "b"),
         told(0.1, "a", "b", "e"),
     ]
-    effects = tuple(SimpleNamespace(name=name) for name in "ba")
-    found = EffectSet(effects, None, Evidence(None, 0.0, 0.0, tuple(sets)))
+    evidence = Evidence(None, 0.0, 0.0, tuple(sets))
     # Beside what is likely, what has the same curve, however unlikely.
     monkeypatch.setattr(Evidence, "same_curve", lambda self, names, of_any_size: [["d", "f"], []])
-    assert found.places() == {"b": ("b", "d", "f"), "a": ("a", "c")}
+    assert evidence.places("ba") == {"b": ("b", "d", "f"), "a": ("a", "c")}
 
 
 def test_the_best_set_is_minimal(three):

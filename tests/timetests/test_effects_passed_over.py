@@ -42,7 +42,7 @@ def tried(missed, share: float) -> list[Tried]:
     residuals = tuple(share * each + noise for each in before.residuals)
     scatters = tuple(scatter_of(each) for each in residuals)
     left = replace(before, residuals=residuals, scatters=scatters)
-    return [Tried(EFFECTS[0], base.model + EFFECTS[0], base.theta, left, 0.0)]
+    return [Tried((EFFECTS[0],), base.model + EFFECTS[0], base.theta, left)]
 
 
 @pytest.mark.parametrize("share", [0.9, 0.1])

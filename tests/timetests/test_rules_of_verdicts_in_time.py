@@ -246,7 +246,7 @@ def test_an_effect_of_the_rig_is_as_much_commoner_as_the_rigs_are():
     rig = SimpleNamespace(prior=0.5, of_apparatus=True)
     assert trying.weight_of(effect) == 0.5
     assert trying.weight_of(rig) == 0.5 * EVIDENCE.apparatus
-    each = trying.Tried(rig, None, np.zeros(0), None, 12.0)
+    each = trying.Tried((rig,), None, np.zeros(0), None, delta=12.0)
     assert each.evidence == pytest.approx(12.0 + 2.0 * np.log(0.5 * EVIDENCE.apparatus))
 
 

@@ -12,7 +12,7 @@ from springpot.diagnosis.grown import go_on_to_neighbours
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import discover, recorded
-from springpot.timetests.discovery import FoundSet, TimeSets
+from springpot.timetests.discovery import TimeSets, places
 
 NAMES = ("force-drift", "thermal-force", "cubic-stiffness", "friction", "asymmetric-stiffness")
 
@@ -145,14 +145,12 @@ def test_what_lies_behind_worse_neighbours_is_found():
 
 
 def test_what_may_stand_in_a_place_stands_beside_the_same_others():
-    drift, stiff = plugins().effect("force-drift"), plugins().effect("cubic-stiffness")
     rivals = (
         ("cubic-stiffness", "force-drift"),
         ("cubic-stiffness", "thermal-force"),
         ("asymmetric-stiffness", "thermal-force"),
     )
-    found = FoundSet((drift, stiff), None, rivals)
-    assert found.places() == {
+    assert places(rivals, ["force-drift", "cubic-stiffness"]) == {
         "force-drift": ("force-drift", "thermal-force"),
         "cubic-stiffness": ("cubic-stiffness",),
     }

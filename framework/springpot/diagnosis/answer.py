@@ -46,6 +46,7 @@ from .experiment import (
 from .grown import Grown, Search
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import (
+    SEEN,
     Candidate,
     Diagnosis,
     EffectVerdict,
@@ -220,8 +221,6 @@ BESIDE_MATERIAL = {
 """What is added where effects are named beside a free spectrum."""
 OPEN = frozenset({"unexplained", "inconclusive"})
 """Verdicts after which the cause may be something that no effect knows, such as another column."""
-SEEN = frozenset({"unexplained", "effect-missing"})
-"""Verdicts after which what the effects leave may have a description."""
 Cause: TypeAlias = Column | EqualRows | Course | None
 """What the misfit goes with that no effect knows.
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,13 +17,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .evidence import (
-    Evidence,
-    credible,
-    log_prior,
-    one_for_each_set,
-    size_of_scanned,
-)
+from .evidence import Evidence, log_prior, one_for_each_set, size_of_scanned
 from .examination import examine
 from .grown import (
     AskedSet,
@@ -38,15 +31,11 @@ from .grown import (
     scanned_beside,
 )
 from .in_practice import Accuracy
-from .ladder import Case, Ladder, Reached, Step, climbed, replaced_by, with_rivals
+from .ladder import Case, FoundSet, Ladder, Reached, Rungs, Step, accepted_of, climbed, in_order
 from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
 from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
 from .verdict import by_chain
-
-if TYPE_CHECKING:
-    from .ladder import Case
-
 
 MOST_TOGETHER = 4
 """Effects sought together at most: more of them follow any misfit."""
@@ -128,187 +117,6 @@ def _likeliest(search: Search) -> list[Grown]:
     return sorted(sets, key=lambda one: -one.refit.log_evidence - log_prior(one, library))
 
 
-@dataclass(frozen=True, eq=False)
-class EffectSet:
-    """Effects that explain the data together.
-
-    Attributes
-    ----------
-    effects : tuple of Effect
-        In the order in which they are to be accepted.
-    refit : Refit
-        The fit with all of them.
-    evidence : Evidence
-        Of all sets that were tried.
-    """
-
-    effects: tuple[Effect, ...]
-    refit: Refit
-    evidence: Evidence
-
-    def makes(self, model: Model) -> bool:
-        """Whether a model has all of them, and no more."""
-        return sorted(self.refit.model.names) == sorted(model.names)
-
-    def start(self, model: Model) -> Real:
-        """Parameters (p,) of a model that it makes, as they were fitted."""
-        names = self.refit.model.names
-        return model.vector(dict(zip(names, self.refit.theta.tolist(), strict=True)))
-
-    def places(self) -> dict[str | None, tuple[str, ...]]:
-        """For each effect of the set, what may stand in its place."""
-        names = [effect.name for effect in self.effects]
-        chances = self.evidence.stand_ins(names, of_any_size=True)
-        alike = self.evidence.same_curve(names, of_any_size=True)
-        return {
-            name: tuple(dict.fromkeys([*credible(own, EVIDENCE.unasked), *others]))
-            for name, own, others in zip(names, chances, alike, strict=True)
-        }
-
-
-def complete_set(case: Case, rng: np.random.Generator) -> EffectSet | None:
-    """Several effects that together explain all, where no one or two do; None without such.
-
-    Parameters
-    ----------
-    case : Case
-        A model, examined.
-    rng : numpy.random.Generator
-        For simulated noise.
-    """
-    search = case.search
-    explained = search.left.p_value >= VERDICT.structure_alarm
-    # What changes with time, and what a free spectrum follows with effects, has no such answer.
-    if explained or case.course is not None or is_material(search.base.model):
-        return None
-    if not search.grown or search.alarm > VERDICT.accepted:
-        return None
-    found = searched_sets(search, [score.influence.effect for score in search.scan.scores])
-    evidence = Evidence.of(found)
-    best = evidence.explanations[0].grown
-    # As where effects are named: beside any material only if that is clearly better.
-    behind = case.naming.best.log_evidence_of_all - best.refit.log_evidence_of_all
-    left = battery(best.refit.frame(), rng)
-    if (
-        evidence.unknown > VERDICT.likely
-        or 2.0 * behind > SEARCH.decisive
-        or 2.0 * _needed(found, best) < SEARCH.decisive
-        or left.p_value < VERDICT.structure_alarm
-        or best.beyond_physics
-    ):
-        return None
-    return EffectSet(tuple(_in_order(found, best)), best.refit, evidence)
-
-
-def likeliest_set(
-    cases: Sequence[Case], accepted: Sequence[str], library: Sequence[Effect]
-) -> EffectSet | None:
-    """The likeliest set of effects, begun with those accepted one after the other.
-
-    None where fewer than two were.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-        From the user's model to the one with all of them.
-    accepted : sequence of str
-        Their names.
-    library : sequence of Effect
-        Effects that may be missing.
-    """
-    if len(accepted) < 2:
-        return None
-    first, last = cases[0].search, cases[-1].search.base
-    # In units of the noise that is known in the end, and without the points set aside.
-    base = refit(first.base.model, last.data, last.noise, [first.base.theta])
-    scanned = {score.influence.effect for case in cases for score in case.search.scan.scores}
-    chosen = _accepted(last.model, base.model, accepted)
-    # Beside another effect what is narrow may stand for a broad one as well.
-    effects = [
-        effect
-        for effect in applicable(library, base.fit.measurement)
-        if effect in scanned or effect in chosen or effect.narrow
-    ]
-    frame = base.frame()
-    scan = scan_effects(base, frame, effects)
-    begun = Grown(chosen, last, last.rss)
-    search = replace(first, base=base, frame=frame, scan=scan, grown=[begun], promoted=frozenset())
-    # Rivals that the first rung has seen may differ in every place.
-    least = first.best.log_evidence - EVIDENCE.rivals
-    seen = [one for one in first.grown if one.refit.log_evidence > least and len(one.effects) > 1]
-    fit_new(
-        search,
-        [
-            AskedSet(one.effects, one.refit.model, [one.refit.theta], 0, one.predicted)
-            for one in seen
-        ],
-    )
-    found = searched_sets(search, effects)
-    evidence = Evidence.of(found)
-    best = evidence.explanations[0].grown
-    # What stays keeps its rung.
-    order, others = [], _in_order(found, best)
-    for effect in chosen:
-        if effect in others:
-            others.remove(effect)
-            order.append(effect)
-    return EffectSet((*order, *others), best.refit, evidence)
-
-
-def beside_what_is_left(case: Case, accepted: str) -> EffectSet | None:
-    """An effect and what else is missing, with what may stand in the place of either.
-
-    None where nothing else is.
-
-    Parameters
-    ----------
-    case : Case
-        The examination of the model without it.
-    accepted : str
-        The effect.
-    """
-    effects = [score.influence.effect for score in case.search.scan.scores]
-    pairs = [one for one in case.search.grown if accepted in one.names and len(one.effects) > 1]
-    if not pairs or case.search.grown[0].key != pairs[0].key:
-        return None
-    search = replace(case.search, grown=list(case.search.grown), confounded=[])
-    GrownSets(search, effects, MOST_TOGETHER).open(pairs[:1])
-    sort_by_evidence(search)
-    return EffectSet(pairs[0].effects, pairs[0].refit, Evidence.of(search))
-
-
-def _accepted(model: Model, base: Model, names: Sequence[str]) -> tuple[Effect, ...]:
-    """The effects of these names that a model has beyond the base's, in their order."""
-    added = list(model.effects)
-    for effect in base.effects:
-        added.remove(effect)
-    return tuple(next(effect for effect in added if effect.name == name) for name in names)
-
-
-def _in_order(search: Search, grown: Grown) -> list[Effect]:
-    """The effects of a set, the ones first that do most without the others."""
-    fits = {one.key: one.refit for one in one_for_each_set(search.grown)}
-    left, order = list(grown.effects), []
-    while left:
-        # Last is what is missed the least.
-        evidence = []
-        for one in left:
-            fit = fits.get(tuple(sorted(each.name for each in left if each is not one)))
-            evidence.append(-np.inf if fit is None else fit.log_evidence)
-        order.append(left.pop(int(np.argmax(evidence))))
-    return order[::-1]
-
-
-def _needed(search: Search, grown: Grown) -> float:
-    """Log-evidence that a set has beyond the best with fewer effects."""
-    fewer = [one.refit for one in search.grown if len(one.effects) < len(grown.effects)]
-    return grown.refit.log_evidence - max(fit.log_evidence for fit in (search.base, *fewer))
-
-
-MOST_HIDDEN = 2
-"""Effects that may be accepted from an unexplained rung on, if they complete the model."""
-
-
 def discover(
     measurement: Measurement,
     model: Model,
@@ -343,39 +151,26 @@ def discover(
         drawn = begun.steps[-1].case.drawn
         assert drawn is not None
         rng.bit_generator.state = drawn
-    rungs = SweepRungs(measurement, library, rng, accuracy, fitted=fitted)
+    rungs = SweepRungs(
+        measurement=measurement, effects=library, rng=rng, accuracy=accuracy, fitted=fitted
+    )
     return climbed(rungs, model, accept, progress, reached, begun)
 
 
-@dataclass(frozen=True, eq=False)
-class SweepRungs:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SweepRungs(Rungs[Refit]):
     """A sweep that stands alone.
 
     Attributes
     ----------
     measurement : Measurement
         The data.
-    effects : sequence of Effect
-        Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
-    accuracy : Accuracy or None
-        What the instrument promises.
-    sets : list of EffectSet
-        Sets that were found to explain the data together.
-    plan : list of Effect
-        Those of the last such set that are still to be accepted.
-    fitted : callable
-        Given each effect that was fitted by itself.
     """
 
     measurement: Measurement
-    effects: Sequence[Effect]
     rng: np.random.Generator
-    accuracy: Accuracy | None = None
-    sets: list[EffectSet] = field(default_factory=list)
-    plan: list[Effect] = field(default_factory=list)
-    fitted: Fitted = unseen
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -385,7 +180,9 @@ class SweepRungs:
         if before is not None and effect is not None:
             require_conditions(model, self.measurement)
             starts = _starts(before.case, effect)
-        starts += [found.start(model) for found in self.sets if found.makes(model)]
+        for fit in self.fits_of(model):
+            named = zip(fit.model.names, fit.theta.tolist(), strict=True)
+            starts.append(model.vector(dict(named)))
         case = examine(
             self.measurement,
             model,
@@ -398,38 +195,124 @@ class SweepRungs:
         )
         return replace(case, drawn=self.rng.bit_generator.state)
 
-    def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
-        """The effect whose absence is beyond doubt, if there is one and a further rung could count.
+    def complete_set(self, steps: Sequence[Step]) -> FoundSet[Refit] | None:
+        """Several effects that together explain all, where no one or two do; None without such."""
+        case = steps[-1].case
+        search = case.search
+        explained = search.left.p_value >= VERDICT.structure_alarm
+        # What changes with time, and what a free spectrum follows with effects, has no such answer.
+        if explained or case.course is not None or is_material(search.base.model):
+            return None
+        if not search.grown or search.alarm > VERDICT.accepted:
+            return None
+        found = searched_sets(search, [score.influence.effect for score in search.scan.scores])
+        evidence = Evidence.of(found)
+        best = evidence.explanations[0].grown
+        # As where effects are named: beside any material only if that is clearly better.
+        behind = case.naming.best.log_evidence_of_all - best.refit.log_evidence_of_all
+        left = battery(best.refit.frame(), self.rng)
+        if (
+            evidence.unknown > VERDICT.likely
+            or 2.0 * behind > SEARCH.decisive
+            or 2.0 * _needed(found, best) < SEARCH.decisive
+            or left.p_value < VERDICT.structure_alarm
+            or best.beyond_physics
+        ):
+            return None
+        return _found(evidence)
 
-        See `_explained`.
+    def decisive(self, steps: Sequence[Step]) -> Effect | None:
+        """The effect that the last rung asks for beyond doubt."""
+        return _decisive(steps)
+
+    def likeliest_set(self, steps: Sequence[Step]) -> FoundSet[Refit] | None:
+        """The likeliest set, begun with the effects accepted one after the other.
+
+        Of one beside which more is missing, what may stand in its place there.
         """
-        last = steps[-1].case
-        # "Inconclusive" is no ground for a decision that nobody looks at.
-        if last.diagnosis.verdict not in ("effect-missing", "unexplained"):
+        chosen = accepted_of(steps)
+        if len(chosen) == 1 and steps[-1].diagnosis.verdict == "effect-missing":
+            return beside_what_is_left(steps[0].case, chosen[0])
+        if len(chosen) < 2:
             return None
-        if not self.plan and (found := complete_set(last, self.rng)):
-            self.plan.extend(found.effects)
-            self.sets.append(found)
-        effect = self.plan.pop(0) if self.plan else _decisive(steps)
-        if effect is None or effect.name in refused:
-            return None
-        return effect
+        cases = [step.case for step in steps]
+        first, last = cases[0].search, cases[-1].search.base
+        # In units of the noise that is known in the end, and without the points set aside.
+        base = refit(first.base.model, last.data, last.noise, [first.base.theta])
+        scanned = {score.influence.effect for case in cases for score in case.search.scan.scores}
+        # Beside another effect what is narrow may stand for a broad one as well.
+        effects = [
+            effect
+            for effect in applicable(self.effects, base.fit.measurement)
+            if effect in scanned or effect in chosen or effect.narrow
+        ]
+        frame = base.frame()
+        search = replace(
+            first,
+            base=base,
+            frame=frame,
+            scan=scan_effects(base, frame, effects),
+            grown=[Grown(chosen, last, last.rss)],
+            promoted=frozenset(),
+        )
+        # Rivals that the first rung has seen may differ in every place.
+        least = first.best.log_evidence - EVIDENCE.rivals
+        fit_new(
+            search,
+            [
+                AskedSet(one.effects, one.refit.model, [one.refit.theta], 0, one.predicted)
+                for one in first.grown
+                if one.refit.log_evidence > least and len(one.effects) > 1
+            ],
+        )
+        return _found(Evidence.of(searched_sets(search, effects)))
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
         """The rungs that explain something, each the likeliest beside all others."""
-        steps = _explained(steps, [len(found.effects) for found in self.sets])
-        # Alone or first, an effect may only have seemed needed: with all others in place it is
-        # asked anew which set it is.
-        cases = [step.case for step in steps]
-        names = [step.accepted for step in steps[1:] if step.accepted]
-        if len(names) == 1 and cases[-1].diagnosis.verdict == "effect-missing":
-            beside = beside_what_is_left(cases[0], names[0])
-            return steps if beside is None else with_rivals(steps, beside)
-        found = likeliest_set(cases, names, self.effects)
-        if found is None:
-            return steps
-        self.sets.append(found)
-        return replaced_by(self, steps, found, progress)
+        explained = _explained(steps, [len(found.effects) for found in self.sets])
+        return super().settled(explained, progress)
+
+
+def _found(evidence: Evidence) -> FoundSet[Refit]:
+    """The likeliest set of a search."""
+    best, sets = evidence.explanations[0].grown, one_for_each_set(evidence.search.grown)
+    worth = {one.key: one.refit.log_evidence for one in sets}
+    return FoundSet(in_order(best.effects, worth), best.refit, evidence.places)
+
+
+def beside_what_is_left(case: Case, accepted: Effect) -> FoundSet[Refit] | None:
+    """An effect with what may stand in its place beside what else is missing.
+
+    None where nothing else is.
+
+    Parameters
+    ----------
+    case : Case
+        The examination of the model without it.
+    accepted : Effect
+        The effect.
+    """
+    effects = [score.influence.effect for score in case.search.scan.scores]
+    pairs = [
+        one for one in case.search.grown if accepted.name in one.names and len(one.effects) > 1
+    ]
+    if not pairs or case.search.grown[0].key != pairs[0].key:
+        return None
+    search = replace(case.search, grown=list(case.search.grown), confounded=[])
+    GrownSets(search, effects, MOST_TOGETHER).open(pairs[:1])
+    sort_by_evidence(search)
+    evidence = Evidence.of(search)
+    return FoundSet((accepted,), pairs[0].refit, lambda _: evidence.places(pairs[0].names))
+
+
+def _needed(search: Search, grown: Grown) -> float:
+    """Log-evidence that a set has beyond the best with fewer effects."""
+    fewer = [one.refit for one in search.grown if len(one.effects) < len(grown.effects)]
+    return grown.refit.log_evidence - max(fit.log_evidence for fit in (search.base, *fewer))
+
+
+MOST_HIDDEN = 2
+"""Effects that may be accepted from an unexplained rung on, if they complete the model."""
 
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.

@@ -142,12 +142,13 @@ class Evidence:
         logs = _log_weights(search, tried)
         prior = log_prior_of_one(size_of_scanned(search))
         weights, unknown = chances_of(logs, unknown_marginal(search) + prior)
-        pairs = zip(tried, weights[1:].tolist(), strict=True)
-        explanations = [Explanation(grown, weight) for grown, weight in pairs]
+        pairs = list(zip(tried, weights[1:].tolist(), strict=True))
         # What fits best only beyond what any specimen reaches tells that something is missing, but
         # not its name.
-        impossible = sum(one.probability for one in explanations if one.grown.beyond_physics)
-        explanations = [_if_possible(one) for one in explanations]
+        impossible = sum(weight for grown, weight in pairs if grown.beyond_physics)
+        explanations = [
+            Explanation(grown, 0.0 if grown.beyond_physics else weight) for grown, weight in pairs
+        ]
         by_itself, unknown = unknown, min(unknown + impossible, 1.0 - ROUNDING)
         explanations.sort(key=lambda one: -one.probability)
         explanations, fault = _beside_a_fault(search, explanations)
@@ -197,12 +198,11 @@ class Evidence:
     @property
     def narrow(self) -> float:
         """That something narrow is missing which only looks like an effect of the library."""
-        imitated = (
+        return EVIDENCE.other_shape * sum(
             one.probability
             for one in self.explanations
             if self._is_imitated(one) and not self._is_patchwork(one)
         )
-        return EVIDENCE.other_shape * sum(imitated)
 
     @property
     def other_shape(self) -> float:
@@ -267,7 +267,6 @@ class Evidence:
         return self._with_unknown(0.0)
 
     def _with_unknown(self, unknown: float) -> Evidence:
-        unknown = float(unknown)
         share = (1.0 - unknown) / max(1.0 - self.unknown, SMALLEST)
         # All by one factor: what the unknown takes says nothing of which known explanation is
         # right.
@@ -381,6 +380,15 @@ class Evidence:
                 alike[list(names).index(place[0])] += new
         return alike
 
+    def places(self, names: Sequence[str]) -> dict[str | None, tuple[str, ...]]:
+        """For each effect of a set, what may stand in its place in sets of any size."""
+        chances = self.stand_ins(names, of_any_size=True)
+        alike = self.same_curve(names, of_any_size=True)
+        return {
+            name: tuple(dict.fromkeys([*credible(own, EVIDENCE.unasked), *others]))
+            for name, own, others in zip(names, chances, alike, strict=True)
+        }
+
     @property
     def beside(self) -> list[str]:
         """The fewest partners that hold nearly all of their probability, the likeliest first.
@@ -424,9 +432,8 @@ class Evidence:
         partner_of = {tuple(sorted((self.leader, name))): name for name in names}
         chosen: dict[str, Grown] = {}
         for grown in self.search.grown:
-            partner = partner_of.get(tuple(sorted(grown.names)))
-            if partner is not None:
-                chosen.setdefault(partner, grown)
+            if grown.key in partner_of:
+                chosen.setdefault(partner_of[grown.key], grown)
         return chosen
 
 
@@ -472,13 +479,6 @@ def chances_of(logs: Real, log_unknown: float = -np.inf) -> tuple[Real, float]:
     unknown = min(odds / (1.0 + odds), 1.0 - ROUNDING)
     weights *= (1.0 - unknown) / np.sum(weights)
     return weights, unknown
-
-
-def _if_possible(one: Explanation) -> Explanation:
-    """An explanation, without any probability where it is beyond what any specimen reaches."""
-    if one.grown.beyond_physics:
-        return replace(one, probability=0.0)
-    return one
 
 
 def _leaning(tried: Sequence[Grown], logs: Real, imitators: frozenset[str]) -> frozenset[str]:
@@ -594,9 +594,9 @@ def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
     # In a fixed order and by more than rounding, so that two orders of adding an effect cannot
     # change the answer.
     for each in sorted(grown, key=lambda one: one.names):
-        key = tuple(sorted(each.names))
-        if key not in best or each.refit.log_evidence > best[key].refit.log_evidence + NEGLIGIBLE:
-            best[key] = each
+        known = best.get(each.key)
+        if known is None or each.refit.log_evidence > known.refit.log_evidence + NEGLIGIBLE:
+            best[each.key] = each
     return list(best.values())
 
 

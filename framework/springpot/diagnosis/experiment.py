@@ -31,7 +31,6 @@ from springpot.misfit.error import plain
 from springpot.misfit.frame import orthonormal
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
@@ -40,7 +39,7 @@ from springpot.writing import NAMED
 
 from ..numerics import ALIKE, SMALLEST
 from .grown import COLUMN, Untold
-from .result import NextExperiment
+from .result import FittedModel, NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
 """Effort of an amplitude, which is a number.
@@ -65,18 +64,6 @@ Pair = tuple[float, float]
 """Of the first and of the second explanation."""
 
 
-class Fitted(Protocol):
-    """A fitted model."""
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-
-    @property
-    def theta(self) -> Real:
-        """Its parameters (p,)."""
-
-
 class Measurable(Protocol):
     """A measurement that could be made."""
 
@@ -99,7 +86,7 @@ A = TypeVar("A", bound=Measurable)
 class Contest(ABC):
     """Two explanations after a measurement: one holds, the rival may change to follow it."""
 
-    rival: Fitted
+    rival: FittedModel
 
     @abstractmethod
     def seen(self, theta: Real) -> tuple[Real, Real]:

@@ -13,7 +13,7 @@ astray. A set has neighbours: one effect more, one less, another one or two in t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol, TypeAlias, TypeVar
@@ -137,7 +137,12 @@ class Grown:
     @property
     def key(self) -> tuple[str, ...]:
         """The same in alphabetical order, whatever was added first."""
-        return tuple(sorted(self.names))
+        return key_of(self.effects)
+
+
+def key_of(effects: Iterable[Effect]) -> tuple[str, ...]:
+    """The names of a set in alphabetical order, whatever was added first."""
+    return tuple(sorted(effect.name for effect in effects))
 
 
 def size_of(model: Model, theta: Real, effect: Effect) -> float:
@@ -382,7 +387,7 @@ class AskedSet:
     @property
     def key(self) -> tuple[str, ...]:
         """Names of its effects in alphabetical order."""
-        return tuple(sorted(effect.name for effect in self.effects))
+        return key_of(self.effects)
 
     def joined(self, other: AskedSet) -> AskedSet:
         """The same set with the starts of both."""
@@ -576,7 +581,7 @@ def _lacking(search: Search, grown: Grown, i: int) -> Refit:
     rest = (*grown.effects[:i], *grown.effects[i + 1 :])
     if not rest:
         return search.base
-    key = tuple(sorted(effect.name for effect in rest))
+    key = key_of(rest)
     # As found so far: the best of several fits, where it was grown in several ways.
     known = [one.refit for one in search.grown if one.key == key]
     if known:

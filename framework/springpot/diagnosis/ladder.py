@@ -5,12 +5,15 @@ With all that a diagnosis of a sweep found, for those who go on from it.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice, zip_longest
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
+
+import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.space import require_conditions
@@ -28,8 +31,20 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .grown import Search
-from .result import Diagnosis, NextExperiment, Progress, Verdict, silent, within
+from .grown import Search, key_of
+from .in_practice import Accuracy
+from .result import (
+    SEEN,
+    Diagnosis,
+    Fitted,
+    FittedModel,
+    NextExperiment,
+    Progress,
+    Verdict,
+    silent,
+    unseen,
+    within,
+)
 from .scan import scan_effects
 
 if TYPE_CHECKING:
@@ -358,26 +373,145 @@ class Ladder:
 Reached: TypeAlias = Callable[[Ladder], None]
 
 
-class Rungs(Protocol):
-    """Tests of one specimen, of any kind: how a rung is examined, and what of it decides."""
+F = TypeVar("F", bound=FittedModel)
 
+
+class FoundSet(NamedTuple, Generic[F]):
+    """Effects that explain the tests together.
+
+    Attributes
+    ----------
+    effects : tuple of Effect
+        In the order in which they are to be accepted.
+    fit : Refit or Identification
+        With all of them.
+    places : callable
+        Gives for each of their names what may stand in its place.
+    """
+
+    effects: tuple[Effect, ...]
+    fit: F
+    places: Callable[[Sequence[str]], Mapping[str | None, tuple[str, ...]]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rungs(ABC, Generic[F]):
+    """Tests of one specimen, of any kind: how a rung is examined, and what of it decides.
+
+    Attributes
+    ----------
+    effects : sequence of Effect
+        Effects that may be missing.
+    accuracy : Accuracy or None
+        What the instrument promises.
+    fitted : callable
+        Given each effect that was fitted by itself.
+    sets : list of FoundSet
+        Sets that were found to explain the tests together.
+    plan : list of Effect
+        Those of the last such set that are still to be accepted.
+    """
+
+    effects: Sequence[Effect]
+    accuracy: Accuracy | None = None
+    fitted: Fitted = unseen
+    sets: list[FoundSet[F]] = field(default_factory=list)
+    plan: list[Effect] = field(default_factory=list)
+
+    @abstractmethod
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
     ) -> Examined:
         """A model; where it is that of the rung before with an effect, by what that has found."""
-        ...
+
+    @abstractmethod
+    def complete_set(self, steps: Sequence[Step]) -> FoundSet[F] | None:
+        """Several effects that explain together what the last rung leaves, where none alone does.
+
+        None without such.
+        """
+
+    @abstractmethod
+    def decisive(self, steps: Sequence[Step]) -> Effect | None:
+        """The effect that the last rung asks for beyond doubt, if there is one."""
+
+    @abstractmethod
+    def likeliest_set(self, steps: Sequence[Step]) -> FoundSet[F] | None:
+        """The likeliest set, begun with the effects accepted one after the other.
+
+        None where that asks nothing more than the diagnosis has answered.
+        """
+
+    def fits_of(self, model: Model, others: Sequence[F] = ()) -> list[F]:
+        """Fits of sets and others that are of a model, whatever the order of its effects."""
+        fits, names = [*(found.fit for found in self.sets), *others], sorted(model.names)
+        return [fit for fit in fits if sorted(fit.model.names) == names]
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
         """The effect whose absence is beyond doubt, if there is one that was not refused."""
-        ...
+        if not self.plan:
+            # "Inconclusive" is no ground for a decision that nobody looks at.
+            if steps[-1].diagnosis.verdict not in SEEN:
+                return None
+            if found := self.complete_set(steps):
+                self.sets.append(found)
+                self.plan.extend(found.effects)
+        effect = self.plan.pop(0) if self.plan else self.decisive(steps)
+        if effect is None or effect.name in refused:
+            return None
+        return effect
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
-        """The rungs that stay, once no effect is wanted."""
-        ...
+        """The rungs that stay, once no effect is wanted.
+
+        Alone or first, an effect may only have seemed needed: with all others in place it is asked
+        anew which set it is.
+        """
+        found = self.likeliest_set(steps)
+        if found is None:
+            return steps
+        self.sets.append(found)
+        # What stays keeps its rung.
+        stay, others = [], list(found.effects)
+        for effect in accepted_of(steps):
+            if effect in others:
+                others.remove(effect)
+                stay.append(effect)
+        return replaced_by(self, steps, found._replace(effects=(*stay, *others)), progress)
+
+
+def accepted_of(steps: Sequence[Step]) -> tuple[Effect, ...]:
+    """The effects that led from the first rung to the last, as the model of that has them."""
+    added = list(steps[-1].model.effects)
+    for effect in steps[0].model.effects:
+        added.remove(effect)
+    return tuple(
+        next(effect for effect in added if effect.name == step.accepted) for step in steps[1:]
+    )
+
+
+def in_order(
+    effects: Sequence[Effect], worth: Mapping[tuple[str, ...], float]
+) -> tuple[Effect, ...]:
+    """The effects of a set, the ones first that do most without the others.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+        The set.
+    worth : mapping of tuple of str to float
+        Of each set that was fitted, by its key: the more, the likelier it is.
+    """
+    left, order = list(effects), []
+    while left:
+        # Last is what is missed the least.
+        others = [key_of(other for other in left if other is not one) for one in left]
+        order.append(left.pop(int(np.argmax([worth.get(key, -np.inf) for key in others]))))
+    return tuple(order[::-1])
 
 
 def climbed(
-    rungs: Rungs,
+    rungs: Rungs[F],
     model: Model,
     accept: Sequence[Effect] | None = None,
     progress: Progress = silent,
@@ -450,21 +584,8 @@ def climbed(
     return _ladder(steps, refused)
 
 
-class FoundTogether(Protocol):
-    """A set of effects that explains the data."""
-
-    @property
-    def effects(self) -> Sequence[Effect]:
-        """In the order in which they are to be accepted."""
-        ...
-
-    def places(self) -> dict[str | None, tuple[str, ...]]:
-        """For each of them, what may stand in its place."""
-        ...
-
-
 def replaced_by(
-    rungs: Rungs, steps: list[Step], found: FoundTogether, progress: Progress
+    rungs: Rungs[F], steps: list[Step], found: FoundSet[F], progress: Progress
 ) -> list[Step]:
     """The rungs by the effects of a set, each with its rivals; those that stay as they are.
 
@@ -485,13 +606,8 @@ def replaced_by(
         kept.append(step)
     if kept[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
         return steps
-    return with_rivals(kept, found)
-
-
-def with_rivals(steps: Sequence[Step], found: FoundTogether) -> list[Step]:
-    """The rungs with what may stand in the place of each effect of a set."""
-    places = found.places()
-    return [replace(step, alike=places.get(step.accepted, step.alike)) for step in steps]
+    places = found.places([effect.name for effect in found.effects])
+    return [replace(step, alike=places.get(step.accepted, step.alike)) for step in kept]
 
 
 def _ladder(steps: Sequence[Step], refused: Mapping[str, str]) -> Ladder:

@@ -121,6 +121,8 @@ def accepting(effect: str, explains: bool, error_after: float) -> ToDo:
 
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
+SEEN = frozenset({"unexplained", "effect-missing"})
+"""Verdicts after which something is missing, and what the effects leave may have a description."""
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 Shelf = Literal["explains", "helps", "ruled-out"]
 
@@ -142,6 +144,18 @@ TOLD = (
 
 Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
+
+
+class FittedModel(Protocol):
+    """A fitted model."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def theta(self) -> Real:
+        """Its parameters (p,)."""
 
 
 class WithEffect(Protocol):

@@ -111,7 +111,7 @@ def compare(
 
 
 def _left(fit: Identification) -> Left:
-    return Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen(fit.data))
+    return Left.of(fit, parts_of_specimen(fit.data))
 
 
 def judgement_of(

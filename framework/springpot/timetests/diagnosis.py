@@ -430,7 +430,7 @@ def _judged(
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
     quick, left_out = quick_parts(parts), dict[str, str]()
-    before = Left.by(base.model, base.theta, base.reference, parts)
+    before = Left.of(base, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = TimeScan(base, quick).promises(beside)
     tried = _sieved(given, parts, quick, base, beside, promises, before, known, left_out, fitted)
@@ -510,7 +510,7 @@ def _better_start(
         return None
     seeds = [alone(each, base.model) for each in nearest]
     fit = identify(given, base.model, seeds=seeds, thorough=False, noise=known)
-    left = Left.by(fit.model, fit.theta, fit.reference, parts)
+    left = Left.of(fit, parts)
     # Of several tests a fit weighs one against another: it is another minimum only if none loses.
     gains = [
         float(old @ old - new @ new)

@@ -257,7 +257,7 @@ def identify(
     if objective is not None:
         result = replace(result, objective=objective.name)
     parts = parts_of_specimen(given, noise)
-    left = Left.by(result.model, result.theta, result.reference, parts)
+    left = Left.of(result, parts)
     # One noise in all answers: that about the model, and not what the signal alone tells.
     return _told(replace(result, parts=left.rows(parts, left.noise, result.tests)))
 

@@ -12,6 +12,7 @@ from math import comb, sqrt
 
 import numpy as np
 
+from springpot.diagnosis.grown import key_of
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
@@ -82,6 +83,11 @@ class Left:
             theta = theta[own_parameters(model)]
         told = tuple(residuals), tuple(scatters), tuple(rounded), tuple(heard)
         return cls(len(theta), *told, lines)
+
+    @classmethod
+    def of(cls, fit: Identification, parts: Sequence[TestPart]) -> Left:
+        """What a fit leaves of these tests."""
+        return cls.by(fit.model, fit.theta, fit.reference, parts)
 
     @property
     def noise(self) -> list[ResidualScatter]:
@@ -422,40 +428,66 @@ fits say: told apart they would need a hundred times the evidence that finds the
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """An effect, what is left with it, and how much likelier it makes the tests.
+    """Effects, what is left with them, and how much likelier they make the tests.
 
     Attributes
     ----------
-    effect : Effect
-        The effect.
+    effects : tuple of Effect
+        Those that were added.
     model : Model
-        The model with it.
+        The model with them.
     theta : ndarray, shape (p,)
         Its parameters.
     left : Left
         What is left of the tests.
-    delta : float
-        By how much the Bayesian information criterion falls.
     fit : Identification or None
         The exact fit, where there is one.
+    delta : float
+        By how much the Bayesian information criterion falls.
     """
 
-    effect: Effect
+    effects: tuple[Effect, ...]
     model: Model
     theta: Real
     left: Left
-    delta: float
     fit: Identification | None = None
+    delta: float = 0.0
+
+    @classmethod
+    def exactly(
+        cls, effects: tuple[Effect, ...], fit: Identification, parts: Sequence[TestPart]
+    ) -> Tried:
+        """Effects that were fitted exactly."""
+        return cls(effects, fit.model, fit.theta, Left.of(fit, parts), fit)
+
+    @property
+    def effect(self) -> Effect:
+        """The last of them: the only one, where each was tried alone."""
+        return self.effects[-1]
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """Their names in alphabetical order."""
+        return key_of(self.effects)
 
     @property
     def helps(self) -> bool:
-        """Whether it explains what the model alone does not, beyond doubt."""
+        """Whether they explain what the model alone does not, beyond doubt."""
         return self.delta > SEARCH.decisive
 
     @property
     def evidence(self) -> float:
-        """The same with how common the effect is: twice the logarithm of its odds."""
-        return self.delta + 2.0 * float(np.log(weight_of(self.effect)))
+        """The same with how common they are: twice the logarithm of their odds."""
+        return self.delta + self._common
+
+    @property
+    def cost(self) -> float:
+        """Information criterion, whatever the noise, with how common they are."""
+        return plain_bic(self.left) - self._common
+
+    @property
+    def _common(self) -> float:
+        return 2.0 * sum(float(np.log(weight_of(effect))) for effect in self.effects)
 
 
 def weight_of(effect: Effect) -> float:

@@ -196,7 +196,7 @@ class _BesideMaterial:
         except SpringpotError as error:
             self.skipped.append(Skipped(grown.name, str(error)))
             return
-        left = Left.by(fit.model, fit.theta, fit.reference, self.parts)
+        left = Left.of(fit, self.parts)
         yield RankedInTime(fit, left, self.left, self.noise, self.parts)
 
     def order(self, fits: Sequence[RankedInTime]) -> Order:
@@ -269,7 +269,7 @@ def rank(
     ladder = discover(tests, any_material(), library, progress=progress)
     case = alive(ladder.steps[-1].examined, TimeCase, "the ladder")
     parts, base = parts_of_specimen(case.base.data), case.base
-    left = Left.by(base.model, base.theta, base.reference, parts)
+    left = Left.of(base, parts)
     beside = _BesideMaterial(case, parts, left, left.noise)
     fits = fits_of(installed, beside.material, beside.fitted, progress)
     if not fits:

@@ -129,13 +129,12 @@ def of_material(
             # Of no known size, it may explain the tests all the same.
             left_out[effect.name] = str(error)
             left = Left.by(error.model, error.theta, base.reference, parts)
-            tried.append(Tried(effect, error.model, error.theta, left, 0.0))
+            tried.append(Tried((effect,), error.model, error.theta, left))
             continue
         except SpringpotError as error:
             left_out[effect.name] = str(error)
             continue
-        left = Left.by(fit.model, fit.theta, fit.reference, parts)
-        tried.append(Tried(effect, fit.model, fit.theta, left, 0.0, fit))
+        tried.append(Tried.exactly((effect,), fit, parts))
         fitted(TriedEffect(effect, fit.model, fit.theta))
     return tried
 
@@ -188,7 +187,7 @@ def nearly_fitted(
             # It has no law in time for such a test.
             left_out[effect.name] = str(error)
             continue
-        tried.append(Tried(effect, model, search.theta(u), left, 0.0))
+        tried.append(Tried((effect,), model, search.theta(u), left))
         fitted(TriedEffect(effect, model, search.theta(u)))
     return tried
 
@@ -243,7 +242,7 @@ def from_the_best(
         near = {each.effect.name for each in tried if _as_near(each, best)}
         there = replace(base, theta=alone(best, base.model))
         promises = TimeScan(there, quick).promises(effects)
-        left = Left.by(there.model, there.theta, there.reference, parts)
+        left = Left.of(there, parts)
         leading = [
             each
             for each in leading_of_scan(promises, left)
@@ -343,8 +342,7 @@ def exactly_fitted(
         except SpringpotError as error:
             left_out[each.effect.name] = str(error)
             continue
-        left = Left.by(fit.model, fit.theta, fit.reference, parts)
-        tried.append(replace(each, model=fit.model, theta=fit.theta, left=left, fit=fit))
+        tried.append(Tried.exactly(each.effects, fit, parts))
         fitted(TriedEffect(each.effect, fit.model, fit.theta))
     return tried
 
