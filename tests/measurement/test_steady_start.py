@@ -122,3 +122,52 @@ def test_a_motion_before_a_record_that_does_not_repeat_is_an_effect_of_it():
         .effect("earlier-motion")
         .applies_to(TimeTest.of_history(T, T**2, force, "mm", "N", control="displacement"))
     )
+
+
+ZENER = springpot.parse_model("zener")
+SOLID = ZENER.theta(k1=200.0, k2=300.0, c=30.0)
+
+
+def wave(bias=0.0):
+    """Displacement of a solid that a sine of the force has moved for ever, and the force."""
+    omega = 2.0 * np.pi / PERIOD
+    turned = omega * T + 0.7
+    gain = 1.0 / ZENER.stiffness(SOLID, np.array([omega]))[0]
+    moved = abs(gain) * 300.0 * np.sin(turned + np.angle(gain)) + bias / 200.0
+    noise = 0.005 * np.std(moved) * np.random.default_rng(3).normal(size=len(T))
+    return moved + noise, 300.0 * np.sin(turned) + bias
+
+
+@pytest.mark.parametrize("control", ["force", "displacement"])
+def test_what_repeats_without_noise_had_gone_on(control):
+    """A force that a machine was told has no scatter from cycle to cycle."""
+    moved, force = wave()
+    test = TimeTest.of_history(T, moved, force, "mm", "N", control=control)
+    assert test.loading.before >= len(T) // 2
+    fit = springpot.identify(test, ZENER)
+    assert fit.tests[0].over_floor == pytest.approx(1.0, abs=0.1)
+
+
+def test_one_frequency_tells_two_numbers_and_not_three():
+    """Any spring in parallel up to the storage fits as well, with the others going along."""
+    moved, force = wave()
+    test = TimeTest.of_history(T, moved, force, "mm", "N", control="force")
+    fit = springpot.identify(test, ZENER)
+    assert not any(value.determined for value in fit.parameters.values())
+    size = next(row.value for row in fit.quantities.rows if row.name == "|K|")
+    assert size.low < abs(ZENER.stiffness(SOLID, np.array([2.0 * np.pi]))[0]) < size.high
+
+
+def test_the_place_that_a_force_holds_it_at_tells_the_spring():
+    moved, force = wave(bias=200.0)
+    test = TimeTest.of_history(T, moved, force, "mm", "N", control="force")
+    fit = springpot.identify(test, ZENER)
+    for name, true in zip(ZENER.names, SOLID, strict=True):
+        assert fit.parameters[name].low < true < fit.parameters[name].high
+        assert fit.parameters[name].determined
+
+
+def test_what_flows_on_under_a_force_had_no_place_before():
+    moved, force = wave(bias=200.0)
+    test = TimeTest.of_history(T, moved + 0.5 * T, force, "mm", "N", control="force")
+    assert test.loading.before == 0

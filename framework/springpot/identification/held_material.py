@@ -26,7 +26,7 @@ from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
 from .fitted import Fit
-from .intervals import allowed_cost
+from .intervals import Path, allowed_cost, beside_endless
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
 from .material import SpectrumSearch, is_material, own_parameters
 from .normal import RANK
@@ -294,12 +294,14 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
         # A profile is that of the scatter of points: what the levels allow has no objective to be
         # followed.
         return low, high
-    if not is_material(fit.model) or fit.dof <= 0:
+    if fit.dof <= 0:
         return low, high
+    rise = allowed_cost(known) - fit.cost
+    if not is_material(fit.model):
+        return beside_endless((Path.of(fit, i) for i in range(len(low))), rise, low, high)
     own = own_parameters(fit.model)
     if len(own) > MOST_PROFILED:
         return low, high
-    rise = allowed_cost(known) - fit.cost
     for i in own:
         narrow = high[i] - low[i] < abs(fit.theta[i])
         if known.at_bound[i] == 0 and (len(own) == 1 or not narrow):

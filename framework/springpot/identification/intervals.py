@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import OptionError
-from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED
+from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED, ROUNDING
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
@@ -22,7 +22,7 @@ from .leastsquares import WHOLE, Rows, Solution, levenberg_marquardt
 from .native import CONFIRMED, NEAR, within_bounds
 from .normal import Equations
 from .task import Task
-from .uncertainty import Uncertainty, printed_spread
+from .uncertainty import Uncertainty, ends, printed_spread
 from .value import LOST
 
 IDENTIFIABLE = "identifiable", "practically not", "not at all"
@@ -31,6 +31,10 @@ IDENTIFIABLE = "identifiable", "practically not", "not at all"
 Its interval has two ends, three decades apart at most; it has not, though a value fits best or one
 end is known; or other parameters make up for whatever it is.
 """
+FAR = 5.0
+"""Logarithm beyond which a parameter is as good as nothing, or as endless."""
+NATURAL = np.array([-1.0, 0.0, 1.0])
+"""Logarithms of natural sizes."""
 NOTHING = 1e-3
 """Share of the rise at an interval's end that is none: what is left of a search's tolerance."""
 
@@ -269,6 +273,10 @@ class Path:
 
     def costs(self, places: Real) -> Real:
         """Best objective with the parameter held at each of `places`."""
+        return self.held(places).cost
+
+    def held(self, places: Real) -> Solution:
+        """The best fits with the parameter held at each of `places`."""
         lower, upper = (np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds)
         # Bounds that meet hold a parameter in place without a solver of its own.
         lower[:, self.i] = upper[:, self.i] = places
@@ -283,7 +291,56 @@ class Path:
             flat=ALIKE,
             iterations=60,
             equations=self.equations,
-        ).cost
+        )
+
+    def beside_others(self, rise: float) -> Iterator[tuple[Real, Real]]:
+        """Ends of all intervals where this parameter, which has no end, is of a natural size.
+
+        By the slopes there; none where the best fit is worse by more than `rise`.
+        """
+        at, log, size = self.coordinates, self.coordinates.log, self.coordinates.size[0]
+        least = float(np.sum(self.evaluate(self.u[None], np.arange(1))[0] ** 2))
+        near = replace(self, u=np.where(log & (np.abs(self.u) > FAR), 0.0, self.u))
+        found = near.held(NATURAL)
+        good = found.u[found.cost - least <= rise]
+        _, slopes = self.evaluate(good, np.arange(len(good)))
+        lower = np.array([each.lower for each in at.parameters])
+        upper = np.array([each.upper for each in at.parameters])
+        for u, by_u in zip(good, slopes, strict=True):
+            reach = np.sqrt(rise * np.diag(inverse_of(by_u @ by_u.T)))
+            yield ends(at.theta(u, size), np.where(log, reach, reach * size), log, (lower, upper))
+
+
+def inverse_of(information: Real) -> Real:
+    """Covariance (p, p): a direction without information has an endless one."""
+    scale = np.sqrt(np.maximum(np.diag(information), ROUNDING))
+    scaled = information / np.outer(scale, scale) + ROUNDING * np.eye(len(scale))
+    covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
+    return covariance
+
+
+def beside_endless(paths: Iterable[Path], rise: float, low: Real, high: Real) -> tuple[Real, Real]:
+    """Intervals (p,) by the slopes, and by those where a parameter without an end is elsewhere.
+
+    At a limit, such as a spring that does not give, the slopes tell only what is beside it: a
+    fit as good with that parameter of a natural size may have all others elsewhere.
+
+    Parameters
+    ----------
+    paths : iterable of Path
+        One for each parameter.
+    rise : float
+        Of the objective, at the ends of an interval.
+    low, high : ndarray, shape (p,)
+        By the slopes at the best fit.
+    """
+    lows, highs = [low], [high]
+    for path, least, most in zip(paths, low, high, strict=True):
+        if path.coordinates.log[path.i] and not most <= LOST * least:
+            for each in path.beside_others(rise):
+                lows.append(each[0])
+                highs.append(each[1])
+    return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
 def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = True) -> Real:

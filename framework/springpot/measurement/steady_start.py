@@ -63,8 +63,8 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     period, lag = _lag(loading.value)
     if not lag or not _repeats(response[lag:] - response[:-lag], period):
         return loading
-    # What flows on has no place that it had always been at.
-    if abs(float(np.mean(response[lag:] - response[:-lag]))) > REPEATS * float(np.std(response)):
+    # What flows on has no place that it had always been at, and what never moves was not measured.
+    if abs(float(np.mean(response[lag:] - response[:-lag]))) >= REPEATS * float(np.std(response)):
         return loading
     # As many cycles as were recorded.
     return _after_cycles(loading, lag, samples // lag)

@@ -49,6 +49,7 @@ from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
+from .intervals import beside_limits
 from .left import Left, Promise, Tried, plain_bic, power_of
 from .residuals_of_tests import (
     InTimePart,
@@ -373,6 +374,8 @@ def examine(
         # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
         # second.
         case = _judged(given, model, library, None, noise, fitted)
+    shown = beside_limits(case.base, parts_of_specimen(given, noise))
+    case = case._replace(diagnosis=replace(case.diagnosis, parameters=shown.parameters))
     told = in_practice(case.diagnosis, case.misfits, accuracy)
     lowest = material_floor(case.base).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)

@@ -172,7 +172,7 @@ def identify(
     noise: Sequence[Real | None] | None = None,
     near: bool = False,
     start: Mapping[str, float] | None = None,
-    intervals: str = "jacobian",
+    intervals: str = "slopes",
     objective: Objective | None = None,
 ) -> Identification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
@@ -202,8 +202,9 @@ def identify(
     start : mapping of str to float, optional
         Where the native solver begins too, in the units of the first test in time; parameters that
         are left out start where they fit best beside these.
-    intervals : {"jacobian", "profile", "bootstrap"}
-        Where the intervals come from.
+    intervals : {"slopes", "jacobian", "profile", "bootstrap"}
+        Where the intervals come from: by the slopes alone, or with those where a parameter without
+        an end is elsewhere, or the last two of `springpot.identify`.
     objective : Objective, optional
         How samples of a test weigh among each other; by default by their noise.
 

@@ -10,9 +10,10 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.identification.fitting import RESAMPLES
-from springpot.identification.intervals import Path, Profile
+from springpot.identification.intervals import Path, Profile, beside_endless
 from springpot.identification.leastsquares import Rows, levenberg_marquardt
 from springpot.identification.result import Identification
+from springpot.identification.value import LOST
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -36,18 +37,39 @@ def with_intervals(
     search, found
         Where it comes from.
     kind : str
-        ``jacobian`` leaves them as they are.
+        ``slopes`` leaves them as they are, ``jacobian`` where all parameters have an end.
     seed : int
         Of simulated noise.
     """
-    if kind == "jacobian":
+    endless = result.high > LOST * np.maximum(result.low, 0.0)
+    detail = any(parameter.detail for parameter in result.model.parameters)
+    if kind == "slopes" or (kind == "jacobian" and (detail or not endless.any())):
         return result
     valley = _Valley.of(search, found)
+    if kind == "jacobian":
+        low, high = valley.beside_endless(result)
+        return replace(result, low=low, high=high)
     if kind == "profile":
-        low, high, verdicts = zip(*valley.profiled(result), strict=True)
-        return replace(result, low=np.array(low), high=np.array(high), verdicts=verdicts)
+        told = valley.profiled(result)
+        low, high = np.array([(each.low, each.high) for each in told]).T
+        return replace(result, low=low, high=high, verdicts=tuple(each.verdict for each in told))
     below, above = valley.simulated(np.random.default_rng([seed, 1]))
     return replace(result, low=below, high=above)
+
+
+def beside_limits(fit: Identification, parts: Sequence[TestPart]) -> Identification:
+    """A fit whose intervals hold also where a parameter without an end is elsewhere.
+
+    Parameters
+    ----------
+    fit : Identification
+        With the intervals of the slopes.
+    parts : sequence of TestPart
+        To what it was fitted.
+    """
+    search = TimeSearch(fit.model, parts, fit.reference, [fit.theta], thorough=False)
+    at = search.coordinates.u(fit.theta, search.size)
+    return with_intervals(fit, search, Minimum(at, parts, (), 0, True), "jacobian", 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,18 +114,29 @@ class _Valley:
         pairs = [self.at(one) for one in u]
         return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
+    @property
+    def quantile(self) -> float:
+        """Standard deviations to the end of an interval."""
+        return student(INTERVAL, max(len(self.weight) - len(self.u), 1))
+
+    def paths(self, u: Real) -> list[Path]:
+        """One along each parameter from a best fit u (p,) on."""
+        return [Path(self.search.coordinates, u, i, self.evaluate) for i in range(len(u))]
+
+    def beside_endless(self, result: Identification) -> tuple[Real, Real]:
+        """Intervals by the slopes, also where a parameter without an end is elsewhere."""
+        return beside_endless(self.paths(self.u), self.quantile**2, result.low, result.high)
+
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
-        quantile = student(INTERVAL, max(len(self.weight) - len(self.u), 1))
+        quantile = self.quantile
         low, high = self.search.coordinates.bounds
         # By fixed exponentials the bottom lies a little aside.
         best = levenberg_marquardt(self.evaluate, self.u[None], low, high)
         u, cost = best.u[0], float(best.cost[0])
         return [
-            Path(self.search.coordinates, u, i, self.evaluate).profile(
-                self._step(result, i, quantile), cost, quantile**2
-            )
-            for i in range(len(u))
+            path.profile(self._step(result, path.i, quantile), cost, quantile**2)
+            for path in self.paths(u)
         ]
 
     def _step(self, result: Identification, i: int, quantile: float) -> float:

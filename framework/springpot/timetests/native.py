@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import SpringpotError
+from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -28,7 +29,7 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import MOST_STEPS, ROUNDING
+from ..numerics import MOST_STEPS
 from .exponentials import UnfollowedError, quick_parts
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of
 from .specimen import Scales, runs_against, tries_of, words_of
@@ -43,11 +44,6 @@ ORDERS = (0.3, 0.5, 0.8)
 """Of springpots, to begin at.
 
 Real ones lie between, and from each of these the search reaches the next.
-"""
-FAR = 5.0
-"""Logarithm by which a start may differ from a natural size.
-
-Beyond a factor of 150 it leaves no trace to follow.
 """
 EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
@@ -391,12 +387,7 @@ class TimeSearch:
             if (lasting := part.lasting) is not part:
                 _, slopes = self.residual([lasting], u)
             information += slopes @ slopes.T / scatter
-        # A direction that no test sees is left with next to no information, and so with endless
-        # variance.
-        scale = np.sqrt(np.maximum(np.diag(information), ROUNDING))
-        scaled = information / np.outer(scale, scale) + ROUNDING * np.eye(len(u))
-        covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
-        return covariance
+        return inverse_of(information)
 
 
 def part_result(
