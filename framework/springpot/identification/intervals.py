@@ -303,6 +303,8 @@ class Path:
         near = replace(self, u=np.where(log & (np.abs(self.u) > FAR), 0.0, self.u))
         found = near.held(NATURAL)
         good = found.u[found.cost - least <= rise]
+        if not len(good):
+            return
         _, slopes = self.evaluate(good, np.arange(len(good)))
         lower = np.array([each.lower for each in at.parameters])
         upper = np.array([each.upper for each in at.parameters])
