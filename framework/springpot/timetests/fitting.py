@@ -24,6 +24,7 @@ from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
+from springpot.identification.value import LOST
 from springpot.misfit.error import times
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
@@ -145,11 +146,6 @@ class InTimeProblem(SpecimenProblem):
         return value, by_theta @ self.space.jacobian(x)
 
 
-LOOSE = 100.0
-"""Ratio of the ends of an interval from which a parameter is hardly determined.
-
-A factor of ten either way.
-"""
 BUDGET = 2000
 """Evaluations of an optimiser.
 
@@ -340,7 +336,7 @@ def _told(fit: Identification) -> Identification:
     ):
         if parameter.detail:
             continue
-        wide = parameter.scale == "log" and high > LOOSE * max(low, SMALLEST)
+        wide = parameter.scale == "log" and high > LOST * max(low, SMALLEST)
         if value in (parameter.lower, parameter.upper):
             notes.append(f"{parameter.name} ends at its bound {value:g}")
         elif not np.isfinite(high) or wide:

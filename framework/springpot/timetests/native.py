@@ -21,7 +21,7 @@ from springpot.identification.task import FLAT_SHAPES
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
-from springpot.measurement.steady_start import said_of_start
+from springpot.measurement.steady_start import lasting, said_of_start
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
@@ -384,8 +384,8 @@ class TimeSearch:
             # With no more numbers than parameters nothing is left over that could show a scatter.
             if len(value) > len(u):
                 scatter = max(1.0, part.sampled(value))
-            if (lasting := part.lasting) is not part:
-                _, slopes = self.residual([lasting], u)
+            if isinstance(part, InTimePart) and part.test.loading.before:
+                _, slopes = self.residual([_after_many_cycles(part)], u)
             information += slopes @ slopes.T / scatter
         return inverse_of(information)
 
@@ -412,6 +412,12 @@ def part_result(
     weighted = part.with_scale(1.0).residual(model, theta, reference).value
     error, floor, test = part.relative_error(weighted), rms(part.relative_sd), part.test
     return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
+
+
+def _after_many_cycles(part: InTimePart) -> InTimePart:
+    """A record of what had gone on, which had for much longer."""
+    test = replace(part.test, loading=lasting(part.test.loading))
+    return replace(part, test=test, noise=part.sd)
 
 
 def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str, ...]:

@@ -22,7 +22,6 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.steady_start import lasting
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -227,11 +226,6 @@ class TestPart(ABC):
         return []
 
     @property
-    def lasting(self) -> Self:
-        """The same after a motion that had gone on for much longer, where one had."""
-        return self
-
-    @property
     def view(self) -> Measurement:
         """The numbers as an objective looks at them: one beside the other."""
         order, sd = np.arange(1.0, len(self.measured) + 1.0), _complex(np.tile(self.sd, 2))
@@ -386,14 +380,6 @@ class InTimePart(TestPart):
         told = recorded(model, theta, self.test, reference, self.at[rows], NEGLIGIBLE)
         self.told.append((asked, told))
         return told
-
-    @property
-    def lasting(self) -> Self:
-        """The same after many more cycles, where it repeats from its first one on."""
-        loading = lasting(self.test.loading)
-        if loading is self.test.loading:
-            return self
-        return replace(self, test=replace(self.test, loading=loading), noise=self.sd)
 
     def with_sd(self, sd: Real) -> Self:
         """The same with this noise."""
