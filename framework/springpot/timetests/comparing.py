@@ -20,14 +20,14 @@ from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
 from springpot.misfit.error import times
 from springpot.misfit.floor import FEWEST_ABOUT_MODEL
-from springpot.misfit.material import lowest_error
+from springpot.misfit.material import effects_of, lowest_error
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
 
 from .fitting import identify
-from .floor import TimeFloor, effects_of, material_floor, material_floors
+from .floor import TimeFloor, material_floor, material_floors
 from .left import Left, delta_bic, independent, plain_bic
 from .residuals_of_tests import (
     Test,

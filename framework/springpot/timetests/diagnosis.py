@@ -44,7 +44,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
 from springpot.thresholds import EXPERIMENT, SEARCH
 
-from ..numerics import NEGLIGIBLE, SMALLEST, evenly
+from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
@@ -76,7 +76,6 @@ from .sieve import (
 )
 from .specimen import at_rigs, at_tests
 from .verdict import AskedTests, TimeCase, answer_of, worst_of
-from .where import rms
 
 SAMPLES = 200
 """Of a planned record, which moves all the time."""

@@ -122,8 +122,7 @@ class TimeSets:
         """A set without one of its effects, the rest as it is."""
         rest = tuple(other for other in best.effects if other is not effect)
         model = best.model - effect.name
-        known = dict(zip(best.model.names, best.theta.tolist(), strict=True))
-        theta = model.vector({name: known[name] for name in model.names})
+        theta = model.picked(best.model.named(best.theta))
         left = Left.by(model, theta, self.base.reference, self.asked.parts)
         return Tried(rest, model, theta, left)
 

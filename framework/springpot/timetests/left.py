@@ -381,12 +381,12 @@ class Promise:
         theta = base.theta
         if moved:
             theta = self.theta
-        known = dict(zip(base.model.names, theta.tolist(), strict=True))
+        known = base.model.named(theta)
         new = [parameter for parameter in model.parameters if parameter.name not in known]
         for parameter, value in zip(new, self.values, strict=True):
             known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
         # Lines of a free spectrum, which the fit has and the model not yet, are found anew.
-        return model.vector({name: known[name] for name in model.names})
+        return model.picked(known)
 
 
 @dataclass(frozen=True, eq=False)

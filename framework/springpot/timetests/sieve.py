@@ -294,8 +294,7 @@ def least_left(
 
 def alone(each: Tried, model: Model) -> Real:
     """A model's own parameters (p,) where an effect has led them."""
-    led = dict(zip(each.model.names, each.theta.tolist(), strict=True))
-    return model.vector({name: led[name] for name in model.names})
+    return model.picked(each.model.named(each.theta))
 
 
 def _as_near(each: Tried, best: Tried) -> bool:

@@ -562,11 +562,7 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
     predicted, reached = after.relative_rms, NAN
     if each.fit is not None:
         predicted, reached = NAN, after.relative_rms
-        # A parameter is called effect.own, and effect#2.own where the model has the effect already.
-        for whole, value in each.fit.parameters.items():
-            prefix, _, own = whole.rpartition(".")
-            if prefix.split("#")[0] == name:
-                parameters[own] = value
+        parameters = each.effect.own_of(each.fit.parameters)
     others: tuple[str, ...] = ()
     if name in alike:
         others = tuple(other for other in alike if other != name)

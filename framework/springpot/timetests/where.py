@@ -27,16 +27,11 @@ from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import DEVIATIONS, SMALLEST
+from ..numerics import DEVIATIONS, SMALLEST, rms
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-def rms(values: Real) -> float:
-    """Root mean square of values (n,)."""
-    return float(np.sqrt(np.mean(values**2)))
 
 
 PIECES = 12
