@@ -13,6 +13,7 @@ from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import leaving_out_the_beginning
 from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
+from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import exponentials, left as trying, verdict, where
 from springpot.timetests.residuals_of_tests import parts_of_specimen
@@ -86,7 +87,9 @@ def test_an_effect_for_which_something_speaks_is_not_absent(delta, told):
 def test_what_was_fitted_has_parameters_and_its_error_and_else_it_is_foretold():
     values = {"k": 1.0, "friction.F": 2.0, "friction#2.F": 3.0, "inertia.m": 4.0}
     fit = SimpleNamespace(parameters=values)
-    found = verdict._candidate(tried(fit=fit, delta=9.0), 0.4, ["friction"], error())
+    known = tried(fit=fit, delta=9.0)
+    known.effect = plugins().effect("friction")
+    found = verdict._candidate(known, 0.4, ["friction"], error())
     assert found.parameters == {"F": 3.0}
     assert (found.error_after, found.over_floor, found.delta_bic) == (0.02, 1.5, 9.0)
     assert np.isnan(found.predicted_error)

@@ -92,7 +92,7 @@ def compare(
     # One noise for all, that about the best model; by what it leaves, where that is more.
     wider = max(1.0, best.squares(best.scatters) / independent(best.residuals, best.scatters))
     unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
-    gains = [delta_bic(best, left, unit, left.count - best.count) for left in lefts]
+    gains = [delta_bic(best, left, unit) for left in lefts]
     floors = material_floors(fits)
     judged = [
         judgement_of(

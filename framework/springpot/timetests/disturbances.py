@@ -73,7 +73,8 @@ class Slip(NamedTuple):
         if self.left.misfit or not self.shown:
             return -np.inf
         before, after, noise = _evened(before, self.left, noise)
-        return delta_bic(before, after, noise, 1) - 2.0 * float(np.log(max(self.places, 1)))
+        after = replace(after, count=before.count + 1)
+        return delta_bic(before, after, noise) - 2.0 * float(np.log(max(self.places, 1)))
 
 
 def _evened(

@@ -141,8 +141,7 @@ class RankedInTime:
     @cached_property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion, beside that of the material."""
-        more = self.left.count - self.beside.count
-        return 0.5 * delta_bic(self.beside, self.left, self.noise, more)
+        return 0.5 * delta_bic(self.beside, self.left, self.noise)
 
     @cached_property
     def curve(self) -> Real:

@@ -36,14 +36,14 @@ from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
 from springpot.misfit.where import Where
 from springpot.numerics import SMALLEST, TWO_DEVIATIONS
-from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.effect import Layer
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import TWINS, Left, Promise, Tried
-from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
+from .left import TWINS, AskedTests, Left, Promise, Tried
+from .residuals_of_tests import InTimePart, SweepPart, TestPart
 from .scatter import ResidualScatter, times_noise
 from .where import worst_first
 
@@ -189,28 +189,6 @@ def sentence(
     return f"{size}; missing is {names}: {after}{rival}{place}"
 
 
-class AskedTests(NamedTuple):
-    """Tests as they are fitted, and what may be missing from a model of them.
-
-    Attributes
-    ----------
-    tests : sequence of TimeTest or Measurement
-        As they were given.
-    parts, quick : sequence of TestPart
-        Exact, and by fixed exponentials.
-    known : sequence of ndarray or None, or None
-        The noise of each test, where a model has told another than its signal.
-    effects : sequence of Effect
-        Those of the library that the model does not have.
-    """
-
-    tests: Sequence[Test]
-    parts: Sequence[TestPart]
-    quick: Sequence[TestPart]
-    known: Sequence[Real | None] | None
-    effects: Sequence[Effect]
-
-
 class TimeCase(NamedTuple):
     """A diagnosis of tests in time with the fits behind it.
 
@@ -239,17 +217,16 @@ class TimeCase(NamedTuple):
 
 
 def answer_of(
-    parts: Sequence[TestPart],
+    asked: AskedTests,
     base: Identification,
     before: Left,
     tried: Sequence[Tried],
     noise: Sequence[ResidualScatter],
     promises: dict[str, list[Promise]],
-    left_out: dict[str, str],
     slip: Slip,
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
-    of_slip = slip.delta(before, noise)
+    parts, of_slip = asked.parts, slip.delta(before, noise)
     noise, tried = _over_one_noise(before, tried, noise, of_slip)
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
@@ -280,14 +257,14 @@ def answer_of(
         parameters=base.parameters,
         leading=leading_of(named),
         tests=tests,
-        left_out=left_out,
+        left_out=asked.left_out,
         evidence={"nothing": nothing, "unknown": unknown},
         steps=tuple(_steps(parts, verdict, where)),
         quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
     misfits = tuple(_misfit(part, base) for part in parts)
-    return TimeCase(diagnosis, base, fit, misfits, tuple(tried))
+    return TimeCase(diagnosis, base, fit, misfits, tuple(tried), asked)
 
 
 def _over_one_noise(
