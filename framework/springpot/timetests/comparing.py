@@ -105,9 +105,7 @@ def compare(
         for gain, fit, left in sorted(zip(gains, fits, lefts, strict=True), key=lambda row: -row[0])
     ]
     names = together(test.name for test in fits[0].tests)
-    comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
-    vars(comparison).update(magnitude="the signal")
-    return comparison
+    return Comparison(names, tuple(judged), (), (), "", left_out=left_out)
 
 
 def _left(fit: Identification) -> Left:

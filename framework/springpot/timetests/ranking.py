@@ -278,7 +278,7 @@ def rank(
     if order.outgrown and (quietest := _quietest_alone(order)):
         notes.insert(0, f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
         order = beside.in_noise_of(quietest).order(fits)
-    ranking = Ranking(
+    return Ranking(
         ladder.data,
         (*order.adequate, *order.near, *order.others),
         (),
@@ -289,8 +289,6 @@ def rank(
         tuple(order.near),
         tuple(dict.fromkeys(beside.skipped)),
     )
-    vars(ranking).update(magnitude="the signal")
-    return ranking
 
 
 def _quietest_alone(order: Order) -> RankedInTime | None:

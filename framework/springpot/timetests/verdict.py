@@ -45,7 +45,6 @@ from .floor import TimeFloor
 from .left import TWINS, AskedTests, Left, Promise, Tried
 from .residuals_of_tests import InTimePart, SweepPart, TestPart
 from .scatter import ResidualScatter, times_noise
-from .where import worst_first
 
 
 def told_apart(residuals: Iterable[tuple[Real, Real]]) -> bool:
@@ -400,12 +399,12 @@ def where_missed(
     parts: Sequence[TestPart], before: Left, noise: Sequence[ResidualScatter]
 ) -> tuple[Where, ...]:
     """Where the model fails: first in the test that it misses most, the worst place first."""
-    located: list[tuple[float, Sequence[Where]]] = []
-    for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
-        places = worst_first(part.places(residual / scatter.size))
-        located.append((times_noise(residual, scatter.size), places))
-    located.sort(key=lambda one: -one[0])
-    return tuple(place for _, places in located for place in places)
+    located = [
+        (times_noise(residual, scatter.size), place.size, place)
+        for part, residual, scatter in zip(parts, before.residuals, noise, strict=True)
+        for place in part.places(residual / scatter.size)
+    ]
+    return tuple(place for *_, place in sorted(located, key=lambda one: one[:2], reverse=True))
 
 
 def _class(
