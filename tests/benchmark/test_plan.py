@@ -8,7 +8,7 @@ from benchmark_fakes import OMEGA, TRUTH, Walk, artificial, measurement, small_s
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Store, Study, run_study
-from springpot.benchmark.plan import BLOCK, digest_of, stream_of
+from springpot.benchmark.plan import BLOCK, cell_digest, digest_of, stream_of
 from springpot.errors import DataError, ModelError, StudyError
 from springpot.identification import Problem, run
 from springpot.identification.runs import BatchedOptimiser
@@ -59,7 +59,7 @@ def test_a_label_or_a_limit_does_not_change_the_trial():
 def test_the_digest_of_data_sees_every_column():
     data = measurement()
     variants = [
-        replace(data, omega=OMEGA * (1 + 1e-15)),
+        replace(data, omega=OMEGA * (1 + 1e-6)),
         replace(data, sd=np.full(len(OMEGA), 1 + 1j)),
         replace(data, conditions={"temperature": np.full(len(OMEGA), 20.0)}),
         replace(data, conditions={"amplitude": np.full(len(OMEGA), 20.0)}),
@@ -67,6 +67,24 @@ def test_the_digest_of_data_sees_every_column():
     ]
     assert len({item.digest() for item in [data, *variants]}) == 6
     assert replace(data, name="other").digest() == data.digest()
+
+
+def test_last_bits_of_what_is_worked_out_of_data_leave_the_digest():
+    plan = small_study(datasets=[artificial()], models=["own"], stop_at_target=True).plan()
+    case, entrant, stop = plan.cases[0], plan.entrants[0], 0.1
+
+    def digest(scale, value):
+        source = replace(case.source, stiffness_scale=scale)
+        return cell_digest(replace(case, source=source), entrant, 60, 1, value)
+
+    assert digest(0.1 * 3, np.nextafter(stop, 1.0)) == digest(0.3, stop)
+    others = [
+        digest(0.3, 0.100001),
+        digest(0.300001, stop),
+        digest(None, stop),
+        digest(0.3, -np.inf),
+    ]
+    assert len({digest(0.3, stop), *others}) == 5
 
 
 def test_neighbouring_parts_of_a_digest_do_not_run_together():

@@ -117,13 +117,23 @@ def test_no_results_yet(path):
         Store(path)
 
 
-def test_a_newer_store_is_one_line(path):
+@pytest.mark.parametrize(
+    ("version", "told"),
+    [
+        (SCHEMA + 1, r"newer springpot \(schema {}\): update springpot$"),
+        (SCHEMA - 1, r"older springpot \(schema {}\), .*: move it away and run the study again$"),
+    ],
+)
+def test_a_newer_store_and_an_older_one_are_one_line(path, version, told):
+    """What was run is neither run again in silence nor taken for trials of other digests."""
     Store(path, write=True).close()
     with sqlite3.connect(path) as db:
-        db.execute(f"PRAGMA user_version = {SCHEMA + 1}")
+        db.execute(f"PRAGMA user_version = {version}")
+    before = path.read_bytes()
     for write in (False, True):
-        with pytest.raises(StudyError, match=rf"newer springpot \(schema {SCHEMA + 1}\)"):
+        with pytest.raises(StudyError, match=told.format(version)):
             Store(path, write=write)
+    assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize("write", [False, True])

@@ -1,7 +1,5 @@
 """What is kept of a run: every improvement and, on noisy data, its worth without the noise."""
 
-import sqlite3
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,23 +7,10 @@ import pytest
 from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
-from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.schema import (
-    CELLS,
-    FACTS,
-    KEYS,
-    PROBLEMS,
-    SCHEMA,
-    UPGRADES,
-    columns,
-    create,
-    expected,
-    seal,
-    trials_of,
-)
+from springpot.benchmark import Store, run_study
+from springpot.benchmark.schema import seal
 from springpot.benchmark.traces import at, geometric_grid, improvements
 from springpot.benchmark.trial import TwinProblem
-from springpot.errors import StudyError
 from springpot.identification import Problem, Recorder, all_points, run, run_batch
 
 NOISY = artificial(0.05, "noisy")
@@ -148,147 +133,11 @@ def test_a_grid_is_geometric_and_ends_at_the_last_evaluation():
     assert at(evaluations, values, np.array([1, 2, 6, 7, 100])).tolist() == [np.inf, 5, 5, 1, 1]
 
 
-DRAWN = ("reference", "known", "optimum", "covered")
-
-
-def old_store(folder):
-    """A store as the first release wrote it."""
-    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
-    path = run_study(study, engine="serial", out=folder, quiet=True).store
-    with sqlite3.connect(path) as db:
-        for table in ("fact", "problem", "cell", "trial"):
-            db.execute(f"ALTER TABLE {table} DROP COLUMN seal")
-        for column in ("batched", "processor", "processor_batched", *DRAWN):
-            db.execute(f"ALTER TABLE trial DROP COLUMN {column}")
-        db.execute("ALTER TABLE trace DROP COLUMN recommended")
-        db.execute("ALTER TABLE trace DROP COLUMN seen")
-        db.execute("PRAGMA user_version = 1")
-    return study, path
-
-
-def test_an_older_store_is_brought_up_to_date_when_the_study_runs_again(tmp_path):
-    study, path = old_store(tmp_path)
-    with pytest.raises(StudyError, match="older springpot: run the study again, nothing is lost"):
-        Store(path)
-    again = run_study(study.with_options(repeats=5), engine="serial", out=tmp_path, quiet=True)
-    assert again.ran == 1
-    with Store(path) as store:
-        assert store._version() == SCHEMA
-        [(_, rows)] = store.trials()
-    assert [row.oracle_trace() is None for row in rows] == [True] * 4 + [False]
-
-
-@pytest.mark.suite_cases(
-    "UPDATE problem SET truth = 'x'-cells are damaged and left out",
-    "UPDATE trial SET best = 'x'-is damaged and counted as failed",
-)
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        ("UPDATE fact SET value = 'x'", "description of the study is damaged"),
-        ("UPDATE problem SET truth = 'x'", "cells are damaged and left out"),
-        ("UPDATE problem SET known = 'x'", "cells are damaged and left out"),
-        ("UPDATE trial SET status = 'x'", "is damaged and counted as failed"),
-        ("UPDATE trial SET best = 'x'", "is damaged and counted as failed"),
-        ("ALTER TABLE trial DROP COLUMN seconds", "is damaged: --retry-failed saves what can"),
-    ],
-)
-def test_what_an_older_store_could_not_hold_is_damaged_when_it_is_brought_up_to_date(
-    tmp_path, capsys, change, told
-):
-    _, path = old_store(tmp_path)
-    with sqlite3.connect(path) as db:
-        db.execute(change)
-    db.close()
-    try:
-        with Store(path, write=True) as store:
-            store.bests()
-            list(store.trials())
-    except StudyError as error:
-        print(error, file=sys.stderr)
-    [line] = capsys.readouterr().err.splitlines()
-    assert told in line
-
-
-def as_before_processor_times(path):
-    """Turn a store into what the version before wrote."""
-    with sqlite3.connect(path) as db:
-        db.execute("PRAGMA journal_mode = DELETE")
-        for column in ("processor", "processor_batched", *DRAWN):
-            db.execute(f"ALTER TABLE trial DROP COLUMN {column}")
-        old = {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS}
-        for table, query in (old | {"trial": trials_of(columns(db)["trial"])}).items():
-            keys = KEYS[table].split(", ")
-            match = " AND ".join(f"{key} = ?" for key in keys)
-            db.executemany(
-                f"UPDATE {table} SET seal = ? WHERE {match}",
-                [(seal(row[:-1], 3), *row[: len(keys)]) for row in db.execute(query).fetchall()],
-            )
-        db.execute("PRAGMA user_version = 3")
-    db.close()
-
-
-def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, capfd):
-    """A store that has seals already gets new ones for what fits the old."""
-    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
-    path = run_study(study, engine="serial", out=tmp_path, quiet=True).store
-    as_before_processor_times(path)
-    with sqlite3.connect(path) as db:
-        db.execute("UPDATE trial SET best = best * 0.9 WHERE repetition = 2")
-        db.execute("UPDATE fact SET value = 'another' WHERE name = 'machine'")
-    db.close()
-    with Store(path, write=True) as store, pytest.raises(StudyError, match="study is damaged"):
-        store.facts()
-    run_study(study, engine="serial", out=tmp_path, quiet=True, tables=False)
-    with Store(path) as store:
-        [(_, rows)] = store.trials()
-    assert [row.status is Status.DAMAGED for row in rows] == [False, False, True, False]
-    assert all(row.processor is None and row.seconds > 0.0 for row in rows if not row.status.failed)
-    assert "repetition 2 is damaged" in capfd.readouterr().err
-
-
-def test_no_finished_trial_is_lost_of_an_older_store_whose_file_is_damaged(tmp_path, capfd):
-    """It was "move it away and run again", with --retry-failed too."""
-    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
-    path = run_study(study, engine="serial", out=tmp_path, quiet=True).store
-    as_before_processor_times(path)
-    with sqlite3.connect(path) as db:
-        (page,) = db.execute(
-            "SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_cell_1'"
-        ).fetchone()
-        (size,) = db.execute("PRAGMA page_size").fetchone()
-    db.close()
-    with path.open("r+b") as file:
-        file.seek((page - 1) * size)
-        file.write(bytes(size))
-    with pytest.raises(StudyError, match="--retry-failed saves what can be read"):
-        Store(path, write=True)
-    Store(path, write=True, mend=True).close()
-    with Store(path) as store:
-        [(_, rows)] = store.trials()
-    assert len(rows) == 4
-    assert not any(row.status.failed for row in rows)
-    assert "is damaged; what can be read is used" in capfd.readouterr().err
-
-
 def test_a_seal_is_the_same_in_every_python():
     """A store is read by a later Python than that which wrote it."""
     values = (1, 1.0, "1", "\u00b5 \ud800", None, b"1", -(2**40), 1e-300)
     assert seal(values).hex() == "d4ac87129c6f742c"
-    assert seal(values, 6).hex() == "6a879850b305106b"
     assert len({seal((value,)) for value in (1, 1.0, "1", b"1", None)}) == 5
     # Equal texts are one object in one row, and two in another.
     text = "".join(["a", "b"])
     assert seal((text, text)) == seal(("ab", "".join(["a", "b"])))
-
-
-@pytest.mark.parametrize("version", UPGRADES)
-def test_an_older_layout_that_is_upgraded_is_the_newest(version):
-    with sqlite3.connect(":memory:") as db:
-        create(db, version)
-        # The last step changes seals only.
-        assert (columns(db) != expected()) == any(map(UPGRADES.get, range(version, SCHEMA)))
-        for later in range(version, SCHEMA):
-            db.executescript(UPGRADES[later])
-        assert columns(db) == expected()
-    db.close()

@@ -39,7 +39,7 @@ from .summary import CellRow, ProblemRow, TrialRow
 from .traces import pack, pack_values, unpack
 from .trial import Status, TrialResult
 
-SCHEMA = "springpot.archive/1"
+SCHEMA = "springpot.archive/2"
 FAULTS = (
     *(KeyError, ValueError, TypeError, IndexError, OSError, EOFError, RuntimeError),
     *(zipfile.BadZipFile, zlib.error, csv.Error),

@@ -20,6 +20,7 @@ from springpot.identification.runs import BatchedOptimiser, Optimiser, options_o
 from springpot.identification.space import rounded_up
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
+from springpot.measurement.rows import told_of
 from springpot.measurement.scatter import with_noise
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import ALIKE
@@ -154,11 +155,15 @@ class RaceCase:
         noise: list[object] = []
         if self.noise is not None:
             noise = [self.noise.level, self.noise.seed]
+        scale = self.source.stiffness_scale
+        if scale is not None:
+            # Read off data that are computed, it ends in other bits on another processor.
+            scale = told_of(scale)
         return digest_of(
             SCHEME,
             self.source.name,
             self.source.digest,
-            self.source.stiffness_scale,
+            scale,
             self.model,
             self.objective.name,
             *noise,
@@ -319,7 +324,7 @@ def cell_digest(
     stop_text = None
     # JSON, of which the digest is made, has no word for infinity.
     if stop != -np.inf:
-        stop_text = float(stop)
+        stop_text = told_of(stop)
     parts = [case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text]
     # Not written where every optimiser begins as it likes, as all trials did before there was this.
     if x0 == COMMON:

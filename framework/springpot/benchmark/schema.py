@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import marshal
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import fields
 from functools import cache
@@ -22,7 +22,7 @@ from hashlib import blake2b
 from typing import Any
 
 from .plan import Cell, Plan, RaceCase
-from .summary import CellTrials, ProblemRow
+from .summary import ProblemRow
 from .trial import TrialResult
 
 KEYS = {
@@ -114,8 +114,11 @@ def _save_singly(damaged: sqlite3.Connection, fresh: sqlite3.Connection) -> None
                 fresh.execute(put, row)
 
 
-SCHEMA = 7
-"""Number of the layout below, kept in the file as ``user_version``."""
+SCHEMA = 8
+"""Number of the layout below, kept in the file as ``user_version``.
+
+The tables are those of 7, in which a problem had other digests on another processor.
+"""
 
 TABLES = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL, seal BLOB) WITHOUT ROWID;
@@ -138,38 +141,6 @@ CREATE TABLE trace (
     cell INTEGER NOT NULL, repetition INTEGER NOT NULL, points BLOB NOT NULL,
     recommended BLOB, seen BLOB, PRIMARY KEY (cell, repetition));
 """
-UPGRADES = {
-    1: (
-        """ALTER TABLE trial ADD COLUMN batched INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE trace ADD COLUMN recommended BLOB;
-ALTER TABLE trace ADD COLUMN seen BLOB"""
-    ),
-    2: (
-        """ALTER TABLE fact ADD COLUMN seal BLOB;
-ALTER TABLE problem ADD COLUMN seal BLOB;
-ALTER TABLE cell ADD COLUMN seal BLOB;
-ALTER TABLE trial ADD COLUMN seal BLOB"""
-    ),
-    3: (
-        """ALTER TABLE trial ADD COLUMN processor REAL;
-ALTER TABLE trial ADD COLUMN processor_batched REAL"""
-    ),
-    4: (
-        """ALTER TABLE trial ADD COLUMN reference REAL;
-ALTER TABLE trial ADD COLUMN known REAL;
-ALTER TABLE trial ADD COLUMN optimum REAL;
-ALTER TABLE trial ADD COLUMN covered REAL"""
-    ),
-    5: "",
-    6: "",
-}
-"""What turns each older layout into the next: nothing where only seals are others."""
-SEALED = 3
-"""The layout from which on every row has a seal."""
-BYTES_APART, BINARY = 6, 7
-"""Those from which on a seal is of bytes themselves, and of numbers as a processor has them.
-
-Before, it is of their representation as text."""
 NO_REFERENCES = 2
 """The form of `marshal` in which equal values are equal bytes, whatever objects hold them."""
 
@@ -177,36 +148,19 @@ SIZE = 8
 """Bytes of a checksum: of 2^64 damaged rows one would pass."""
 
 
-def seal(values: Sequence[Any], layout: int = SCHEMA) -> bytes:
-    """Checksum of a row's values as a layout has it.
+def seal(values: Sequence[Any]) -> bytes:
+    """Checksum of a row's values.
 
     Texts, numbers, bytes or None, of which each has one way to be written: 1 is told from 1.0, and
     both from "1".
     """
-    if layout >= BINARY:
-        # The digits of its numbers as text would take half of the time of reading a store.
-        told = marshal.dumps(tuple(values), NO_REFERENCES)
-    else:
-        told = _as_text(values, layout)
-    return blake2b(told, digest_size=SIZE).digest()
+    # The digits of its numbers as text would take half of the time of reading a store.
+    return blake2b(marshal.dumps(tuple(values), NO_REFERENCES), digest_size=SIZE).digest()
 
 
-def _as_text(values: Sequence[Any], layout: int) -> bytes:
-    """What an older layout seals."""
-    apart: list[bytes] = []
-    kinds = list(map(type, values))
-    if layout >= BYTES_APART and bytes in kinds:
-        first = kinds.index(bytes)
-        apart = [value for value in values[first:] if type(value) is bytes]
-        told = [(len(value),) if type(value) is bytes else value for value in values[first:]]
-        values = (*values[:first], *told)
-    text = repr(tuple(values)).encode("utf-8", "surrogatepass")
-    return b"".join([text, *apart])
-
-
-def sound(row: Sequence[Any], layout: int = SCHEMA) -> bool:
+def sound(row: Sequence[Any]) -> bool:
     """Whether the last value of a row is the seal of those before it."""
-    return bool(row[-1] == seal(row[:-1], layout))
+    return bool(row[-1] == seal(row[:-1]))
 
 
 FACTS = "SELECT name, value, seal FROM fact ORDER BY name"
@@ -220,17 +174,12 @@ _TRACE = {"points": "trace", "recommended": "recommended", "seen": "seen"}
 """Columns of a trace, and what they hold of a trial."""
 
 
-def statements(version: int) -> list[str]:
-    """What turns a layout into the next, one statement each."""
-    return [each for each in UPGRADES[version].split(";") if each]
-
-
 @cache
-def expected(version: int = SCHEMA) -> dict[str, list[str]]:
-    """Names of the columns of each table in that layout."""
+def expected() -> dict[str, list[str]]:
+    """Names of the columns of each table."""
     # From the statements themselves: a list of columns kept beside them would drift from it.
     with closing(sqlite3.connect(":memory:")) as db:
-        create(db, version)
+        create(db)
         return columns(db)
 
 
@@ -272,25 +221,15 @@ def insertion(table: str) -> str:
     )
 
 
-def create(db: sqlite3.Connection, version: int = SCHEMA) -> None:
-    """The tables of an empty store, in the newest layout or an older one."""
+def create(db: sqlite3.Connection) -> None:
+    """The tables of an empty store."""
     for statement in TABLES.split(";"):
         db.execute(statement)
-    for later in range(version, SCHEMA):
-        for statement in statements(later):
-            table, _, column = statement.strip().partition(" ADD COLUMN ")
-            db.execute(f"{table} DROP COLUMN {column.split()[0]}")
-    db.execute(f"PRAGMA user_version = {version}")
+    db.execute(f"PRAGMA user_version = {SCHEMA}")
 
 
-def trials_of(columns: Iterable[str]) -> str:
-    """The query for trials of these columns with their traces, in the order of the seal."""
-    names = [name for name in columns if name != "seal"]
-    return f"""SELECT {", ".join([*names, *_TRACE])}, seal
+ALL_TRIALS = f"""SELECT {", ".join([*_names("trial"), *_TRACE])}, seal
 FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
-
-
-ALL_TRIALS = trials_of(expected()["trial"])
 ONE_TRIAL = ALL_TRIALS.replace("ORDER BY", "WHERE cell = ? AND repetition = ? ORDER BY")
 
 
@@ -382,25 +321,3 @@ def cells_told(value: str) -> list[tuple[str, str]]:
 def optima_told(value: str) -> dict[int, float]:
     """The optimum of each problem by its number, as a fact tells them."""
     return {int(number): float(best) for number, best in json.loads(value).items()}
-
-
-_FACTS: dict[str, Callable[[str], object]] = {
-    "cells": cells_told,
-    "optima": optima_told,
-    "repetitions": int,
-}
-
-
-def readable(table: str, row: sqlite3.Row) -> bool:
-    """Whether a row that has no seal yet holds what its columns are for."""
-    try:
-        if table == "fact":
-            _FACTS.get(row["name"], str)(row["value"])
-        if table == "problem":
-            problem_of(row)
-        if table == "trial":
-            CellTrials(trial_fields(), [tuple(row)])[0]
-    except (ValueError, TypeError, AttributeError):
-        return False
-    kinds = _kinds(table)
-    return all(row[name] is None or isinstance(row[name], kind) for name, kind in kinds.items())

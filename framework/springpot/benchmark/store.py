@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import groupby
 from math import inf
@@ -43,27 +43,21 @@ from .schema import (
     ONE_TRIAL,
     PROBLEMS,
     SCHEMA,
-    SEALED,
-    UPGRADES,
     broken_row,
     cell_columns,
     cells_told,
-    columns,
     create,
     expected,
     insertion,
     optima_told,
     problem_columns,
     problem_of,
-    readable,
     save,
     seal,
     sound,
-    statements,
     trace_columns,
     trial_columns,
     trial_fields,
-    trials_of,
     whole,
 )
 from .summary import CellRow, CellTrials
@@ -111,7 +105,7 @@ class Store:
                 # its log.
                 require_tables(self._db, path, frozenset(KEYS))
                 self._require_version(write)
-                if not whole(self._db, expected(self._version())):
+                if not whole(self._db, expected()):
                     self._save(write, mend)
         except BaseException:
             self._db.close()
@@ -137,8 +131,8 @@ class Store:
             saved = sqlite3.connect(":memory:", isolation_level=None)
         # Text may be damaged as well: it is read as far as it goes.
         saved.text_factory = lenient
-        # Rows are saved as they lie there, an older layout's too, with their seals.
-        create(saved, self._version())
+        # Rows are saved as they lie there, with their seals.
+        create(saved)
         with transaction(saved):
             save(self._db, saved)
         self._db.close()
@@ -148,9 +142,6 @@ class Store:
             replace_store(fresh, self.path)
             saved = connect(self.path, write)
         self._db, self._saved = saved, True
-        if write:
-            with transaction(self._db):
-                self._upgrade()
         self._tell("the file is damaged; what can be read is used")
 
     def _require_version(self, write: bool) -> None:
@@ -161,55 +152,18 @@ class Store:
                     and not self._db.execute("SELECT 1 FROM sqlite_master").fetchone()
                 ):
                     create(self._db)
-                # One whose structure is damaged is saved first.
-                if self._version() in UPGRADES and whole(self._db, expected(self._version())):
-                    self._upgrade()
-        if self._version() > SCHEMA:
+        version = self._version()
+        if version > SCHEMA:
             raise StudyError(
-                f"{self.path} was written by a newer springpot (schema {self._version()}): update"
-                " springpot"
+                f"{self.path} was written by a newer springpot (schema {version}): update springpot"
             )
-        if self._version() in UPGRADES and not write:
+        if 0 < version < SCHEMA:
             raise StudyError(
-                f"{self.path} was written by an older springpot: run the study again, nothing is"
-                " lost"
+                f"{self.path} was written by an older springpot (schema {version}), to which the"
+                " same data were others on another processor: move it away and run the study again"
             )
-        if self._version() < SCHEMA and self._version() not in UPGRADES:
+        if version != SCHEMA:
             raise StudyError(f"{self.path} is no study store: move it away and run again")
-
-    def _upgrade(self) -> None:
-        first = self._version()
-        if first not in UPGRADES:
-            return
-        damaged = {table: self._unsound(table, first) for table in _QUERIES}
-        # One version at a time: each upgrade knows only the one before it.
-        for version in range(first, SCHEMA):
-            for statement in statements(version):
-                self._db.execute(statement)
-        self._db.execute(f"PRAGMA user_version = {SCHEMA}")
-        # What was damaged then is damaged still.
-        for table, keys in damaged.items():
-            self._seal_all(table, keys)
-
-    def _unsound(self, table: str, layout: int) -> set[tuple[object, ...]]:
-        """Keys of the rows that do not fit their seals, where the layout has any."""
-        if layout < SEALED:
-            return set()
-        query = _QUERIES[table]
-        if table == "trial":
-            query = trials_of(columns(self._db)[table])
-        return {_key(table, row) for row in self._rows(query) if not sound(row, layout)}
-
-    def _seal_all(self, table: str, damaged: Container[tuple[object, ...]]) -> None:
-        """Take what an older version wrote as it is.
-
-        But for the rows of some keys, and for those that nobody could read.
-        """
-        match = " AND ".join(f"{key} = ?" for key in KEYS[table].split(", "))
-        rows = (row for row in self._rows(_QUERIES[table]) if readable(table, row))
-        found = [(seal(row[:-1]), _key(table, row)) for row in rows]
-        seals = [(checksum, *key) for checksum, key in found if key not in damaged]
-        self._db.executemany(f"UPDATE {table} SET seal = ? WHERE {match}", seals)
 
     def _version(self) -> int:
         version: int = self._db.execute("PRAGMA user_version").fetchone()[0]
@@ -558,10 +512,3 @@ class Store:
 
 _TOLD = {"name", "cells", "repetitions", "seed", "budget", "target", "accuracy", "optima"}
 DAMAGED = "its record in the store is damaged: --retry-failed runs it again"
-
-_QUERIES = {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS, "trial": ALL_TRIALS}
-"""What asks for the rows of each table that is sealed."""
-
-
-def _key(table: str, row: sqlite3.Row) -> tuple[object, ...]:
-    return tuple(row[key] for key in KEYS[table].split(", "))

@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -21,7 +20,7 @@ from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
-from .rows import Rows, rows_without
+from .rows import Rows, digest_of_columns, rows_without
 from .units import Units
 
 if TYPE_CHECKING:
@@ -433,16 +432,10 @@ class Measurement(Rows):
 
         By content and not by name or order of columns.
         """
-        columns: dict[str, Any] = {"omega": self.omega, "stiffness": self.stiffness}
-        optional = {"sd": self.sd, "repeat": self.repeat, **self.conditions}
-        columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
-        seen = sha256()
-        for key, column in columns.items():
-            values = np.ascontiguousarray(column)
-            # Kind and shape too, as the same bytes may be other numbers.
-            seen.update(f"{key} {values.dtype.str} {values.shape}\n".encode())
-            seen.update(values.tobytes())
-        return seen.hexdigest()
+        names = ("omega", "stiffness", "sd", "repeat", "harmonics", "reference")
+        columns = {name: getattr(self, name) for name in names}
+        columns |= {**self.conditions, **self.labels}
+        return digest_of_columns(self.units, columns, alone=("omega",))
 
     def levels(self, name: str) -> NDArray[np.int64]:
         """Number (n,) of the level of a condition that each row belongs to, ascending.

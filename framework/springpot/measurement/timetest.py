@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from hashlib import sha256
 from types import MappingProxyType
 from typing import Any
 
@@ -20,6 +19,7 @@ from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
+from .rows import digest_of_columns
 from .steady_start import gone_on
 from .units import (
     AMPLITUDE_UNITS,
@@ -355,15 +355,12 @@ class TimeTest:
 
     def digest(self) -> str:
         """SHA-256 of everything in it that a fit can see, whatever its name."""
-        columns = [self.time, self.response, self.loading.time, self.loading.value]
-        if self.warmth is not None:
-            columns.append(self.warmth)
-        told = (self.control, self.displacement_unit, self.force_unit, self.temperature)
-        seen = sha256(repr(told).encode())
-        for column in columns:
-            seen.update(f"{column.shape}\n".encode())
-            seen.update(np.ascontiguousarray(column).tobytes())
-        return seen.hexdigest()
+        imposed = self.loading
+        columns = {"time": self.time, "response": self.response, **self.conditions}
+        columns |= {"knots": imposed.time, "imposed": imposed.value}
+        units = (self.displacement_unit, self.force_unit)
+        about = (self.control, *units, imposed.sampled, imposed.before)
+        return digest_of_columns(about, columns, alone=("time", "knots"))
 
     def __repr__(self) -> str:
         reach = f"{self.time[0]:.3g} to {self.time[-1]:.3g} s"
