@@ -258,7 +258,7 @@ def test_a_sweep_is_missed_by_what_the_model_lies_beside_it():
     data = springpot.Measurement(omega, np.array([3.0 + 1.0j, 2.0 + 5.0j]))
     [part] = parts_of_specimen([data])
     theta = model.theta(k=2.0, c=1.5)
-    found = verdict._misfit(part, SimpleNamespace(model=model, theta=theta, reference=20.0))
+    found = verdict.misfit_of(part, SimpleNamespace(model=model, theta=theta, reference=20.0))
     exact = Misfit.of_stiffness(model.stiffness(theta, omega), data.stiffness)
     assert found.modulus == pytest.approx(exact.modulus)
     assert found.phase == pytest.approx(exact.phase)

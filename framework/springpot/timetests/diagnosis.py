@@ -74,7 +74,7 @@ from .sieve import (
     of_material,
 )
 from .specimen import at_rigs, at_tests
-from .verdict import TimeCase, answer_of, worst_of
+from .verdict import TimeCase, answer_of, misfit_of, worst_of
 
 SAMPLES = 200
 """Of a planned record, which moves all the time."""
@@ -103,7 +103,7 @@ class Planned:
     action: dict[str, list[float]] = field(default_factory=dict)
 
 
-def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | None:
+def next_test(case: TimeCase) -> NextExperiment | None:
     """The test that would tell the two leading effects of a diagnosis apart.
 
     None where it is plain which of them it is, or that nothing is missing.
@@ -118,6 +118,7 @@ def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | Non
     if pair is None:
         return None
     first, second = (fits[name] for name in pair)
+    parts = case.asked.parts
 
     def contest(planned: Planned, holds: int) -> AfterTest:
         both = (first, second)
@@ -366,16 +367,17 @@ def examine(
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
     case = _judged(given, model, library, base, None, fitted)
-    noise = _noise_beside(parts_of_specimen(given), case)
+    noise = _noise_beside(case)
     if noise is not None:
         # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
         # second.
         case = _judged(given, model, library, None, noise, fitted)
-    told = in_practice(case.diagnosis, case.misfits, accuracy)
+    misfits = [misfit_of(part, case.base) for part in case.asked.parts]
+    told = in_practice(case.diagnosis, misfits, accuracy)
     lowest = material_floor(case.base).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
-    asked = next_test(case, parts_of_specimen(given, noise))
-    return case._replace(diagnosis=replace(told, error=error, next_experiment=asked))
+    told = replace(told, error=error, next_experiment=next_test(case))
+    return case._replace(diagnosis=told)
 
 
 def _listed(tests: Sequence[Test] | Test) -> list[Test]:
@@ -384,14 +386,14 @@ def _listed(tests: Sequence[Test] | Test) -> list[Test]:
     return list(tests)
 
 
-def _noise_beside(parts: Sequence[TestPart], first: TimeCase) -> list[Real | None] | None:
+def _noise_beside(first: TimeCase) -> list[Real | None] | None:
     """The noise of each test as the best model shows it, where the signal told another.
 
     None where it did not.
 
     Corners that friction, stops or a release make in a signal look like noise that grows with it.
     """
-    noise = [_better_noise(part, first.best_fit) for part in parts]
+    noise = [_better_noise(part, first.best_fit) for part in first.asked.parts]
     if all(each is None for each in noise):
         return None
     return noise

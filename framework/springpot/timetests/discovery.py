@@ -172,7 +172,7 @@ def best_set(
     accepted : Tried, optional
         A set to begin with, beside the model as it is and with each effect that was fitted.
     """
-    if case.asked is None or is_material(case.base.model):
+    if is_material(case.base.model):
         return None
     sets = TimeSets(case.asked._replace(left_out={}), case.base)
     for one in (Tried.exactly((), case.base, case.asked.parts), *case.tried, accepted):
@@ -326,7 +326,6 @@ class TimeRungs(Rungs[Identification]):
         if not accepted or (steps[-1].diagnosis.verdict == "adequate" and len(accepted) == 1):
             return None
         first, last = _case(steps[0]), _case(steps[-1]).base
-        assert first.asked is not None, "a rung that was climbed"
         return best_set(first, 0, Tried.exactly(accepted, last, first.asked.parts))
 
 

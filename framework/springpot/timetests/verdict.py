@@ -199,20 +199,17 @@ class TimeCase(NamedTuple):
         The model that was judged.
     best_fit : Identification
         The model with the best effect, where one is missing; else the base.
-    misfits : tuple of Misfit
-        How far the base lies beside each test.
     tried : tuple of Tried
         The model grown by each effect that was fitted.
-    asked : AskedTests or None
+    asked : AskedTests
         The tests and effects behind it.
     """
 
     diagnosis: Diagnosis
     base: Identification
     best_fit: Identification
-    misfits: tuple[Misfit, ...]
-    tried: tuple[Tried, ...] = ()
-    asked: AskedTests | None = None
+    tried: tuple[Tried, ...]
+    asked: AskedTests
 
 
 def answer_of(
@@ -262,8 +259,7 @@ def answer_of(
         quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
-    misfits = tuple(_misfit(part, base) for part in parts)
-    return TimeCase(diagnosis, base, fit, misfits, tuple(tried), asked)
+    return TimeCase(diagnosis, base, fit, tuple(tried), asked)
 
 
 def _over_one_noise(
@@ -358,7 +354,7 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
         yield from lines_in(part, residual)
 
 
-def _misfit(part: TestPart, base: Identification) -> Misfit:
+def misfit_of(part: TestPart, base: Identification) -> Misfit:
     """How far a fitted model lies beside what one test has measured."""
     value = part.with_scale(1.0).residual(base.model, base.theta, base.reference).value
     if not isinstance(part, SweepPart):
