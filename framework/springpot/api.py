@@ -218,7 +218,7 @@ def _calibrated(
             )
         else:
             found = searched(fit.model, data, objective, seeds)
-        return dict(zip(found.model.names, found.theta.tolist(), strict=True))
+        return found.model.named(found.theta)
 
     terms = promised.terms
     # A test in time has no phase.

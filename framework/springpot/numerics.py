@@ -6,7 +6,7 @@ added, compared or measured.
 
 from __future__ import annotations
 
-from math import log
+from math import log, sqrt
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -83,6 +83,19 @@ ROUNDS = 20
 
 A spectrum takes about one.
 """
+
+
+def rms(values: Real) -> float:
+    """Root mean square of values (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import rms
+    >>> rms(np.array([1.0, -7.0]))
+    5.0
+    """
+    return sqrt((values**2).mean())
 
 
 def evenly(count: int, most: int) -> NDArray[np.intp]:

@@ -382,9 +382,9 @@ def test_repeats_add_what_they_tell_of_the_noise():
 
 def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
     """Of one that was not fitted only what is foretold."""
-    monkeypatch.setattr(answer, "_parameters", lambda refit, effect, believed: {"m": believed})
+    monkeypatch.setattr(answer, "printed", lambda refit, believed: {"m": believed})
     before = SimpleNamespace(error=0.08, rss=400.0, floor=0.01, log_evidence=-50.0)
-    effect = SimpleNamespace(name="inertia", summary="a mass that moves along")
+    effect = SimpleNamespace(name="inertia", summary="a mass that moves along", own_of=dict)
     influence = SimpleNamespace(effect=effect)
     score = SimpleNamespace(influence=influence, score=9.0, predicted=100.0, bound=0.002)
     row = answer._candidate(before, score, None, True)

@@ -132,10 +132,13 @@ def test_a_single_rung_is_what_the_diagnosis_says(delayed):
     assert likeliest(delayed, with_effects(delayed, "inertia"), "inertia") is None
 
 
-class Letters(Rungs):
-    """Rungs by letters, of which some stand in the place of those that were accepted."""
+class Others(Rungs):
+    """Rungs of which others stand in the place of those that were accepted."""
 
-    complete_set = decisive = None
+    decisive = None
+
+    def complete_set(self, steps):
+        return self.likeliest_set(steps)
 
     def examined(self, model, progress, before, effect):
         diagnosis = SimpleNamespace(verdict="adequate", candidates=(), parameters={}, tests=())
@@ -158,17 +161,32 @@ class Letters(Rungs):
     ],
 )
 def test_what_stays_keeps_its_rung(accepted, found, told):
-    letters, model, steps = Letters(effects=found), parse_model("kelvin"), []
+    others, model, steps = Others(effects=found), parse_model("kelvin"), []
     for name in (None, *accepted):
         model = model if name is None else model + name
-        steps.append(rung_of(letters.examined(model, None, None, None), None, name))
-    settled = letters.settled(steps, silent)
+        steps.append(rung_of(others.examined(model, None, None, None), None, name))
+    settled = others.settled(steps, silent)
     assert [step.accepted for step in settled] == [None, *told]
     assert [step.alike for step in settled[1:]] == [(name, "another") for name in told]
     # As far as nothing changes the examinations are those that were made.
     kept = [step.accepted for step in steps[1:]] + [None] * 2
     same = next(i for i, name in enumerate([*told, ""]) if name != kept[i])
     assert all(settled[i].examined is steps[i].examined for i in range(1 + same))
+
+
+def test_a_set_that_was_found_is_taken_to_its_end_but_for_what_was_refused():
+    def asked(verdict, *refused):
+        steps = [SimpleNamespace(diagnosis=SimpleNamespace(verdict=verdict))]
+        effect = others.wanted(steps, refused)
+        return effect and effect.name
+
+    others = Others(effects=["inertia", "friction", "time-delay"])
+    assert asked("inconclusive") is None
+    assert asked("unexplained") == "inertia"
+    # Half of it may look like noise to a rung between.
+    assert asked("inconclusive") == "friction"
+    assert asked("inconclusive", "time-delay") is None
+    assert (len(others.sets), others.plan) == (1, [])
 
 
 def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):

@@ -14,15 +14,19 @@ from springpot.identification.result import Identification
 from springpot.registry import parse_model
 from springpot.timetests import diagnosis, sieve
 from springpot.timetests.discovery import TimeSets
+from springpot.timetests.left import AskedTests
 
 MODEL = parse_model("maxwell")
 CAUGHT, LED = np.array([1.0, 1e9]), np.array([5.0, 7.0])
 """Where the model's own fit was caught, a parameter at its end, and where an effect has led it."""
 
+TESTS = AskedTests([], [], [], None, [], {})
+
 
 def tried(name, squares, theta=LED):
     """An effect with what it leaves, and the model's parameters beside it."""
-    grown = SimpleNamespace(names=[*MODEL.names, f"{name}.size"])
+    names = [*MODEL.names, f"{name}.size"]
+    grown = SimpleNamespace(named=lambda theta: dict(zip(names, theta.tolist(), strict=True)))
     left = SimpleNamespace(squares_left=squares, misfit=False)
     return SimpleNamespace(
         effect=SimpleNamespace(name=name),
@@ -46,8 +50,8 @@ def plain_weights(monkeypatch):
         monkeypatch.setattr(room, "noise_of_both", lambda before, best: None)
         monkeypatch.setattr(
             room,
-            "delta_of",
-            lambda before, each, noise, base: before.squares_left - each.left.squares_left,
+            "delta_bic",
+            lambda before, left, noise: before.squares_left - left.squares_left,
         )
 
 
@@ -56,7 +60,7 @@ def asked_anew(monkeypatch, base, first, better, promised=None):
     scanned = [*first, *better]
     asked = []
 
-    def fitted(there, parts, quick, leading, before, left_out):
+    def fitted(tests, there, leading, before):
         names = [promises[0].effect.name for promises in leading]
         asked.extend((name, there.theta.tolist()) for name in names)
         return [each for each in better if each.effect.name in names]
@@ -66,7 +70,7 @@ def asked_anew(monkeypatch, base, first, better, promised=None):
     monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[each] for each in scanned])
     monkeypatch.setattr(sieve, "nearly_fitted", fitted)
     before = SimpleNamespace(squares_left=900.0)
-    found = sieve.from_the_best(base, [], [], [], first, before, {}, promised)
+    found = sieve.from_the_best(TESTS, base, first, before, promised)
     return asked, [each.effect.name for each in found]
 
 
@@ -120,7 +124,7 @@ def test_the_model_alone_is_fitted_from_where_an_effect_led_it(monkeypatch, base
     monkeypatch.setattr(diagnosis, "identify", identify)
     monkeypatch.setattr(diagnosis.Left, "by", lambda *given: left(*alone))
     before = left(*[900.0, 200.0][: len(alone)])
-    found = diagnosis._better_start([], [], base, before, [tried("friction", 700.0)], None)
+    found = diagnosis._better_start(TESTS, base, before, [tried("friction", 700.0)])
     assert begun == [LED.tolist()]
     assert (found is not None) == better
 
@@ -153,9 +157,9 @@ def test_what_another_effect_explains_is_no_noise(monkeypatch, base, best, misfi
     monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[second]])
     monkeypatch.setattr(sieve, "nearly_fitted", lambda *given, starts: [second])
     before = SimpleNamespace(squares_left=900.0)
-    assert sieve.least_left(base, [], [], [], [first], before).squares_left == told
+    assert sieve.least_left(TESTS, base, [first], before).squares_left == told
 
 
 def test_without_an_effect_the_model_itself_tells_the_noise(base):
     before = SimpleNamespace(squares_left=900.0)
-    assert sieve.least_left(base, [], [], [], [], before) is before
+    assert sieve.least_left(TESTS, base, [], before) is before

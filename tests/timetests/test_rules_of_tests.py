@@ -29,11 +29,11 @@ def scatter(size=1.0, memory=0.0):
     )
 
 
-def of(*residuals, rounded=None, felt=0.0, lines=0):
+def of(*residuals, rounded=None, felt=0.0, lines=0, count=3):
     residuals = [np.array(each, dtype=float) for each in residuals]
     none = [np.zeros((0, len(each))) for each in residuals]
     known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
-    seen = {"scatters": [scatter()] * len(residuals), "lines": lines}
+    seen = {"scatters": [scatter()] * len(residuals), "lines": lines, "count": count}
     fitted = SimpleNamespace(residuals=residuals, **seen, **known)
     fitted.squares = lambda noise: left.Left.squares(fitted, noise)
     fitted.squares_felt = lambda noise: felt
@@ -65,20 +65,20 @@ def test_samples_are_counted_once_whose_noise_is_alike():
 
 
 def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
-    base, other = of([3.0, 1.0, 0.0]), of([1.0, 1.0, 0.0])
-    fall = left.delta_bic(base, other, [scatter()], 2)
+    base, other = of([3.0, 1.0, 0.0]), of([1.0, 1.0, 0.0], count=5)
+    fall = left.delta_bic(base, other, [scatter()])
     assert fall == pytest.approx(8.0 - 2.0 * np.log(3.0))
     # What the specimen never felt is no evidence; to answer more to it is no merit.
     felt = of([3.0, 1.0, 0.0], felt=5.0)
     beyond = (np.sqrt(8.0) - np.sqrt(5.0)) ** 2
-    assert left.delta_bic(felt, other, [scatter()], 2) == pytest.approx(fall - 8.0 + beyond)
+    assert left.delta_bic(felt, other, [scatter()]) == pytest.approx(fall - 8.0 + beyond)
     all_of_it = of([3.0, 1.0, 0.0], felt=9.0)
-    assert left.delta_bic(all_of_it, other, [scatter()], 2) == pytest.approx(fall - 8.0)
-    more = of([1.0, 1.0, 0.0], felt=5.0)
-    assert left.delta_bic(base, more, [scatter()], 2) == pytest.approx(fall)
+    assert left.delta_bic(all_of_it, other, [scatter()]) == pytest.approx(fall - 8.0)
+    more = of([1.0, 1.0, 0.0], felt=5.0, count=5)
+    assert left.delta_bic(base, more, [scatter()]) == pytest.approx(fall)
     # A line of a free spectrum takes one from the sum of squares, where nothing is.
-    lined = of([1.0, 1.0, 0.0], lines=3)
-    assert left.delta_bic(base, lined, [scatter()], 2) == pytest.approx(fall - 3.0)
+    lined = of([1.0, 1.0, 0.0], lines=3, count=5)
+    assert left.delta_bic(base, lined, [scatter()]) == pytest.approx(fall - 3.0)
 
 
 def even(n, control="displacement"):

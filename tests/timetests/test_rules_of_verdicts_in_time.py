@@ -13,6 +13,7 @@ from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import leaving_out_the_beginning
 from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
+from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import exponentials, left as trying, verdict, where
 from springpot.timetests.residuals_of_tests import parts_of_specimen
@@ -86,7 +87,9 @@ def test_an_effect_for_which_something_speaks_is_not_absent(delta, told):
 def test_what_was_fitted_has_parameters_and_its_error_and_else_it_is_foretold():
     values = {"k": 1.0, "friction.F": 2.0, "friction#2.F": 3.0, "inertia.m": 4.0}
     fit = SimpleNamespace(parameters=values)
-    found = verdict._candidate(tried(fit=fit, delta=9.0), 0.4, ["friction"], error())
+    known = tried(fit=fit, delta=9.0)
+    known.effect = plugins().effect("friction")
+    found = verdict._candidate(known, 0.4, ["friction"], error())
     assert found.parameters == {"F": 3.0}
     assert (found.error_after, found.over_floor, found.delta_bic) == (0.02, 1.5, 9.0)
     assert np.isnan(found.predicted_error)
@@ -255,7 +258,7 @@ def test_a_sweep_is_missed_by_what_the_model_lies_beside_it():
     data = springpot.Measurement(omega, np.array([3.0 + 1.0j, 2.0 + 5.0j]))
     [part] = parts_of_specimen([data])
     theta = model.theta(k=2.0, c=1.5)
-    found = verdict._misfit(part, SimpleNamespace(model=model, theta=theta, reference=20.0))
+    found = verdict.misfit_of(part, SimpleNamespace(model=model, theta=theta, reference=20.0))
     exact = Misfit.of_stiffness(model.stiffness(theta, omega), data.stiffness)
     assert found.modulus == pytest.approx(exact.modulus)
     assert found.phase == pytest.approx(exact.phase)

@@ -440,9 +440,7 @@ class TwinProblem:
                 error = relative_error(theta, self.truth)
             if self.clean is not None:
                 oracle = float(self.clean.evaluate(x))
-        return PointWorth(
-            value, dict(zip(self.problem.model.names, theta.tolist(), strict=True)), error, oracle
-        )
+        return PointWorth(value, self.problem.model.named(theta), error, oracle)
 
     def judge(self, cell: int, repetition: int, done: Run) -> TrialResult:
         """What is kept of a run."""

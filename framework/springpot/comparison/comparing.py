@@ -14,7 +14,7 @@ from springpot.identification.space import require_conditions
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.misfit.floor import STARTS_OF_A_ROUND, fitted_to_floor
-from springpot.misfit.material import MaterialFloor, material_floor
+from springpot.misfit.material import MaterialFloor, by_effects, effects_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.misfit.residual_tests import Finding
@@ -91,28 +91,26 @@ def judgements(
     # A generator for each: its tests may be asked for in any order, or not at all, and hang on no
     # other's draws.
     for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
-        floor = floors[effects_of(found)]
+        floor = floors[effects_of(found.model)]
         yield Judgement(found, floor, -2.0 * found.log_evidence - least, own_rng)
 
 
 def material_floors(
-    fits: Iterable[Refit], rng: np.random.Generator
+    fits: Iterable[Refit],
+    rng: np.random.Generator,
+    known: Mapping[Effects, MaterialFloor] | None = None,
 ) -> dict[Effects, MaterialFloor]:
-    """The material floor for each set of effects, sought from the best of the fits with them."""
-    alike: dict[Effects, list[Refit]] = {}
-    for found in fits:
-        alike.setdefault(effects_of(found), []).append(found)
-    floors = {}
-    for effects, group in alike.items():
+    """The material floor for each set of effects, sought from the best of the fits with them.
+
+    Unless it is `known` already.
+    """
+    floors = dict(known or {})
+    for effects, group in by_effects(fits).items():
         # The floor does not depend on the model, but the values of its effects begin where the best
         # fit ended.
-        floors[effects] = material_floor(min(group, key=lambda one: one.rss), rng).beside(group)
+        lowest = floors.get(effects) or material_floor(min(group, key=lambda one: one.rss), rng)
+        floors[effects] = lowest.beside(group)
     return floors
-
-
-def effects_of(found: Refit) -> Effects:
-    """Names of the effects of a fitted model."""
-    return tuple(effect.name for effect in found.model.effects)
 
 
 def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress) -> list[Refit]:

@@ -24,13 +24,13 @@ from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.material import MaterialFloor, any_material, material_floor
+from springpot.misfit.material import MaterialFloor, any_material, effects_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 
-from .comparing import effects_of, harmonics_of, judgements, material_floors
+from .comparing import harmonics_of, judgements, material_floors
 from .ordering import TOO_FREE, Order, fits_of, in_order, spends_most
 from .result import LOOKED_AT, Judgement, Ranking, Skipped
 
@@ -118,11 +118,8 @@ def _beside(
     fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator
 ) -> Order:
     """The fits judged and sorted out, beside any material with the accepted effects."""
-    # That with the accepted effects is known already; a model of a plugin may bring effects of its
-    # own.
-    unlike = [found for found in fits if effects_of(found) != effects_of(floor)]
-    alike = [found for found in fits if effects_of(found) == effects_of(floor)]
-    floors = material_floors(unlike, rng) | {effects_of(floor): lowest.beside(alike)}
+    # A model of a plugin may bring effects of its own.
+    floors = material_floors(fits, rng, {effects_of(floor.model): lowest})
     return in_order(judgements(fits, floors, rng), Judgement(floor, lowest, 0.0, rng))
 
 

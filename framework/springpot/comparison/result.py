@@ -407,8 +407,10 @@ class Comparison:
 
     @cached_property
     def magnitude(self) -> str:
-        """What errors are shares of, such as |K|."""
-        return self.measurement.units.magnitude
+        """What errors are shares of, such as |K|, or the signal of tests in time."""
+        if isinstance(self.judgements[0].fitted, Refit):
+            return self.measurement.units.magnitude
+        return "the signal"
 
     @cached_property
     def measurement(self) -> Measurement:

@@ -200,17 +200,7 @@ class AsFitted:
     @cached_property
     def parameters(self) -> dict[str, Value]:
         """The effect's own parameters."""
-        return _parameters(self.refit, self.effect, self.by_profile)
-
-
-def _parameters(refit: Refit, effect: Effect, by_profile: bool) -> dict[str, Value]:
-    """The effect's own parameters in printed units, without the prefix of its name."""
-    own = {}
-    for name, value in printed(refit, by_profile).items():
-        prefix, _, short = name.rpartition(".")
-        if prefix.partition("#")[0] == effect.name:
-            own[short] = value
-    return own
+        return self.effect.own_of(printed(self.refit, self.by_profile))
 
 
 BESIDE_MATERIAL = {

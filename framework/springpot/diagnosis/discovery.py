@@ -180,9 +180,7 @@ class SweepRungs(Rungs[Refit]):
         if before is not None and effect is not None:
             require_conditions(model, self.measurement)
             starts = _starts(before.case, effect)
-        for fit in self.fits_of(model):
-            named = zip(fit.model.names, fit.theta.tolist(), strict=True)
-            starts.append(model.vector(dict(named)))
+        starts += [model.picked(fit.model.named(fit.theta)) for fit in self.fits_of(model)]
         case = examine(
             self.measurement,
             model,

@@ -15,7 +15,7 @@ from springpot.identification.held_material import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
-from springpot.numerics import NEGLIGIBLE, ROUNDING, SMALLEST
+from springpot.numerics import NEGLIGIBLE, ROUNDING, SMALLEST, rms
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
@@ -649,8 +649,7 @@ def best_with(search: Search) -> dict[str, Refit]:
 
 def distance(frame: NoiseFrame, first: Refit, second: Refit) -> float:
     """Root mean square difference of two fitted curves in units of the noise."""
-    difference: Real = frame.whiten(first.stiffness - second.stiffness)
-    return float(np.sqrt(np.mean(difference**2)))
+    return rms(frame.whiten(first.stiffness - second.stiffness))
 
 
 def _grouped(search: Search, names: Sequence[str]) -> list[list[str]]:

@@ -22,6 +22,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from scipy.optimize import least_squares
 
+from springpot.identification.fitted import FittedModel
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
@@ -39,7 +40,7 @@ from springpot.writing import NAMED
 
 from ..numerics import ALIKE, SMALLEST
 from .grown import COLUMN, Untold
-from .result import FittedModel, NextExperiment
+from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
 """Effort of an amplitude, which is a number.

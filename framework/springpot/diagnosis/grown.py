@@ -147,13 +147,7 @@ def key_of(effects: Iterable[Effect]) -> tuple[str, ...]:
 
 def size_of(model: Model, theta: Real, effect: Effect) -> float:
     """The size of an effect in a fitted model; of one that was added twice, that of the second."""
-    size = effect.element.parameters[0].name
-    value = 0.0
-    for name, number in zip(model.names, theta.tolist(), strict=True):
-        owner, _, short = name.rpartition(".")
-        if owner.partition("#")[0] == effect.name and short == size:
-            value = number
-    return value
+    return effect.own_of(model.named(theta)).get(effect.element.parameters[0].name, 0.0)
 
 
 def at_its_limit(fitted: Refit, effect: Effect) -> bool:
@@ -563,16 +557,14 @@ def _standing(grown: Grown, effect: Effect) -> Refit:
 def _less(grown: Grown, effect: Effect) -> tuple[Model, Real]:
     """The model of a set without an effect, and the parameters (p,) that are left."""
     model = grown.refit.model - effect.name
-    values = dict(zip(grown.refit.model.names, grown.refit.theta.tolist(), strict=True))
-    return model, np.array([values[name] for name in model.names])
+    return model, model.picked(grown.refit.model.named(grown.refit.theta))
 
 
 def _from_there(grown: Grown, asked: Sequence[AskedSet]) -> Iterator[AskedSet]:
     """Sets that also begin with the values that they share with another, fitted one."""
-    known = dict(zip(grown.refit.model.names, grown.refit.theta.tolist(), strict=True))
+    known = grown.refit.model.named(grown.refit.theta)
     for each in asked:
-        own = zip(each.model.names, each.starts[0].tolist(), strict=True)
-        start: Real = np.array([known.get(name, value) for name, value in own])
+        start = each.model.picked(each.model.named(each.starts[0]) | known)
         yield replace(each, starts=[*each.starts, start])
 
 

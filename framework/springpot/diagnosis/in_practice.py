@@ -14,6 +14,7 @@ from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.measurement.units import ANGLE_UNITS, STRAIN_UNITS
 from springpot.misfit.error import percent
+from springpot.numerics import rms
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
@@ -130,7 +131,7 @@ def _within(off: Real, promised: float) -> bool:
         return True
     # Of few values one may lie beyond: a share of them is no count.
     most = ceil(round((1.0 - INTERVAL) * len(off), 6))
-    size = float(np.sqrt(np.mean(off**2)))
+    size = rms(off)
     return int(np.count_nonzero(~(off <= promised))) <= most and size <= promised
 
 

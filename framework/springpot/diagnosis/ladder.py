@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias,
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
+from springpot.identification.fitted import FittedModel
 from springpot.identification.space import require_conditions
 from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
@@ -37,7 +38,6 @@ from .result import (
     SEEN,
     Diagnosis,
     Fitted,
-    FittedModel,
     NextExperiment,
     Progress,
     Verdict,

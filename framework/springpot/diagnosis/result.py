@@ -146,18 +146,6 @@ Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
 
 
-class FittedModel(Protocol):
-    """A fitted model."""
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-
-    @property
-    def theta(self) -> Real:
-        """Its parameters (p,)."""
-
-
 class WithEffect(Protocol):
     """What a fit of the model with one more effect leaves, and what it makes of the effect."""
 

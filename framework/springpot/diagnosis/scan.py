@@ -522,7 +522,7 @@ def _pair(
     # well.
     first, second = scores
     grown = model + first.influence.effect + second.influence.effect
-    values = dict(zip(model.names, theta.tolist(), strict=True))
+    values = model.named(theta)
     for score, row, size in zip(scores, rows, sizes, strict=True):
         directions = score.directions
         values |= score.influence.sized(

@@ -235,8 +235,7 @@ def _taken_out(grown: Grown) -> Complex:
     for effect in grown.effects:
         if effect.narrow:
             model = model - effect.name
-    known = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
-    theta = np.array([known[name] for name in model.names])
+    theta = model.picked(grown.refit.model.named(grown.refit.theta))
     return model.stiffness(theta, grown.refit.fit.measurement.points)
 
 

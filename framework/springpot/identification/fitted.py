@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,18 @@ from .normal import Layout, LevelSlopes
 from .problem import Objective, numbers_of
 from .space import Expected
 from .task import Task
+
+
+class FittedModel(Protocol):
+    """A fitted model."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def theta(self) -> Real:
+        """Its parameters (p,)."""
 
 
 def followed_by_places(search: SpectrumSearch, theta: Real, residual: Real, known: Real) -> float:

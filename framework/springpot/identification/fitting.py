@@ -184,9 +184,9 @@ def start_at(
     if set(known) != set(model.names):
         # The given values are held meanwhile, so that the others suit them.
         found = fitted(model.holding(known))
-        known |= dict(zip(found.model.names, found.theta.tolist(), strict=True))
+        known |= found.model.named(found.theta)
     # The lines of a free spectrum are no part of a start.
-    return model.vector({name: known[name] for name in model.names})
+    return model.picked(known)
 
 
 def _references(model: Model) -> list[str]:

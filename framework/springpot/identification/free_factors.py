@@ -559,7 +559,7 @@ def _without(model: Model, lifts: Sequence[Effect]) -> Model:
 def _with_factors_of_one(alone: Fit, model: Model) -> Fit:
     """A fit with shifts alone as one of the model with vertical factors too."""
     whole = replace(model, material=alone.model.material)
-    known = dict(zip(alone.model.names, alone.theta.tolist(), strict=True))
+    known = alone.model.named(alone.theta)
     theta = np.array([known.get(name, 1.0) for name in whole.names])
     return replace(alone, model=whole, theta=theta)
 

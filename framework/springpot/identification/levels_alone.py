@@ -17,7 +17,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import ROUNDING, SMALLEST
+from ..numerics import ROUNDING, SMALLEST, rms
 from .material import shifted_by
 from .native import fit
 from .problem import Objective, default_objective, relative_objective
@@ -124,7 +124,7 @@ def each_alone(
         own = fit(material, part, objective)
         line = own.model.stiffness(own.theta, part.points)
         cost[level], dof[level] = own.cost, own.dof
-        error[level] = float(np.sqrt(np.mean(np.abs(line / part.stiffness - 1.0) ** 2)))
+        error[level] = rms(np.abs(line / part.stiffness - 1.0))
         low[level], high[level] = np.log(np.abs(line).min()), np.log(np.abs(line).max())
     return Alone(cost, dof, error, repeat_scatter(measurement, number), low, high)
 

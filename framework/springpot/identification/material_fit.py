@@ -481,7 +481,7 @@ def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Spectr
     """A fitted law as free factors, with its lines."""
     points, levels = search.points, free.element
     assert isinstance(levels, Levels)
-    known = dict(zip(ended.model.names, ended.theta.tolist(), strict=True))
+    known = ended.model.named(ended.theta)
     constants = np.array([known[f"{law.name}.{p.name}"] for p in law.element.parameters])
     number = levels_of(levels.column, points.need(levels.column))
     log_a = law.element.respond(constants, points).value.real

@@ -296,8 +296,7 @@ def _superposed_start(
     """A start (p,) from the fit to data that are laid over one another."""
     rest, reduced, values = superposed(model, measurement)
     laid_over = fit(rest, reduced, objective, starts=starts)
-    values |= dict(zip(rest.names, laid_over.theta.tolist(), strict=True))
-    return np.array([values[name] for name in model.names])
+    return model.picked(values | rest.named(laid_over.theta))
 
 
 def _released_starts(

@@ -20,6 +20,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
+from springpot.numerics import rms
 from springpot.plain_data import as_declared, json_number, jsonable
 from springpot.rheology.elements import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.model import Model
@@ -111,7 +112,7 @@ def known_of_sweep(known: Uncertainty) -> Known:
         leanings=known.leanings,
         units=data.units,
         reference=data.reference_temperature,
-        misfit=float(np.sqrt(np.mean(missed**2))),
+        misfit=rms(missed),
         dof=dof,
         covered=Covered.of([data]),
         sweep=data,

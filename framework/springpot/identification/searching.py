@@ -217,7 +217,7 @@ def _grown(part: Fit, model: Model) -> list[Real]:
 
     What is new is small, middling or large.
     """
-    known = dict(zip(part.model.names, part.theta.tolist(), strict=True))
+    known = part.model.named(part.theta)
     # Sizes as the data suggest them: a share of one is then an effect of the size of the rest.
     coordinates = part.task.coordinates
     sizes = coordinates.of(

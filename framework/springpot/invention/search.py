@@ -407,8 +407,7 @@ def _shortened(search: Search, memory: Memory) -> Iterator[Grown]:
     done = {text_of(grown.effects[0]) for grown in search.grown}
     for grown in search.grown[: INVENTION.extended]:
         (effect,) = grown.effects
-        names, theta = grown.refit.model.names, grown.refit.theta.tolist()
-        known = dict(zip(names, theta, strict=True))
+        known = grown.refit.model.named(grown.refit.theta)
         values = {name: known.pop(f"{effect.name}.{name}") for name in _names(effect)}
         for text, start in shorter(effect, values):
             if text in done:

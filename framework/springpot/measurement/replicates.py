@@ -17,7 +17,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, rms
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
 from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
@@ -70,7 +70,7 @@ class Averaged:
         """Root mean square of what sets replicates apart as a whole, relative to |K|."""
         if self.gains is None:
             return 0.0
-        return float(np.sqrt(np.mean(np.abs(self.gains) ** 2)))
+        return rms(np.abs(self.gains))
 
     def deviations(self) -> Complex:
         """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|.
@@ -91,7 +91,7 @@ class Averaged:
     def relative_rms(self, model: Model, theta: Real) -> float:
         """Root mean square of |K_model - K| / |K| over all measured rows."""
         off = np.abs(model.stiffness(theta, self.raw.points) / self.raw.stiffness - 1.0)
-        return float(np.sqrt(np.mean(off**2)))
+        return rms(off)
 
     def floor(self, noise: Noise) -> float:
         """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""

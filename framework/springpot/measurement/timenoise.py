@@ -31,6 +31,7 @@ from springpot.numerics import (
     SMALLEST,
     TWO_DEVIATIONS,
     non_negative,
+    rms,
 )
 from springpot.rheology.points import Real
 from springpot.writing import SHOWN
@@ -86,7 +87,7 @@ class SignalNoise:
     @property
     def floor(self) -> float:
         """Root mean square of the noise."""
-        return float(np.sqrt(np.mean(self.sd**2)))
+        return rms(self.sd)
 
 
 def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = False) -> SignalNoise:
@@ -258,7 +259,7 @@ def _noise(test: TimeTest, parts: _Parts) -> SignalNoise:
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
         # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
         # not outvote it.
-        sd = np.full(len(test), float(np.sqrt(np.mean(sd**2))))
+        sd = np.full(len(test), rms(sd))
     elif parts.levels is not None:
         sd = np.maximum(parts.levels.at(size), least)
     return SignalNoise(sd, absolute, parts.relative, True, parts.worth)

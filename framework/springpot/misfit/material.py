@@ -14,11 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
+from springpot.identification.fitted import FittedModel
 from springpot.identification.material import is_material
 from springpot.identification.material_fit import least_error
 from springpot.measurement.measurement import Measurement
@@ -31,7 +33,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
 from springpot.writing import NAMED, number
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, rms
 from .error import Error, percent, times, with_unit
 from .refit import Refit, refit
 from .residual_tests import Battery, battery
@@ -47,6 +49,7 @@ AROUND, PLACES = 100.0, 60
 how many.
 """
 NAME = "material"
+F = TypeVar("F", bound=FittedModel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +119,19 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     return floor.beside([base])
 
 
+def effects_of(model: Model) -> tuple[str, ...]:
+    """Names of the effects of a model."""
+    return tuple(effect.name for effect in model.effects)
+
+
+def by_effects(fits: Iterable[F]) -> dict[tuple[str, ...], list[F]]:
+    """Fits by their effects: those with the same have one material floor."""
+    alike: dict[tuple[str, ...], list[F]] = {}
+    for found in fits:
+        alike.setdefault(effects_of(found.model), []).append(found)
+    return alike
+
+
 def lowest_error(model: Model, measurement: Measurement, theta: Real, error: float) -> float:
     """The least error of any material with the effects of a model, sought from a fit of it.
 
@@ -151,7 +167,7 @@ def _of_levels(model: Model, measurement: Measurement, theta: Real, error: float
             continue
         part = measurement.subset(rows)
         missed = one.stiffness(own, part.points) / part.stiffness - 1.0
-        alone = float(np.sqrt(np.mean(np.abs(missed) ** 2)))
+        alone = rms(np.abs(missed))
         square += len(part) * lowest_error(one, part, own, alone) ** 2
     return min(float(np.sqrt(square / len(measurement))), error)
 

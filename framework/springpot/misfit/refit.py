@@ -112,9 +112,8 @@ class Refit:
 
     def seed_from(self, other: Refit) -> Real:
         """The parameters (p,) with the values of those that another fitted model shares."""
-        known = dict(zip(other.model.names, other.theta, strict=True))
-        own = zip(self.model.names, self.theta, strict=True)
-        return np.array([known.get(name, value) for name, value in own], dtype=np.float64)
+        own, known = (one.model.named(one.theta) for one in (self, other))
+        return self.model.picked(own | known)
 
     @property
     def log_likelihood(self) -> float:

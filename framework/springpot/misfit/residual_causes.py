@@ -34,7 +34,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, ROUNDING, SMALLEST
+from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, rms
 from .error import percent, plain
 from .frame import (
     ENOUGH_NEIGHBOURS,
@@ -84,9 +84,7 @@ def causal_evidence(frame: NoiseFrame, x: Real, groups: Sequence[Rows]) -> float
     """
     n, step = len(x), step_of(frame)
     off = frame.measurement.stiffness - frame.model_stiffness
-    size = float(
-        np.sqrt(np.mean(np.abs(off / relative_to(frame.model_stiffness, frame.measurement)) ** 2))
-    )
+    size = rms(np.abs(off / relative_to(frame.model_stiffness, frame.measurement)))
     best: dict[str, Real] = {}
     # The width is not known: a bump narrower or broader than the residual's would call anything
     # unlikely.

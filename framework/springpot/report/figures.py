@@ -18,6 +18,7 @@ import numpy as np
 from springpot.identification.regularisation import SmoothSpectrum
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
+from springpot.numerics import rms
 from springpot.rheology.points import Real
 from springpot.writing import NAMED, number
 
@@ -177,7 +178,7 @@ def _headline(scene: Scene, beside: str) -> str:
     fit = scene.fits[0]
     # Of all points, those among them that are too many to be drawn.
     share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
-    error = percent(float(np.sqrt(np.mean(share**2))))
+    error = percent(rms(share))
     fitted = cut(f"{fit.name} fitted to {data.name}", TITLE_WIDTH)
     # On a line of its own: together they are wider than the figure.
     beside = beside.replace(", ", "\n", 1)

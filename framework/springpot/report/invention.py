@@ -108,8 +108,7 @@ def _draw_law(found: Invention, axes: Axes) -> None:
     law, ranked = found.laws[0], found.ranked[0]
     best = ranked.grown.refit
     alone = best.model - ranked.effect.name
-    known = dict(zip(best.model.names, best.theta.tolist(), strict=True))
-    theta = np.array([known[name] for name in alone.names])
+    theta = alone.picked(best.model.named(best.theta))
     bare = alone.stiffness(theta, best.fit.measurement.points)
     data, whole = best.fit.measurement.stiffness, best.stiffness
 

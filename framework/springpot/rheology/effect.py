@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import inf
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from .parameters import Parameter
 from .points import Complex, Points, Real
 from .tied import Fixed, Held
 
+V = TypeVar("V")
 Tries: TypeAlias = Sequence[tuple[float, ...]]
 
 
@@ -501,6 +502,16 @@ class Effect:
     def by_levels(self) -> bool:
         """Whether it has a parameter for each level of a condition, which only data can give."""
         return isinstance(self.element, Levels)
+
+    def own_of(self, values: Mapping[str, V]) -> dict[str, V]:
+        """Those of the values of a model's parameters that are its own, by their short names.
+
+        Of an effect that was added twice those of the second.
+        """
+        owned = ((*name.rpartition("."), value) for name, value in values.items())
+        return {
+            short: value for owner, _, short, value in owned if owner.partition("#")[0] == self.name
+        }
 
     def of_column(self, column: str) -> Effect:
         """Of one by levels that of another column; ``NAME:COLUMN`` is then its name."""

@@ -165,6 +165,14 @@ class HasParameters(ABC):
         """Lower and upper bounds (p,) of theta."""
         return box_of(self.parameters)
 
+    def named(self, theta: Real) -> dict[str, float]:
+        """Values of a parameter vector (p,) by their names."""
+        return dict(zip(self.names, theta.tolist(), strict=True))
+
+    def picked(self, values: Mapping[str, float]) -> Real:
+        """Parameter vector from a mapping that may hold more, such as those of a larger model."""
+        return np.array([values[name] for name in self.names], dtype=float)
+
     def vector(self, values: Mapping[str, float]) -> Real:
         """Parameter vector from a mapping of names to values.
 
@@ -185,7 +193,7 @@ class HasParameters(ABC):
             raise ModelError(
                 f"{self.name} needs a value of each parameter: {', '.join(missing)} missing"
             )
-        return np.array([values[name] for name in self.names], dtype=float)
+        return self.picked(values)
 
 
 def order(name: str = "alpha", symbol: str = "α") -> Parameter:

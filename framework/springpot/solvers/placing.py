@@ -182,7 +182,7 @@ def _printed(known: Known, unit: str) -> dict[str, str]:
     The lines of a spectrum are left to the series.
     """
     # Held and tied parameters are none of the model's own: only the released one has them all.
-    values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
+    values = known.model.named(known.theta) | known.model.held
     if own := known.model.own:
         column = next(iter(own.values()))
         raise ModelError(

@@ -152,7 +152,7 @@ class Damper:
             stiffness, _ = self.stiffness(np.array([1j]))
             numbers = np.concatenate([stiffness, self.theta**2])
         if not np.all(np.isfinite(numbers)):
-            values = zip(self.model.names, self.theta.tolist(), strict=True)
+            values = self.model.named(self.theta).items()
             given = ", ".join(f"{name} = {value:g}" for name, value in values)
             raise ModelError(
                 f"a damper of {self.model.name} with {given} has no stiffness that is a number"

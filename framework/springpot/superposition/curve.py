@@ -36,6 +36,7 @@ from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
+from springpot.numerics import rms
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Compliance, Continuum
 from springpot.rheology.levels import HELD, Levels, level_text
@@ -502,7 +503,7 @@ def _error(fitted: Fit) -> float:
     data = fitted.measurement
     # Relative, so that glassy and rubbery ends, decades apart, count alike.
     off = np.abs(fitted.model.stiffness(fitted.theta, data.points) / data.stiffness - 1.0)
-    return float(np.sqrt(np.mean(off**2)))
+    return rms(off)
 
 
 def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:

@@ -32,7 +32,7 @@ from springpot.rheology.parameters import Parameter, box_of
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION, VERDICT
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST, rms
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12
@@ -369,7 +369,7 @@ def _fitted(
     # By what is known of each factor: far off where nothing is known is no departure.
     surprise = np.abs(away) / np.sqrt(np.diag(covariance))
     worst = float(factors.levels[used[int(np.argmax(surprise))]])
-    off = float(np.sqrt(np.mean(away**2)))
+    off = rms(away)
     return LawFit(law, theta, *bounds, given, off, chance, evidence, verdict, worst)
 
 

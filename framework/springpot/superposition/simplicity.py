@@ -20,7 +20,7 @@ from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import DECADE, ROUNDING, SMALLEST
+from ..numerics import DECADE, ROUNDING, SMALLEST, rms
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 
@@ -119,7 +119,7 @@ def simplicity(rows: FactorRows, alone: Alone) -> Simplicity:
     """
     error = _level_errors(rows)
     judged = alone.judged
-    overall = float(np.sqrt(np.mean(_relative(rows) ** 2)))
+    overall = rms(_relative(rows))
     if not np.any(judged):
         nothing = float("nan")
         return Simplicity("not-judged", overall, nothing, nothing, nothing, error, alone.error, ())

@@ -415,7 +415,7 @@ def _finite(model: Model) -> Iterator[str]:
 
 def converted(model: Model, theta: Real, stiffness: float, time: float, amplitude: float) -> Real:
     """`theta` (p,) in units where old ones of stiffness, time and amplitude have these values."""
-    values = dict(zip(model.names, theta.tolist(), strict=True))
+    values = model.named(theta)
     factors: list[float] = []
     own = {"stiffness": stiffness, "time": time, "amplitude": amplitude}
     for parameter in model.parameters:

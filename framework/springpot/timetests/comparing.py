@@ -20,14 +20,14 @@ from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
 from springpot.misfit.error import times
 from springpot.misfit.floor import FEWEST_ABOUT_MODEL
-from springpot.misfit.material import lowest_error
+from springpot.misfit.material import effects_of, lowest_error
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
 
 from .fitting import identify
-from .floor import TimeFloor, effects_of, material_floor, material_floors
+from .floor import TimeFloor, material_floor, material_floors
 from .left import Left, delta_bic, independent, plain_bic
 from .residuals_of_tests import (
     Test,
@@ -92,7 +92,7 @@ def compare(
     # One noise for all, that about the best model; by what it leaves, where that is more.
     wider = max(1.0, best.squares(best.scatters) / independent(best.residuals, best.scatters))
     unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
-    gains = [delta_bic(best, left, unit, left.count - best.count) for left in lefts]
+    gains = [delta_bic(best, left, unit) for left in lefts]
     floors = material_floors(fits)
     judged = [
         judgement_of(
@@ -105,9 +105,7 @@ def compare(
         for gain, fit, left in sorted(zip(gains, fits, lefts, strict=True), key=lambda row: -row[0])
     ]
     names = together(test.name for test in fits[0].tests)
-    comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
-    vars(comparison).update(magnitude="the signal")
-    return comparison
+    return Comparison(names, tuple(judged), (), (), "", left_out=left_out)
 
 
 def _left(fit: Identification) -> Left:

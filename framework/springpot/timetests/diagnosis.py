@@ -44,13 +44,13 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
 from springpot.thresholds import EXPERIMENT, SEARCH
 
-from ..numerics import NEGLIGIBLE, SMALLEST, evenly
+from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
 from .intervals import beside_limits
-from .left import Left, Promise, Tried, plain_bic, power_of
+from .left import AskedTests, Left, Promise, Tried, delta_bic, plain_bic, power_of
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -66,7 +66,6 @@ from .scatter import (
 from .score import TimeScan
 from .sieve import (
     alone,
-    delta_of,
     exactly_fitted,
     from_the_best,
     leading_of_scan,
@@ -76,8 +75,7 @@ from .sieve import (
     of_material,
 )
 from .specimen import at_rigs, at_tests
-from .verdict import AskedTests, TimeCase, answer_of, worst_of
-from .where import rms
+from .verdict import TimeCase, answer_of, misfit_of, worst_of
 
 SAMPLES = 200
 """Of a planned record, which moves all the time."""
@@ -106,7 +104,7 @@ class Planned:
     action: dict[str, list[float]] = field(default_factory=dict)
 
 
-def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | None:
+def next_test(case: TimeCase) -> NextExperiment | None:
     """The test that would tell the two leading effects of a diagnosis apart.
 
     None where it is plain which of them it is, or that nothing is missing.
@@ -121,6 +119,7 @@ def next_test(case: TimeCase, parts: Sequence[TestPart]) -> NextExperiment | Non
     if pair is None:
         return None
     first, second = (fits[name] for name in pair)
+    parts = case.asked.parts
 
     def contest(planned: Planned, holds: int) -> AfterTest:
         both = (first, second)
@@ -369,18 +368,18 @@ def examine(
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
     case = _judged(given, model, library, base, None, fitted)
-    noise = _noise_beside(parts_of_specimen(given), case)
+    noise = _noise_beside(case)
     if noise is not None:
         # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
         # second.
         case = _judged(given, model, library, None, noise, fitted)
-    shown = beside_limits(case.base, parts_of_specimen(given, noise))
-    case = case._replace(diagnosis=replace(case.diagnosis, parameters=shown.parameters))
-    told = in_practice(case.diagnosis, case.misfits, accuracy)
+    shown = beside_limits(case.base, case.asked.parts)
+    misfits = [misfit_of(part, case.base) for part in case.asked.parts]
+    told = in_practice(replace(case.diagnosis, parameters=shown.parameters), misfits, accuracy)
     lowest = material_floor(case.base).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
-    asked = next_test(case, parts_of_specimen(given, noise))
-    return case._replace(diagnosis=replace(told, error=error, next_experiment=asked))
+    told = replace(told, error=error, next_experiment=next_test(case))
+    return case._replace(diagnosis=told)
 
 
 def _listed(tests: Sequence[Test] | Test) -> list[Test]:
@@ -389,14 +388,14 @@ def _listed(tests: Sequence[Test] | Test) -> list[Test]:
     return list(tests)
 
 
-def _noise_beside(parts: Sequence[TestPart], first: TimeCase) -> list[Real | None] | None:
+def _noise_beside(first: TimeCase) -> list[Real | None] | None:
     """The noise of each test as the best model shows it, where the signal told another.
 
     None where it did not.
 
     Corners that friction, stops or a release make in a signal look like noise that grows with it.
     """
-    noise = [_better_noise(part, first.best_fit) for part in parts]
+    noise = [_better_noise(part, first.best_fit) for part in first.asked.parts]
     if all(each is None for each in noise):
         return None
     return noise
@@ -432,12 +431,13 @@ def _judged(
     if base is None:
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
-    quick, left_out = quick_parts(parts), dict[str, str]()
     before = Left.of(base, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
-    promises = TimeScan(base, quick).promises(beside)
-    tried = _sieved(given, parts, quick, base, beside, promises, before, known, left_out, fitted)
-    better = _better_start(given, parts, base, before, tried, known)
+    left_out: dict[str, str] = {}
+    asked = AskedTests(given, parts, quick_parts(parts), known, beside, left_out)
+    promises = TimeScan(base, asked.quick).promises(beside)
+    tried = _sieved(asked, base, promises, before, fitted)
+    better = _better_start(asked, base, before, tried)
     if better is not None:
         return _judged(given, model, effects, better, known, fitted)
     # A model with one more effect can always do as well as the one without: worse is a search that
@@ -445,10 +445,10 @@ def _judged(
     tried = _one_of_each([_no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     slip = slip_beside(parts, base, before)
-    named = least_left(base, parts, quick, beside, tried, before)
+    named = least_left(asked, base, tried, before)
     best = min([named, slip.left], key=plain_bic)
     noise = noise_of_both(before, best)
-    judged = [replace(each, delta=delta_of(before, each, noise, base)) for each in tried]
+    judged = [replace(each, delta=delta_bic(before, each.left, noise)) for each in tried]
     # Where the misfit is not certain by itself, it is the noise over which an effect shows it.
     if before.misfit and best.misfit:
         # No unit but that of what the best explanation misses: over the noise alone whatever takes
@@ -464,20 +464,14 @@ def _judged(
     ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
     for each in ranked:
         left_out.pop(each.effect.name, None)
-    case = answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
-    return case._replace(asked=AskedTests(given, parts, quick, known, beside))
+    return answer_of(asked, base, before, ranked, noise, promises, slip)
 
 
 def _sieved(
-    given: Sequence[Test],
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
+    asked: AskedTests,
     base: Identification,
-    effects: Sequence[Effect],
     promises: dict[str, list[Promise]],
     before: Left,
-    known: Sequence[Real | None] | None,
-    left_out: dict[str, str],
     fitted: Fitted,
 ) -> list[Tried]:
     """Effects that were fitted, by sieves each finer and dearer than the one before.
@@ -485,20 +479,14 @@ def _sieved(
     A linear scan, fits by fixed exponentials, exact fits.
     """
     if is_material(base.model):
-        leading = leading_of_scan(promises, before)
-        return of_material(given, parts, base, leading, known, left_out, fitted)
-    nearly = nearly_all(base, parts, quick, promises, before, left_out, fitted)
-    nearly += from_the_best(base, parts, quick, effects, nearly, before, left_out, promises)
-    return exactly_fitted(given, parts, base, nearly, before, known, left_out, fitted)
+        return of_material(asked, base, leading_of_scan(promises, before), fitted)
+    nearly = nearly_all(asked, base, promises, before, fitted)
+    nearly += from_the_best(asked, base, nearly, before, promises)
+    return exactly_fitted(asked, base, nearly, before, fitted)
 
 
 def _better_start(
-    given: Sequence[Test],
-    parts: Sequence[TestPart],
-    base: Identification,
-    before: Left,
-    tried: Sequence[Tried],
-    known: Sequence[Real | None] | None,
+    asked: AskedTests, base: Identification, before: Left, tried: Sequence[Tried]
 ) -> Identification | None:
     """The model alone, fitted from where effects have led it; None where that is no nearer.
 
@@ -509,11 +497,11 @@ def _better_start(
     if not tried or is_material(base.model):
         return None
     noise = noise_of_both(before, nearest[0].left)
-    if delta_of(before, nearest[0], noise, base) < SEARCH.decisive:
+    if delta_bic(before, nearest[0].left, noise) < SEARCH.decisive:
         return None
     seeds = [alone(each, base.model) for each in nearest]
-    fit = identify(given, base.model, seeds=seeds, thorough=False, noise=known)
-    left = Left.of(fit, parts)
+    fit = identify(asked.tests, base.model, seeds=seeds, thorough=False, noise=asked.known)
+    left = Left.of(fit, asked.parts)
     # Of several tests a fit weighs one against another: it is another minimum only if none loses.
     gains = [
         float(old @ old - new @ new)

@@ -32,13 +32,13 @@ from springpot.thresholds import SEARCH
 
 from .diagnosis import examine
 from .fitting import identify
-from .left import Left, Tried
+from .left import AskedTests, Left, Tried
 from .residuals_of_tests import Test
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both
 from .specimen import at_tests
-from .verdict import AskedTests, TimeCase
+from .verdict import TimeCase
 
 MOST = 3
 """Effects of a set at most."""
@@ -107,9 +107,7 @@ class TimeSets:
         promises = TimeScan(grown, asked.quick).promises(new)
         leading = leading_of_scan(promises, one.left)[:most]
         # Beside another effect the scan's first place is near enough; others were tried alone.
-        for each in nearly_fitted(
-            grown, asked.parts, asked.quick, leading, one.left, {}, starts=STARTS
-        ):
+        for each in nearly_fitted(asked, grown, leading, one.left, starts=STARTS):
             self.add(replace(each, effects=(*one.effects, each.effect)))
 
     def _without(self, best: Tried, effect: Effect) -> Tried:
@@ -122,8 +120,7 @@ class TimeSets:
         """A set without one of its effects, the rest as it is."""
         rest = tuple(other for other in best.effects if other is not effect)
         model = best.model - effect.name
-        known = dict(zip(best.model.names, best.theta.tolist(), strict=True))
-        theta = model.vector({name: known[name] for name in model.names})
+        theta = model.picked(best.model.named(best.theta))
         left = Left.by(model, theta, self.base.reference, self.asked.parts)
         return Tried(rest, model, theta, left)
 
@@ -175,9 +172,9 @@ def best_set(
     accepted : Tried, optional
         A set to begin with, beside the model as it is and with each effect that was fitted.
     """
-    if case.asked is None or is_material(case.base.model):
+    if is_material(case.base.model):
         return None
-    sets = TimeSets(case.asked, case.base)
+    sets = TimeSets(case.asked._replace(left_out={}), case.base)
     for one in (Tried.exactly((), case.base, case.asked.parts), *case.tried, accepted):
         if one is not None:
             sets.add(one)
@@ -329,7 +326,6 @@ class TimeRungs(Rungs[Identification]):
         if not accepted or (steps[-1].diagnosis.verdict == "adequate" and len(accepted) == 1):
             return None
         first, last = _case(steps[0]), _case(steps[-1]).base
-        assert first.asked is not None, "a rung that was climbed"
         return best_set(first, 0, Tried.exactly(accepted, last, first.asked.parts))
 
 

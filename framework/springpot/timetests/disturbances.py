@@ -20,13 +20,12 @@ from springpot.misfit.error import plain
 from springpot.misfit.regions import HARMONICS, MAINS
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, rms
 from .colour import UPPER
 from .left import ORDER, Left, delta_bic, imposed_noise
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import TAILS, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped
-from .where import rms
 
 TAPER = 0.1
 """Share of the record at both ends that is faded, so that a slow misfit does not leak."""
@@ -74,7 +73,8 @@ class Slip(NamedTuple):
         if self.left.misfit or not self.shown:
             return -np.inf
         before, after, noise = _evened(before, self.left, noise)
-        return delta_bic(before, after, noise, 1) - 2.0 * float(np.log(max(self.places, 1)))
+        after = replace(after, count=before.count + 1)
+        return delta_bic(before, after, noise) - 2.0 * float(np.log(max(self.places, 1)))
 
 
 def _evened(

@@ -30,7 +30,7 @@ from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, rms
 from .convex import lines_of
 from .exponentials import quick_parts
 from .floor import coordinates_around
@@ -47,7 +47,6 @@ from .residuals_of_tests import (
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
 from .temperatures import is_material_alone
-from .where import rms
 
 FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured.

@@ -15,8 +15,8 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
-from springpot.misfit.material import any_material, is_of_material
-from springpot.numerics import PER_DECADE, non_negative
+from springpot.misfit.material import any_material, by_effects, is_of_material
+from springpot.numerics import PER_DECADE, non_negative, rms
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
@@ -27,7 +27,6 @@ from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
 from .residuals_of_tests import TestPart, parts_of_specimen
 from .temperatures import seen_by
-from .where import rms
 
 
 @dataclass(frozen=True)
@@ -78,8 +77,7 @@ def material_floor(fit: Identification) -> TimeFloor:
     own = fit.theta[len(fit.model.material.parameters) :]
     around = Around(coordinates_around(free, TimeSearch(free, parts, fit.reference)), own)
     try:
-        known = dict(zip(fit.model.names, fit.theta.tolist(), strict=True))
-        bands = seen_by(parts, free, known, fit.reference)
+        bands = seen_by(parts, free, fit.model.named(fit.theta), fit.reference)
         lines = as_lines(fit.model, fit.theta, lattice(bands, PER_DECADE))
         found = descended_from(lines, free, parts, fit.reference, around)
     except SpringpotError:
@@ -91,20 +89,15 @@ def material_floor(fit: Identification) -> TimeFloor:
     return TimeFloor(tuple(errors)).beside([fit])
 
 
-def material_floors(fits: Sequence[Identification]) -> Mapping[tuple[str, ...], TimeFloor]:
-    """The floor for each set of effects, sought from the best of the fits with them."""
-    alike: dict[tuple[str, ...], list[Identification]] = {}
-    for fit in fits:
-        alike.setdefault(effects_of(fit.model), []).append(fit)
-    return {
-        effects: material_floor(min(group, key=lambda fit: fit.cost)).beside(group)
-        for effects, group in alike.items()
-    }
-
-
-def effects_of(model: Model) -> tuple[str, ...]:
-    """Names of the effects of a model."""
-    return tuple(effect.name for effect in model.effects)
+def material_floors(
+    fits: Sequence[Identification], known: Mapping[tuple[str, ...], TimeFloor] | None = None
+) -> Mapping[tuple[str, ...], TimeFloor]:
+    """The floor for each set of effects, as of sweeps."""
+    floors = dict(known or {})
+    for effects, group in by_effects(fits).items():
+        lowest = floors.get(effects) or material_floor(min(group, key=lambda fit: fit.cost))
+        floors[effects] = lowest.beside(group)
+    return floors
 
 
 def coordinates_around(free: Model, search: TimeSearch) -> Coordinates:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import comb, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import DEVIATIONS, NORMAL, SMALLEST
-from .residuals_of_tests import InTimePart, TestPart
+from .residuals_of_tests import InTimePart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 
 ORDER = 8
@@ -245,10 +246,11 @@ def gain_of(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
     return float(np.copysign(left**2, gain))
 
 
-def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
-    """By how much the Bayesian information criterion falls with `more` parameters."""
+def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
+    """By how much the Bayesian information criterion falls with another fit, over a noise."""
     gain = gain_of(base, other, noise) / _alike(base, other, noise)
     gain += base.lines - other.lines
+    more = other.count - base.count
     return float(gain - more * np.log(independent(base.residuals, noise)))
 
 
@@ -381,12 +383,12 @@ class Promise:
         theta = base.theta
         if moved:
             theta = self.theta
-        known = dict(zip(base.model.names, theta.tolist(), strict=True))
+        known = base.model.named(theta)
         new = [parameter for parameter in model.parameters if parameter.name not in known]
         for parameter, value in zip(new, self.values, strict=True):
             known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
         # Lines of a free spectrum, which the fit has and the model not yet, are found anew.
-        return model.vector({name: known[name] for name in model.names})
+        return model.picked(known)
 
 
 @dataclass(frozen=True, eq=False)
@@ -419,6 +421,31 @@ class Atom:
         size = abs(amount) ** self.powers
         sign = np.where((self.powers != 0.0) & (amount < 0.0), -1.0, 1.0)
         return tuple((self.values * size * sign).tolist())
+
+
+class AskedTests(NamedTuple):
+    """Tests as they are fitted, and what may be missing from a model of them.
+
+    Attributes
+    ----------
+    tests : sequence of TimeTest or Measurement
+        As they were given.
+    parts, quick : sequence of TestPart
+        Exact, and by fixed exponentials.
+    known : sequence of ndarray or None, or None
+        The noise of each test, where a model has told another than its signal.
+    effects : sequence of Effect
+        Those of the library that the model does not have.
+    left_out : dict of str to str
+        Those of them that cannot be fitted, and why.
+    """
+
+    tests: Sequence[Test]
+    parts: Sequence[TestPart]
+    quick: Sequence[TestPart]
+    known: Sequence[Real | None] | None
+    effects: Sequence[Effect]
+    left_out: dict[str, str]
 
 
 TWINS = 0.995

@@ -34,11 +34,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
+from ..numerics import rms
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
 from .temperatures import Together, is_law, lawful, seen_by
-from .where import rms
 
 KEPT = 2
 """Convex forms of single tests from which a search of all of them begins."""

@@ -29,12 +29,11 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import MOST_STEPS
+from ..numerics import MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of
 from .specimen import Scales, runs_against, tries_of, words_of
 from .start import start_of
-from .where import rms
 
 QUICK = 20
 """Steps with some of the samples."""

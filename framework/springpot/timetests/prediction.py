@@ -23,9 +23,10 @@ from springpot.measurement.units import (
 from springpot.rheology.points import Points, Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import rms
 from .residuals_of_tests import TestPart, part_of
 from .specimen import require_its_conditions
-from .where import TestPrediction, rms
+from .where import TestPrediction
 
 NEAR = 2.0
 """Factor by which a time may lie beyond those that a fit saw and still be one of them."""

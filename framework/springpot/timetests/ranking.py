@@ -19,7 +19,7 @@ from springpot.identification.result import Identification
 from springpot.measurement.opening import together
 from springpot.misfit.error import Error
 from springpot.misfit.frame import chance_of_squares
-from springpot.misfit.material import any_material
+from springpot.misfit.material import any_material, effects_of
 from springpot.plain_data import alive
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
@@ -29,7 +29,7 @@ from springpot.thresholds import VERDICT
 from .comparing import judgement_of
 from .discovery import discover
 from .fitting import identify
-from .floor import TimeFloor, effects_of, material_floors
+from .floor import TimeFloor, material_floors
 from .left import Left, delta_bic, gain_of, independent
 from .residuals_of_tests import Test, TestPart, parts_of_specimen
 from .scatter import ResidualScatter
@@ -141,8 +141,7 @@ class RankedInTime:
     @cached_property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion, beside that of the material."""
-        more = self.left.count - self.beside.count
-        return 0.5 * delta_bic(self.beside, self.left, self.noise, more)
+        return 0.5 * delta_bic(self.beside, self.left, self.noise)
 
     @cached_property
     def curve(self) -> Real:
@@ -182,7 +181,6 @@ class _BesideMaterial:
     def fitted(self, model: Model, effects: tuple[Effect, ...]) -> Iterator[RankedInTime]:
         """The fit of a model with effects, unless the tests cannot judge it."""
         asked, grown = self.case.asked, model
-        assert asked is not None, "the material was examined"
         for effect in effects:
             grown = grown + effect
         samples = sum(len(part.measured) for part in self.parts)
@@ -209,11 +207,9 @@ class _BesideMaterial:
 
     def _floors(self, fits: Sequence[RankedInTime]) -> Mapping[tuple[str, ...], TimeFloor]:
         """The material floor for each set of effects: with the material's own it is known."""
-        mine = effects_of(self.case.base.model)
-        alike = [found.fit for found in fits if effects_of(found.model) == mine]
-        unlike = [found.fit for found in fits if effects_of(found.model) != mine]
-        lowest = TimeFloor(tuple(part.relative_rms for part in self.case.base.parts))
-        return {**material_floors(unlike), mine: lowest.beside(alike)}
+        base = self.case.base
+        lowest = TimeFloor(tuple(part.relative_rms for part in base.parts))
+        return material_floors([found.fit for found in fits], {effects_of(base.model): lowest})
 
     def _judged(
         self, found: RankedInTime, delta: float, floors: Mapping[tuple[str, ...], TimeFloor]
@@ -281,7 +277,7 @@ def rank(
     if order.outgrown and (quietest := _quietest_alone(order)):
         notes.insert(0, f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
         order = beside.in_noise_of(quietest).order(fits)
-    ranking = Ranking(
+    return Ranking(
         ladder.data,
         (*order.adequate, *order.near, *order.others),
         (),
@@ -292,8 +288,6 @@ def rank(
         tuple(order.near),
         tuple(dict.fromkeys(beside.skipped)),
     )
-    vars(ranking).update(magnitude="the signal")
-    return ranking
 
 
 def _quietest_alone(order: Order) -> RankedInTime | None:

@@ -34,11 +34,11 @@ from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST, evenly
+from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .recording import recorded, spread
 from .scatter import FEWEST, ResidualScatter, digit_of, roundings, scatter_of, scatter_of_sweep
 from .start import apparent
-from .where import places, places_in_sweep, rms
+from .where import places, places_in_sweep
 
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""

@@ -319,7 +319,7 @@ def _with_effect(base: Identification, effect: Effect, values: Real) -> tuple[Mo
     Those of the fit, and `values` (q,) of the effect.
     """
     model = base.model + effect
-    known = dict(zip(base.model.names, base.theta.tolist(), strict=True))
+    known = base.model.named(base.theta)
     new = [name for name in model.names if name not in known]
     return model, model.vector(known | dict(zip(new, values.tolist(), strict=True)))
 

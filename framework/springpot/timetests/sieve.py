@@ -13,17 +13,15 @@ import numpy as np
 from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
-from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
-from .left import Left, Promise, Tried, delta_bic, independent, plain_bic
+from .left import AskedTests, Left, Promise, Tried, delta_bic, independent, plain_bic
 from .material import UntoldError
 from .native import TimeSearch
-from .residuals_of_tests import Test, TestPart
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .temperatures import is_law
@@ -107,12 +105,9 @@ def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
 
 
 def of_material(
-    tests: Sequence[Test],
-    parts: Sequence[TestPart],
+    asked: AskedTests,
     base: Identification,
     leading: Sequence[list[Promise]],
-    known: Sequence[Real | None] | None,
-    left_out: dict[str, str],
     fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
@@ -124,28 +119,26 @@ def of_material(
         model = base.model + effect
         try:
             seeds = [promise.start(base, model) for promise in promises[:STARTS]]
-            fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
+            fit = identify(asked.tests, model, seeds=seeds, thorough=False, noise=asked.known)
         except UntoldError as error:
             # Of no known size, it may explain the tests all the same.
-            left_out[effect.name] = str(error)
-            left = Left.by(error.model, error.theta, base.reference, parts)
+            asked.left_out[effect.name] = str(error)
+            left = Left.by(error.model, error.theta, base.reference, asked.parts)
             tried.append(Tried((effect,), error.model, error.theta, left))
             continue
         except SpringpotError as error:
-            left_out[effect.name] = str(error)
+            asked.left_out[effect.name] = str(error)
             continue
-        tried.append(Tried.exactly((effect,), fit, parts))
+        tried.append(Tried.exactly((effect,), fit, asked.parts))
         fitted(TriedEffect(effect, fit.model, fit.theta))
     return tried
 
 
 def nearly_fitted(
+    asked: AskedTests,
     base: Identification,
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
     leading: Sequence[list[Promise]],
     before: Left,
-    left_out: dict[str, str],
     starts: int = STARTS,
     fitted: Fitted = unseen,
 ) -> list[Tried]:
@@ -163,14 +156,14 @@ def nearly_fitted(
         seeds.append(promises[0].start(base, model))
         # The model's own fit with a trace of the effect is the last seed: an effect that does
         # nothing ends there.
-        search = TimeSearch(model, quick, base.reference, seeds, thorough=False)
+        search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         begun = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
         try:
-            u, _ = search.near(quick, begun)
+            u, _ = search.near(asked.quick, begun)
             # Not of the exponentials: by the part in a thousand that they are off, the right effect
             # could fall behind.
-            left = Left.by(model, search.theta(u), base.reference, parts)
+            left = Left.by(model, search.theta(u), base.reference, asked.parts)
         except UnfollowedError:
             # The exact response takes long: it is spent only where more than noise is left to
             # explain, or where most of what passes for noise would go.
@@ -178,14 +171,14 @@ def nearly_fitted(
             if promises[0].drop < COSTLY * best or not worth:
                 continue
             try:
-                u, _ = search.near(parts, begun[:starts])
-                left = Left.by(model, search.theta(u), base.reference, parts)
+                u, _ = search.near(asked.parts, begun[:starts])
+                left = Left.by(model, search.theta(u), base.reference, asked.parts)
             except SpringpotError as error:
-                left_out[effect.name] = str(error)
+                asked.left_out[effect.name] = str(error)
                 continue
         except SpringpotError as error:
             # It has no law in time for such a test.
-            left_out[effect.name] = str(error)
+            asked.left_out[effect.name] = str(error)
             continue
         tried.append(Tried((effect,), model, search.theta(u), left))
         fitted(TriedEffect(effect, model, search.theta(u)))
@@ -200,29 +193,24 @@ def _foretold(promise: Promise) -> float:
 
 
 def nearly_all(
+    asked: AskedTests,
     base: Identification,
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
     promises: dict[str, list[Promise]],
     before: Left,
-    left_out: dict[str, str],
     fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The leading effects nearly fitted, and the others where those miss the tests."""
     leading = leading_of_scan(promises, before)
-    nearly = nearly_fitted(base, parts, quick, leading, before, left_out, fitted=fitted)
+    nearly = nearly_fitted(asked, base, leading, before, fitted=fitted)
     others = passed_over(promises, nearly, before)
-    return nearly + nearly_fitted(base, parts, quick, others, before, left_out, fitted=fitted)
+    return nearly + nearly_fitted(asked, base, others, before, fitted=fitted)
 
 
 def from_the_best(
+    asked: AskedTests,
     base: Identification,
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
-    effects: Sequence[Effect],
     nearly: Sequence[Tried],
     before: Left,
-    left_out: dict[str, str],
     promised: Mapping[str, Sequence[Promise]] | None = None,
 ) -> list[Tried]:
     """Effects anew from where the best one has led the model's own parameters.
@@ -233,26 +221,26 @@ def from_the_best(
     `promised` to leave no more than it does from there, is not fitted again.
     """
     found: list[Tried] = []
-    asked = _as_promised(nearly, promised or {})
+    known = _as_promised(nearly, promised or {})
     while tried := [*nearly, *found]:
         best = min(tried, key=lambda each: plain_bic(each.left))
         # By the noise that the best one leaves: what is missing may look like noise without it.
-        if delta_of(before, best, noise_of_both(before, best.left), base) < SEARCH.decisive:
+        if delta_bic(before, best.left, noise_of_both(before, best.left)) < SEARCH.decisive:
             break
         near = {each.effect.name for each in tried if _as_near(each, best)}
         there = replace(base, theta=alone(best, base.model))
-        promises = TimeScan(there, quick).promises(effects)
-        left = Left.of(there, parts)
+        promises = TimeScan(there, asked.quick).promises(asked.effects)
+        left = Left.of(there, asked.parts)
         leading = [
             each
             for each in leading_of_scan(promises, left)
             if each[0].effect.name not in near
-            and each[0].leaves < asked.get(each[0].effect.name, np.inf)
+            and each[0].leaves < known.get(each[0].effect.name, np.inf)
         ]
         if not leading:
             break
-        asked |= {each[0].effect.name: -np.inf for each in leading}
-        found += nearly_fitted(there, parts, quick, leading, before, left_out)
+        known |= {each[0].effect.name: -np.inf for each in leading}
+        found += nearly_fitted(asked, there, leading, before)
     return found
 
 
@@ -265,12 +253,7 @@ def _as_promised(
 
 
 def least_left(
-    base: Identification,
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
-    effects: Sequence[Effect],
-    tried: Sequence[Tried],
-    before: Left,
+    asked: AskedTests, base: Identification, tried: Sequence[Tried], before: Left
 ) -> Left:
     """What tells the noise: what the best effect leaves, or that with another effect beside it.
 
@@ -282,20 +265,21 @@ def least_left(
     best = min(tried, key=lambda each: plain_bic(each.left))
     noise = noise_of_both(before, best.left)
     # Of a misfit that is seen the noise is told already.
-    if best.left.misfit or delta_of(before, best, noise, base) < SEARCH.decisive:
+    if best.left.misfit or delta_bic(before, best.left, noise) < SEARCH.decisive:
         return best.left
     grown = replace(base, model=best.model, theta=best.theta)
-    leading = leading_of_scan(TimeScan(grown, quick).promises(effects), best.left)[:FEWEST]
-    both = nearly_fitted(grown, parts, quick, leading, best.left, {}, starts=1)
+    promises = TimeScan(grown, asked.quick).promises(asked.effects)
+    leading = leading_of_scan(promises, best.left)[:FEWEST]
+    quietly = asked._replace(left_out={})
+    both = nearly_fitted(quietly, grown, leading, best.left, starts=1)
     # By the noise of the best alone, which is the wider one.
-    beside = [each for each in both if delta_of(best.left, each, noise, base) >= SEARCH.decisive]
+    beside = [each for each in both if delta_bic(best.left, each.left, noise) >= SEARCH.decisive]
     return min([best.left, *(each.left for each in beside)], key=plain_bic)
 
 
 def alone(each: Tried, model: Model) -> Real:
     """A model's own parameters (p,) where an effect has led them."""
-    led = dict(zip(each.model.names, each.theta.tolist(), strict=True))
-    return model.vector({name: led[name] for name in model.names})
+    return model.picked(each.model.named(each.theta))
 
 
 def _as_near(each: Tried, best: Tried) -> bool:
@@ -304,13 +288,10 @@ def _as_near(each: Tried, best: Tried) -> bool:
 
 
 def exactly_fitted(
-    tests: Sequence[Test],
-    parts: Sequence[TestPart],
+    asked: AskedTests,
     base: Identification,
     nearly: Sequence[Tried],
     before: Left,
-    known: Sequence[Real | None] | None,
-    left_out: dict[str, str],
     fitted: Fitted = unseen,
 ) -> list[Tried]:
     """The best of them fitted exactly, and the others as they are."""
@@ -319,13 +300,13 @@ def exactly_fitted(
     # The noise is read where the least is left, and the effects are then rated by that one noise.
     least = min((each.left for each in nearly), key=plain_bic, default=before)
     noise = noise_of_both(before, least)
-    rated = sorted(nearly, key=lambda each: -delta_of(before, each, noise, base))
+    rated = sorted(nearly, key=lambda each: -delta_bic(before, each.left, noise))
     if not rated:
         return []
     best = rated[0]
     # An exact fit is dear: it is spent where it can change the order, and not on what is far
     # behind.
-    near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
+    near = [i for i, each in enumerate(rated) if _near(each, best, before, noise)][:EXACT]
     # Fits that all go on from one that misses the tests by far may all be caught where it was.
     astray = best.left.over(noise) > ASTRAY
     if astray:
@@ -337,34 +318,26 @@ def exactly_fitted(
             continue
         try:
             fit = identify(
-                tests, each.model, seeds=[each.theta], thorough=astray, noise=known, near=not astray
+                asked.tests,
+                each.model,
+                seeds=[each.theta],
+                thorough=astray,
+                noise=asked.known,
+                near=not astray,
             )
         except SpringpotError as error:
-            left_out[each.effect.name] = str(error)
+            asked.left_out[each.effect.name] = str(error)
             continue
-        tried.append(Tried.exactly(each.effects, fit, parts))
+        tried.append(Tried.exactly(each.effects, fit, asked.parts))
         fitted(TriedEffect(each.effect, fit.model, fit.theta))
     return tried
 
 
-def _near(
-    each: Tried,
-    best: Tried,
-    before: Left,
-    noise: Sequence[ResidualScatter],
-    base: Identification,
-) -> bool:
+def _near(each: Tried, best: Tried, before: Left, noise: Sequence[ResidualScatter]) -> bool:
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
-    apart = delta_of(before, best, noise, base) - delta_of(before, each, noise, base)
+    apart = delta_bic(before, best.left, noise) - delta_bic(before, each.left, noise)
     return min(worse, apart) <= MARGIN
-
-
-def delta_of(
-    before: Left, each: Tried, noise: Sequence[ResidualScatter], base: Identification
-) -> float:
-    """By how much the Bayesian information criterion falls with an effect, over a noise."""
-    return delta_bic(before, each.left, noise, each.left.count - before.count)
 
 
 def noise_of_both(before: Left, best: Left) -> list[ResidualScatter]:

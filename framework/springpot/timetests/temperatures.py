@@ -219,7 +219,7 @@ def told_by_steps(model: Model, parts: Sequence[TestPart], reference: float) -> 
         lawful = Model("material", material, effects=laws)
         points = replace(points, reference=reference)
         found = fit_spectrum(lawful, points, by_one_number(relative_objective()))
-        told |= dict(zip(found.model.names, found.theta.tolist(), strict=True))
+        told |= found.model.named(found.theta)
     return {name: told[name] for name in model.names if name in told}
 
 

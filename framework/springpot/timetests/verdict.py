@@ -36,16 +36,15 @@ from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
 from springpot.misfit.where import Where
 from springpot.numerics import SMALLEST, TWO_DEVIATIONS
-from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.effect import Layer
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import TWINS, Left, Promise, Tried
-from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
+from .left import TWINS, AskedTests, Left, Promise, Tried
+from .residuals_of_tests import InTimePart, SweepPart, TestPart
 from .scatter import ResidualScatter, times_noise
-from .where import worst_first
 
 
 def told_apart(residuals: Iterable[tuple[Real, Real]]) -> bool:
@@ -189,28 +188,6 @@ def sentence(
     return f"{size}; missing is {names}: {after}{rival}{place}"
 
 
-class AskedTests(NamedTuple):
-    """Tests as they are fitted, and what may be missing from a model of them.
-
-    Attributes
-    ----------
-    tests : sequence of TimeTest or Measurement
-        As they were given.
-    parts, quick : sequence of TestPart
-        Exact, and by fixed exponentials.
-    known : sequence of ndarray or None, or None
-        The noise of each test, where a model has told another than its signal.
-    effects : sequence of Effect
-        Those of the library that the model does not have.
-    """
-
-    tests: Sequence[Test]
-    parts: Sequence[TestPart]
-    quick: Sequence[TestPart]
-    known: Sequence[Real | None] | None
-    effects: Sequence[Effect]
-
-
 class TimeCase(NamedTuple):
     """A diagnosis of tests in time with the fits behind it.
 
@@ -222,34 +199,30 @@ class TimeCase(NamedTuple):
         The model that was judged.
     best_fit : Identification
         The model with the best effect, where one is missing; else the base.
-    misfits : tuple of Misfit
-        How far the base lies beside each test.
     tried : tuple of Tried
         The model grown by each effect that was fitted.
-    asked : AskedTests or None
+    asked : AskedTests
         The tests and effects behind it.
     """
 
     diagnosis: Diagnosis
     base: Identification
     best_fit: Identification
-    misfits: tuple[Misfit, ...]
-    tried: tuple[Tried, ...] = ()
-    asked: AskedTests | None = None
+    tried: tuple[Tried, ...]
+    asked: AskedTests
 
 
 def answer_of(
-    parts: Sequence[TestPart],
+    asked: AskedTests,
     base: Identification,
     before: Left,
     tried: Sequence[Tried],
     noise: Sequence[ResidualScatter],
     promises: dict[str, list[Promise]],
-    left_out: dict[str, str],
     slip: Slip,
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
-    of_slip = slip.delta(before, noise)
+    parts, of_slip = asked.parts, slip.delta(before, noise)
     noise, tried = _over_one_noise(before, tried, noise, of_slip)
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
@@ -280,14 +253,13 @@ def answer_of(
         parameters=base.parameters,
         leading=leading_of(named),
         tests=tests,
-        left_out=left_out,
+        left_out=asked.left_out,
         evidence={"nothing": nothing, "unknown": unknown},
         steps=tuple(_steps(parts, verdict, where)),
         quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
-    misfits = tuple(_misfit(part, base) for part in parts)
-    return TimeCase(diagnosis, base, fit, misfits, tuple(tried))
+    return TimeCase(diagnosis, base, fit, tuple(tried), asked)
 
 
 def _over_one_noise(
@@ -382,7 +354,7 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
         yield from lines_in(part, residual)
 
 
-def _misfit(part: TestPart, base: Identification) -> Misfit:
+def misfit_of(part: TestPart, base: Identification) -> Misfit:
     """How far a fitted model lies beside what one test has measured."""
     value = part.with_scale(1.0).residual(base.model, base.theta, base.reference).value
     if not isinstance(part, SweepPart):
@@ -423,12 +395,12 @@ def where_missed(
     parts: Sequence[TestPart], before: Left, noise: Sequence[ResidualScatter]
 ) -> tuple[Where, ...]:
     """Where the model fails: first in the test that it misses most, the worst place first."""
-    located: list[tuple[float, Sequence[Where]]] = []
-    for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
-        places = worst_first(part.places(residual / scatter.size))
-        located.append((times_noise(residual, scatter.size), places))
-    located.sort(key=lambda one: -one[0])
-    return tuple(place for _, places in located for place in places)
+    located = [
+        (times_noise(residual, scatter.size), place.size, place)
+        for part, residual, scatter in zip(parts, before.residuals, noise, strict=True)
+        for place in part.places(residual / scatter.size)
+    ]
+    return tuple(place for *_, place in sorted(located, key=lambda one: one[:2], reverse=True))
 
 
 def _class(
@@ -562,11 +534,7 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
     predicted, reached = after.relative_rms, NAN
     if each.fit is not None:
         predicted, reached = NAN, after.relative_rms
-        # A parameter is called effect.own, and effect#2.own where the model has the effect already.
-        for whole, value in each.fit.parameters.items():
-            prefix, _, own = whole.rpartition(".")
-            if prefix.split("#")[0] == name:
-                parameters[own] = value
+        parameters = each.effect.own_of(each.fit.parameters)
     others: tuple[str, ...] = ()
     if name in alike:
         others = tuple(other for other in alike if other != name)

@@ -9,7 +9,6 @@ One size for many numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,16 +26,11 @@ from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import DEVIATIONS, SMALLEST
+from ..numerics import DEVIATIONS, SMALLEST, rms
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-def rms(values: Real) -> float:
-    """Root mean square of values (n,)."""
-    return float(np.sqrt(np.mean(values**2)))
 
 
 PIECES = 12
@@ -238,11 +232,6 @@ def _flat(test: TimeTest) -> str:
     if np.ptp(top) <= FLAT * size.max():
         return "; the record is level at its top"
     return ""
-
-
-def worst_first(located: Sequence[Where]) -> tuple[Where, ...]:
-    """Places of all tests, the worst first."""
-    return tuple(sorted(located, key=lambda place: -place.size))
 
 
 SCHEMA = "springpot.prediction/2"

@@ -19,12 +19,12 @@ from springpot.identification.uncertainty import correlation_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
+from springpot.numerics import rms
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen, units_of
 from springpot.timetests.verdict import TimeCase
-from springpot.timetests.where import rms
 from springpot.writing import DIGITS as OF_RESIDUALS
 
 from .scene import MOST_ON_CURVES, MOST_POINTS, parameters_of, rounded

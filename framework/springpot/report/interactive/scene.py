@@ -18,6 +18,7 @@ from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import settings_of, told_apart
 from springpot.measurement.units import Units
+from springpot.numerics import rms
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
@@ -227,7 +228,7 @@ class PageScene:
 def relative_error(measurement: Measurement, model: Model, theta: Real) -> float:
     """Root mean square of |K_model - K| / |K| over all rows, K being what was measured."""
     left = measurement.stiffness - model.stiffness(theta, measurement.points)
-    return float(np.sqrt(np.mean(np.abs(left / measurement.stiffness) ** 2)))
+    return rms(np.abs(left / measurement.stiffness))
 
 
 def rounded(values: Real, digits: int = DIGITS) -> list[float | None]:
