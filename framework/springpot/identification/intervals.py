@@ -33,8 +33,6 @@ end is known; or other parameters make up for whatever it is.
 """
 FAR = 5.0
 """Logarithm beyond which a parameter is as good as nothing, or as endless."""
-NATURAL = np.array([-1.0, 0.0, 1.0])
-"""Logarithms of natural sizes."""
 NOTHING = 1e-3
 """Share of the rise at an interval's end that is none: what is left of a search's tolerance."""
 
@@ -301,7 +299,8 @@ class Path:
         at, log, size = self.coordinates, self.coordinates.log, self.coordinates.size[0]
         least = float(np.sum(self.evaluate(self.u[None], np.arange(1))[0] ** 2))
         near = replace(self, u=np.where(log & (np.abs(self.u) > FAR), 0.0, self.u))
-        found = near.held(NATURAL)
+        # A factor of e either way, as the very size may be more than the data allow.
+        found = near.held(np.array([-1.0, 0.0, 1.0]))
         good = found.u[found.cost - least <= rise]
         if not len(good):
             return
@@ -310,6 +309,8 @@ class Path:
         upper = np.array([each.upper for each in at.parameters])
         for u, by_u in zip(good, slopes, strict=True):
             reach = np.sqrt(rise * np.diag(inverse_of(by_u @ by_u.T)))
+            # No end of an interval that says nothing is a number.
+            reach[log & (2.0 * reach > np.log(LOST))] = np.inf
             yield ends(at.theta(u, size), np.where(log, reach, reach * size), log, (lower, upper))
 
 
