@@ -146,6 +146,9 @@ def test_what_repeats_without_noise_had_gone_on(control):
     assert test.loading.before >= len(T) // 2
     fit = springpot.identify(test, ZENER)
     assert fit.tests[0].over_floor == pytest.approx(1.0, abs=0.1)
+    # A channel without scatter was imposed, whichever is taken to be.
+    advised = [note for note in fit.notes if "?control=force" in note]
+    assert len(advised) == (control == "displacement")
 
 
 def test_one_frequency_tells_two_numbers_and_not_three():

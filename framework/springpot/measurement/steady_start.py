@@ -7,15 +7,19 @@ in the first ones recorded, and a model that begins at rest misses it.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springpot.distributions import f_sf
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .imposed import Loading
-from .rounding import is_even
+from .rounding import is_even, rounding_step
+
+if TYPE_CHECKING:
+    from .timetest import TimeTest
 
 SHORTEST = 8
 """Samples of a period at least."""
@@ -99,11 +103,29 @@ def _after_cycles(loading: Loading, lag: int, count: int) -> Loading:
     )
 
 
-def said_of_start(name: str, loading: Loading) -> str:
-    """What a test of this name is taken to have done before its record; nothing of most."""
-    if not loading.before:
+def said_of_start(test: TimeTest) -> str:
+    """What a test is taken to have done before its record; nothing of most.
+
+    Also where its response has no scatter and what was imposed has: then it was imposed.
+    """
+    if not test.loading.before:
         return ""
-    return f"{name} repeats from its first cycle on: taken to have gone on before the record"
+    says = f"{test.name} repeats from its first cycle on: taken to have gone on before the record"
+    imposed = test.loading.recorded.value
+    _, lag = _lag(imposed)
+    if not _to_the_digit(test.response, lag) or _to_the_digit(imposed, lag):
+        return says
+    return (
+        f"{says}; its {test.answered} repeats to the last digit, as what is imposed does:"
+        f" '?control={test.answered}' behind the file takes it so, or noise of the other channel"
+        " bends the answer"
+    )
+
+
+def _to_the_digit(value: Real, lag: int) -> bool:
+    """Whether a channel repeats but for its digits."""
+    step = np.maximum(rounding_step(value), NEGLIGIBLE * np.max(np.abs(value)))
+    return bool(np.all(np.abs(value[lag:] - value[:-lag]) <= 2.0 * step[lag:]))
 
 
 def _lag(value: Real) -> tuple[int, int]:

@@ -423,7 +423,7 @@ def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str,
     """Samples that were left out, and tests whose columns seem to count in opposite directions."""
     in_time = [part.test for part in parts if isinstance(part, InTimePart)]
     doubts = [said for test in in_time if (said := said_of_strays(test))]
-    doubts += [said for test in in_time if (said := said_of_start(test.name, test.loading))]
+    doubts += [said for test in in_time if (said := said_of_start(test))]
     for part, row in zip(parts, rows, strict=True):
         if row.relative_rms > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
             doubts.append(

@@ -349,7 +349,7 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
         yield from said_of_sign(part.test.provenance)
         if isinstance(part, InTimePart):
             test = part.test
-            yield from filter(None, [said_of_strays(test), said_of_start(test.name, test.loading)])
+            yield from filter(None, [said_of_strays(test), said_of_start(test)])
     for part, residual in zip(parts, best.residuals, strict=True):
         yield from lines_in(part, residual)
 
