@@ -7,7 +7,6 @@ in the first ones recorded, and a model that begins at rest misses it.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,6 @@ from springpot.rheology.points import Real
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .imposed import Loading
 from .rounding import is_even, rounding_step
-
-if TYPE_CHECKING:
-    from .timetest import TimeTest
 
 SHORTEST = 8
 """Samples of a period at least."""
@@ -103,21 +99,21 @@ def _after_cycles(loading: Loading, lag: int, count: int) -> Loading:
     )
 
 
-def said_of_start(test: TimeTest) -> str:
+def said_of_start(name: str, loading: Loading, response: Real, answered: str) -> str:
     """What a test is taken to have done before its record; nothing of most.
 
     Also where its response has no scatter and what was imposed has: then it was imposed.
     """
-    if not test.loading.before:
+    if not loading.before:
         return ""
-    says = f"{test.name} repeats from its first cycle on: taken to have gone on before the record"
-    imposed = test.loading.recorded.value
+    says = f"{name} repeats from its first cycle on: taken to have gone on before the record"
+    imposed = loading.recorded.value
     _, lag = _lag(imposed)
-    if not _to_the_digit(test.response, lag) or _to_the_digit(imposed, lag):
+    if not _to_the_digit(response, lag) or _to_the_digit(imposed, lag):
         return says
     return (
-        f"{says}; its {test.answered} repeats to the last digit, as what is imposed does:"
-        f" '?control={test.answered}' behind the file takes it so, or noise of the other channel"
+        f"{says}; its {answered} repeats to the last digit, as what is imposed does:"
+        f" '?control={answered}' behind the file takes it so, or noise of the other channel"
         " bends the answer"
     )
 

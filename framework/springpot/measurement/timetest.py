@@ -20,7 +20,7 @@ from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
-from .steady_start import gone_on
+from .steady_start import gone_on, said_of_start
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -396,6 +396,11 @@ class TimeTest:
     def answered(self) -> str:
         """Which of displacement and force is the response."""
         return {"displacement": "force", "force": "displacement"}[self.control]
+
+    @property
+    def said_of_start(self) -> str:
+        """What it is taken to have done before its record; nothing of most."""
+        return said_of_start(self.name, self.loading, self.response, self.answered)
 
     @property
     def words(self) -> tuple[str, str]:

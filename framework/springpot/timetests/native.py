@@ -21,7 +21,7 @@ from springpot.identification.task import FLAT_SHAPES
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
-from springpot.measurement.steady_start import lasting, said_of_start
+from springpot.measurement.steady_start import lasting
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
@@ -423,7 +423,7 @@ def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str,
     """Samples that were left out, and tests whose columns seem to count in opposite directions."""
     in_time = [part.test for part in parts if isinstance(part, InTimePart)]
     doubts = [said for test in in_time if (said := said_of_strays(test))]
-    doubts += [said for test in in_time if (said := said_of_start(test))]
+    doubts += [said for test in in_time if (said := test.said_of_start)]
     for part, row in zip(parts, rows, strict=True):
         if row.relative_rms > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
             doubts.append(

@@ -30,7 +30,6 @@ from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult, Value
 from springpot.measurement.mixed_up import said_of_sign, turned
-from springpot.measurement.steady_start import said_of_start
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
@@ -349,7 +348,7 @@ def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
         yield from said_of_sign(part.test.provenance)
         if isinstance(part, InTimePart):
             test = part.test
-            yield from filter(None, [said_of_strays(test), said_of_start(test)])
+            yield from filter(None, [said_of_strays(test), test.said_of_start])
     for part, residual in zip(parts, best.residuals, strict=True):
         yield from lines_in(part, residual)
 
