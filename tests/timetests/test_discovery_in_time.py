@@ -27,7 +27,7 @@ def test_a_record_with_a_mass_and_friction_names_both():
     scatter = 0.5 * np.random.default_rng(5).normal(size=len(t))
     test = TimeTest.of_history(t, x, force + scatter, "m", "N", control="displacement")
     base = parse_model("fractional-maxwell")
-    found = discover([test], base, EFFECTS)
+    found = discover([test], base)
     assert {step.accepted for step in found.steps[1:]} == {"friction", "inertia"}
     assert found.verdict == "adequate"
     errors = [step.relative_rms for step in found.steps]
