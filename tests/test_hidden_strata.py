@@ -59,6 +59,7 @@ def test_a_load_cell_in_time_is_its_transfer_function():
     np.testing.assert_allclose(seen, K / (1.0 - r**2 + 0.1j * r), rtol=1e-4)
 
 
+@pytest.mark.soak
 def test_a_mount_and_a_slip_that_are_linear_add_their_compliance():
     mount = stiffness(in_time.mount_force(SOLID, MOTION, 200.0, 0.0))
     np.testing.assert_allclose(1.0 / mount, 1.0 / K + 1.0 / 200.0, rtol=1e-6)

@@ -37,6 +37,7 @@ def test_the_made_factors_are_found_again(study):
     assert int(held.split("/")[0]) >= 6
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("asked_once")
 def test_what_nist_says_of_its_fluid(study):
     curve = springpot.mastercurve("nist-srm2491")

@@ -138,10 +138,12 @@ def test_noise_alone_passes(baseline, tmp_path):
             assert compare(before, store, baseline).regressions == (), f"seed {seed}"
 
 
+@pytest.mark.soak
 def test_another_seed_is_compared_too(baseline):
     assert check(quick(), baseline, seed=2).regressions == ()
 
 
+@pytest.mark.soak
 def test_too_few_trials_are_said(tmp_path):
     path = update(quick(repetitions=3), tmp_path / "baseline.json")
     gate = check(quick(repetitions=3), path, seed=5)

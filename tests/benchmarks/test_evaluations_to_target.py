@@ -45,6 +45,7 @@ def prepared(name, model):
     return (found() if isinstance(found, type) else found), problem, TARGET * centre
 
 
+@pytest.mark.soak_cases("cma-es-fractional-maxwell", "cma-es-fractional-zener")
 @pytest.mark.parametrize("model", ["fractional-maxwell", "fractional-zener"])
 @pytest.mark.parametrize("name", ["pso-paper", "cma-es", "nlopt-crs", "native"])
 @pytest.mark.benchmark(timer=COUNTER, group="evaluations to target")

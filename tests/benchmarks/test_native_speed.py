@@ -79,7 +79,7 @@ def test_single_fits_take_less_time_than_scipy_from_random_starts():
     assert sum(native.values()) < sum(plain.values())
 
 
-@pytest.mark.soak_cases("fractional-kelvin4")
+@pytest.mark.soak
 @pytest.mark.parametrize("name", FOUR)
 @patient
 def test_a_batch_is_ten_times_faster_and_succeeds_more_often(name, rng):

@@ -170,6 +170,7 @@ def test_a_library_takes_at_most_ten_percent_more_than_bare(library, capsys):
     assert ours <= 1.1 * BUSY * alone
 
 
+@pytest.mark.soak_cases("pycma-bare", "pycma-springpot")
 @pytest.mark.parametrize("who", ["bare", "springpot"])
 @pytest.mark.parametrize("library", LIBRARIES)
 def test_side_by_side(benchmark, library, who):

@@ -38,7 +38,7 @@ def seconds(count: int, own: str, tie: tuple[str, ...] = ()) -> float:
     return (process_time() - began) / count
 
 
-@pytest.mark.soak_cases("k-tie2")
+@pytest.mark.soak
 @pytest.mark.parametrize(("own", "tie"), [("k", ()), ("*", ()), ("k", ("c = 0.02*k",))])
 @patient
 def test_a_specimen_costs_the_same_among_many(own, tie, capsys):

@@ -87,6 +87,7 @@ def test_fifty_runs_take_a_small_part_of_pyswarms(name, theirs, capsys):
     assert mine <= PART_OF_PYSWARMS * other
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("name", MODELS)
 @patient
 def test_swarm_and_recorder_cost_little_beside_the_exponentials(name, capsys):

@@ -32,6 +32,7 @@ def seconds(task) -> float:
     return min(times)
 
 
+@pytest.mark.soak_cases("uneven-1000")
 @pytest.mark.slow
 @pytest.mark.parametrize(("sampling", "least"), [("even", 20), ("uneven", 1000)])
 def test_the_recursion_against_a_direct_convolution(sampling: str, least: float):

@@ -47,6 +47,7 @@ def test_a_picture(springpot, tmp_path):
     assert path.stat().st_size > 10_000
 
 
+@pytest.mark.soak
 def test_the_picture_tells_frequencies_and_moduli_as_the_data_came():
     pytest.importorskip("matplotlib")
     omega = np.tile(2.0 * np.pi * np.geomspace(0.1, 10.0, 6), 2)

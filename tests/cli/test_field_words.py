@@ -155,6 +155,7 @@ def test_comparisons_fit_the_window_and_name_the_next_command(springpot, rheomet
     assert lines[-1].startswith("next: springpot diagnose ")
 
 
+@pytest.mark.soak
 def test_a_master_curve_speaks_of_a_T(springpot, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     lines = springpot("mastercurve", "nist-srm2491").out.splitlines()

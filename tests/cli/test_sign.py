@@ -64,6 +64,7 @@ def test_a_step_that_is_answered_the_other_way_is_told(springpot, write):
 
 # The best model of such data has no stiffness at all, and the warnings that makes are another
 # matter.
+@pytest.mark.soak
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(
     springpot, damper

@@ -143,7 +143,7 @@ def test_what_is_suggested_of_a_file_is_taken(springpot, understood, tmp_path, w
     assert [complaint for command in found if (complaint := understood(command))] == []
 
 
-@pytest.mark.soak_cases("discover --accept inertia", "identify")
+@pytest.mark.soak_cases("discover --accept inertia", "identify", "diagnose")
 @pytest.mark.parametrize("asked", ["identify", "diagnose", "compare", "discover --accept inertia"])
 def test_what_is_suggested_of_an_answer_is_taken(springpot, understood, damper, asked):
     path = damper.rename(damper.with_name("Bob's #1 @ 20.csv"))

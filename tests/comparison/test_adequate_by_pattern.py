@@ -40,7 +40,17 @@ def test_none_whose_residual_has_a_pattern_is_adequate(whole):
         assert not one.fails
 
 
+@pytest.mark.soak
 def test_nor_where_a_ripple_is_within_the_noise_by_size():
     """The errors of these fits are no larger than noise, but their residuals go up and down."""
     ranking = springpot.compare(sweep(np.random.default_rng(1), 12, ripple=0.0015))
     assert not [one.model.name for one in ranking.adequate if one.fails]
+
+
+def test_an_error_of_its_size_that_goes_up_and_down_is_no_noise():
+    """As above, of one model."""
+    data = sweep(np.random.default_rng(1), 12, ripple=0.0015)
+    [judged] = springpot.compare(data, ["fractional-zener"]).judgements
+    assert judged.at_noise
+    assert judged.fails
+    assert not judged.adequate

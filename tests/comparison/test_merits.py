@@ -140,6 +140,7 @@ def test_at_one_frequency_a_linear_model_of_two_parameters_is_fitted_and_of_thre
     ]
 
 
+@pytest.mark.soak
 def test_with_an_accepted_shift_of_times_one_frequency_is_a_sweep():
     celsius = np.linspace(-20.0, 100.0, 16)
     ranking = at_one_frequency(("fractional-zener",), ("arrhenius-shift",), celsius)

@@ -155,6 +155,7 @@ def test_intervals_cover():
     assert all(count >= 0.875 * 80 for count in hits.values()), hits
 
 
+@pytest.mark.soak
 def test_the_linear_limit_is_covered():
     """Of a softening that is not the curve that is fitted."""
     x, rng = np.log(np.geomspace(1e-4, 1.0, 33)), np.random.default_rng(3)
@@ -254,6 +255,7 @@ def test_the_error_of_a_linear_limit_is_what_it_scatters_by(power):
     assert 0.8 < np.std(places) / np.sqrt(np.mean(errors**2)) < 1.25
 
 
+@pytest.mark.soak
 def test_the_interval_of_a_plateau_holds_the_error_of_its_place():
     x, rng, logs, reach = np.linspace(-2.0, 2.0, 30), np.random.default_rng(3), [], []
     for _ in range(60):

@@ -49,6 +49,7 @@ def test_one_age_can_be_chosen_by_the_next_step(found):
     assert springpot.diagnose(chosen).verdict == "adequate"
 
 
+@pytest.mark.soak
 def test_ages_of_a_specimen_that_stays_are_told_of_nothing():
     told = springpot.diagnose(table(setting_gel(OMEGA, np.full(len(OMEGA), 30.0))))
     assert told.verdict == "adequate"

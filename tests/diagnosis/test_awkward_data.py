@@ -77,6 +77,7 @@ def test_negative_loss_is_data_like_any_other():
     json.dumps(jsonable(diagnosis.to_dict()), allow_nan=False)
 
 
+@pytest.mark.soak
 def test_noise_that_makes_some_losses_negative_is_still_noise():
     at = SWEEP
     data = measured(at, 200.0 + 0.002j * at.omega, level=0.02)
@@ -211,6 +212,7 @@ def test_computed_data_are_exact_beside_their_own_model_only():
     assert diagnosis.verdict != "adequate"
 
 
+@pytest.mark.soak
 def test_where_nothing_of_a_material_is_left_the_answer_is_no_fault():
     """All of K counts the other way: no material has any, and relative changes of it are none."""
     omega = 2.0 * np.pi * np.geomspace(1.0, 50.0, 16)

@@ -206,6 +206,7 @@ def test_steps_tell_parameters_with_intervals():
     assert np.isfinite([mass["low"], mass["high"]]).all()
 
 
+@pytest.mark.soak
 def test_the_first_of_a_class_goes_in_only_if_it_is_likelier_than_all_the_others():
     """A delay has two rarer rivals at low frequencies, and here one that is as common as it."""
     at, model = np.geomspace(0.1, 100.0, 30), springpot.parse_model("fractional-kelvin")

@@ -1,6 +1,7 @@
 """An effect of a plugin that gives no number is told by its name, not passed over."""
 
 import numpy as np
+import pytest
 
 import springpot
 from springpot.registry import effect_of
@@ -22,6 +23,7 @@ MUTE = Effect(
 )
 
 
+@pytest.mark.soak
 def test_an_effect_without_numbers_is_left_out_by_name(rng):
     omega = np.geomspace(1.0, 100.0, 12)
     stiffness = 100.0 + 5.0 * (1j * omega) ** 0.5 - 0.01 * omega**2

@@ -53,6 +53,7 @@ def test_a_bad_last_point_beside_a_clear_mass_is_set_aside():
     assert "row 24" in note
 
 
+@pytest.mark.soak
 def test_so_is_one_beside_the_end():
     s = 2j * np.pi * np.geomspace(0.1, 55.0, 24)
     stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (20.0 * s**0.5)) + 3e-3 * s**2

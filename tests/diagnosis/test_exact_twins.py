@@ -268,6 +268,7 @@ def test_a_gain_is_a_scale_of_all_moduli(base, gain, seed):
     np.testing.assert_allclose(after, before * scale, rtol=1e-4)
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("1")
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.soak)])
 def test_a_gain_at_one_of_two_temperatures_is_a_vertical_shift(seed):
@@ -328,6 +329,7 @@ def test_a_clock_wrong_at_one_of_two_temperatures_is_a_shift(level, seed):
 # E8: a constant loss at one amplitude
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("spring-0.002")
 @crossed("base", [KELVIN, SOFT_KELVIN, SPRING], rare=[KELVIN, SOFT_KELVIN])
 def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):

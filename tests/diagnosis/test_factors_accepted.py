@@ -47,5 +47,6 @@ def test_they_are_named_before_a_law_that_leaves_most(gelling):
     assert float(told[1]) < 1.2
 
 
+@pytest.mark.soak
 def test_nothing_is_accepted_unasked_in_their_place(gelling):
     assert [step.accepted for step in springpot.discover(gelling, only=SHIFTS).steps] == [None]

@@ -29,6 +29,7 @@ def test_a_handful_of_points_is_never_missing_an_effect(points):
             assert found.verdict != "effect-missing", (seed, model, found.says)
 
 
+@pytest.mark.soak
 def test_three_points_that_leave_nothing_are_judged_without_a_warning():
     """The draw leaves a residual of which nothing remains to be divided by."""
     assert springpot.diagnose(few(3, 142)).verdict in {"adequate", "inconclusive"}

@@ -99,7 +99,7 @@ def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
     assert effect not in [c.effect for c in diagnosis.candidates if c.verdict == "absent"]
 
 
-@pytest.mark.soak_cases("arrhenius-shift", "friction")
+@pytest.mark.soak
 @pytest.mark.parametrize("effect", some("series-spring", "friction", "arrhenius-shift"))
 def test_a_plain_effect_is_in_the_first_class(effect):
     diagnosis = diagnosed(effect, 120.0)

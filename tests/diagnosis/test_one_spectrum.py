@@ -35,7 +35,7 @@ def found(request):
     )
 
 
-@pytest.mark.soak_cases("skewed")
+@pytest.mark.soak
 def test_something_is_missing_but_no_part_is_named_with_confidence(found):
     assert found.verdict == "effect-missing"
     assert found.candidates[0].probability < 0.95

@@ -37,6 +37,7 @@ def test_the_error_after_an_effect_is_that_of_accepting_it(data, model):
         assert identified.relative_rms == pytest.approx(row.error_after, rel=0.01), row.effect
 
 
+@pytest.mark.soak
 def test_an_error_is_searched_for_where_it_is_asked_for():
     # Under another seed: no other test has asked for its errors.
     found = springpot.diagnose("artificial-hidden", "fractional-maxwell", seed=20)

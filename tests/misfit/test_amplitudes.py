@@ -50,6 +50,7 @@ def test_where_the_amplitude_does_nothing_that_is_said():
     assert note.endswith("the amplitude does not matter")
 
 
+@pytest.mark.soak
 def test_a_loss_that_is_largest_between_is_told_with_its_place():
     between = 1.0 + np.exp(-(np.log(AMPLITUDE / 0.2) ** 2))
     (note,) = notes(measured(GEL.real + 1j * GEL.imag * between, level=0.001))[:1]

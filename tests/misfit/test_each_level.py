@@ -51,7 +51,7 @@ def test_nothing_is_told_of_a_melt_that_one_shift_joins(seed):
     assert notes(melt(seed)) == []
 
 
-@pytest.mark.soak_cases("2", "0")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(3))
 def test_a_level_that_is_no_material_is_named_and_no_other(seed):
     (told,) = notes(melt(seed, phase=0.02))

@@ -32,7 +32,7 @@ def disturbed(hertz, rng):
     return springpot.Measurement(s.imag, stiffness, units=springpot.Units("kN/m", "mm"))
 
 
-@pytest.mark.soak_cases("50.0-True")
+@pytest.mark.soak
 @pytest.mark.parametrize(("hertz", "hums"), [(50.0, True), (47.0, False)])
 def test_the_note_on_a_point_that_was_set_aside_speaks_of_it(hertz, hums):
     effects = [

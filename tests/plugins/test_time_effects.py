@@ -110,7 +110,7 @@ def assert_missing(effect, test, clean, noise, model):
     assert (found.verdict, found.candidates[0].effect) == ("effect-missing", effect)
 
 
-@pytest.mark.soak_cases("0.13")
+@pytest.mark.soak
 @pytest.mark.parametrize("rise", [0.13, 0.16])
 def test_a_ramp_that_one_sample_lies_within_is_found(rise: float):
     t = np.geomspace(0.1, 1000.0, 80)
@@ -120,7 +120,7 @@ def test_a_ramp_that_one_sample_lies_within_is_found(rise: float):
     assert_missing("finite-ramp", test, clean, 0.01, MODEL)
 
 
-@pytest.mark.soak_cases("0.15")
+@pytest.mark.soak
 @pytest.mark.parametrize("exponent", [0.15, 0.3])
 def test_tertiary_creep_is_told_from_warming_and_drift(exponent: float):
     t = np.linspace(0.5, 300.0, 100)

@@ -75,7 +75,7 @@ def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
         "-m",
         "springpot",
         "run",
-        str(script(tmp_path, 2000)),
+        str(script(tmp_path, 200)),
         "--out",
         str(tmp_path),
     ]

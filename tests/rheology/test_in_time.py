@@ -51,6 +51,7 @@ def typical(model: Model) -> np.ndarray:
     )
 
 
+@pytest.mark.soak_cases("0.7")
 @pytest.mark.parametrize("alpha", mittag_leffler.ORDERS)
 def test_fractional_elements_against_mittag_leffler_values(alpha: float):
     k, c = 3.0, 2.0

@@ -49,6 +49,7 @@ def parted(asked_once):
     return springpot.mastercurve(measured(apart, noise=0.003, decades=0.5))
 
 
+@pytest.mark.soak
 def test_the_interval_of_a_sweep_that_does_not_overlap_goes_from_where_it_would(parted):
     for level in parted.levels[:2]:
         assert (level.determined, level.reason) == (False, "no overlap")
@@ -83,7 +84,7 @@ def test_no_factor_is_left_out_of_the_text(parted):
     assert not [line for line in lines if line.lstrip().startswith(("0  -", "15  -"))]
 
 
-@pytest.mark.soak_cases("1", "2")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(3))
 def test_flat_sweeps_that_do_not_overlap_are_told_not_to(seed):
     """Flat they are too; yet no shift and no vertical factor that is expected would join them."""
@@ -120,6 +121,7 @@ def test_the_line_follows_a_loss_that_is_hardly_a_part_of_the_modulus(seed):
     assert curve.simplicity.verdict == "simple"
 
 
+@pytest.mark.soak
 def test_a_line_that_misses_the_loss_is_not_called_noise():
     """As it does by an objective that knows the storage alone."""
     storage = Objective("storage", "", lambda data: 1.0 / data.magnitude.astype(complex))

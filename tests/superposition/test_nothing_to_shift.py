@@ -54,6 +54,7 @@ def test_sweeps_with_a_slope_keep_their_factors():
     assert EXACT not in text
 
 
+@pytest.mark.soak
 def test_a_law_with_as_many_constants_as_factors_is_exact_by_construction():
     whole = measured(lambda i, omega: material(omega * np.exp(-0.05 * TEMPERATURES[i])))
     two = whole.subset(whole.conditions["temperature"] < 20.0)

@@ -248,7 +248,7 @@ def shared(monkeypatch):
     plugins.cache_clear()
 
 
-@pytest.mark.soak_cases(*(name for name in FILES if name != "nist"))
+@pytest.mark.soak
 @pytest.mark.usefixtures("asked_once")
 @pytest.mark.parametrize("name", list(FILES))
 def test_measured_files_have_one_answer_in_all_commands(name, shared):

@@ -89,6 +89,7 @@ def test_repeats_that_differ_are_no_strange_material():
     assert any("repeated sweeps differ" in note for note in curve.notes)
 
 
+@pytest.mark.soak
 def test_too_few_points_are_not_judged():
     rest = springpot.mastercurve(measured(simple, points=3)).simplicity
     assert rest.verdict == "not-judged"
@@ -107,6 +108,7 @@ def test_a_material_of_each_level_leaves_as_much_as_its_degrees_of_freedom_say(p
     assert abs(left - free) < 2.6 * np.sqrt(2.0 * free)
 
 
+@pytest.mark.soak
 def test_a_step_that_is_too_long_is_no_size_of_a_shift():
     """Two materials under one name, which share no decade: nothing shifts by 600 % less."""
     omega = np.geomspace(0.6, 17.0, 11), np.geomspace(0.6, 600.0, 31)

@@ -59,7 +59,7 @@ RESULTS = {
 }
 
 
-@pytest.mark.soak_cases("K_eff")
+@pytest.mark.soak
 @pytest.mark.parametrize("quantity", ["W_d", "K_eff"])
 def test_the_expanded_uncertainty_covers_95_of_100_with_errors_that_tests_share(quantity):
     rng, draws = np.random.default_rng(11), 1000

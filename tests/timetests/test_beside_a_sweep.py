@@ -72,6 +72,7 @@ def test_a_model_with_a_delay_is_fitted_to_a_sweep_and_a_relaxation(seed):
     assert any(note.startswith("time-delay: of the rig of the sweeps") for note in fit.notes)
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("1")
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_delay_of_the_sweep_is_found_beside_a_relaxation(seed):

@@ -41,6 +41,7 @@ def test_a_record_with_a_mass_and_friction_names_both():
     )
 
 
+@pytest.mark.soak
 def test_of_effects_that_a_record_cannot_tell_apart_none_goes_in():
     model, t = parse_model("zener + relaxation-mode"), np.geomspace(0.01, 100.0, 60)
     sizes = {"relaxation-mode.k": 10.0, "relaxation-mode.tau": 20.0}

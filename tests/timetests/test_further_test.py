@@ -79,6 +79,7 @@ def test_an_explanation_follows_itself_whatever_is_measured(fits) -> None:
         assert contest.linear < 1e-6
 
 
+@pytest.mark.soak
 def test_what_an_explanation_cannot_say_is_no_promise(fits) -> None:
     test, heated, clock = fits
     endless = replace(clock, theta=np.full(len(clock.theta), 1e300))

@@ -17,7 +17,7 @@ def relaxed(noise):
     return springpot.TimeTest.of_relaxation(T, exact + noise, "kPa")
 
 
-@pytest.mark.soak_cases("bootstrap")
+@pytest.mark.soak
 @pytest.mark.parametrize("kind", ["profile", "bootstrap"])
 def test_intervals_by_profiles_and_by_simulation_are_those_of_the_slopes(kind):
     scatter = 0.01 * np.random.default_rng(0).normal(size=len(T)) * MODEL.relaxation(THETA, T)

@@ -177,6 +177,7 @@ def test_the_floor_of_two_tests_lies_below_every_network_of_both(name, seed, sha
     assert np.mean(floor**2) <= np.mean(truth**2)
 
 
+@pytest.mark.soak
 def test_of_several_tests_the_floor_lies_below_the_errors_of_each_material():
     model, theta, rng = made("burgers", 4)
     tests = measured_in("both", model, theta, 0.01, rng)

@@ -1,10 +1,12 @@
 """What an effect misses at random is judged over the noise that the error is told in."""
 
 import numpy as np
+import pytest
 
 import springpot
 
 
+@pytest.mark.soak
 def test_an_effect_that_leaves_the_error_where_it_was_is_not_missing():
     rng = np.random.default_rng(5)
     t = np.linspace(0.0, 6.0, 300, endpoint=False)

@@ -60,6 +60,7 @@ def test_a_ranking_is_kept_and_told_again(plain, tmp_path):
     assert (str(again), again.to_dict()) == (str(plain), plain.to_dict())
 
 
+@pytest.mark.soak
 def test_what_no_material_does_is_found_first_and_stands_beside_all():
     found = rank([ramped()], INSTALLED[1:3], [plugins().effect("finite-ramp")])
     assert found.best.model.name == "zener + finite-ramp"

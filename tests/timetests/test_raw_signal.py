@@ -52,6 +52,7 @@ def found(name):
     return diagnose(record(name, HIDDEN[name][0]), MODEL, library())
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("force-clipping")
 @pytest.mark.parametrize("name", HIDDEN)
 def test_what_harmonics_hide_is_named_with_its_size(name):

@@ -24,6 +24,7 @@ def shown(expression, kind, seed, **effect):
     return make(TIME, record, "kPa", name=kind)
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("series-spring-size1")
 @pytest.mark.parametrize(
     ("name", "size"), [("inertia", {"m": 0.5}), ("series-spring", {"k": 1500.0})]

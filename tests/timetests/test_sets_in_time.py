@@ -27,6 +27,7 @@ def record(model, **values):
     return TimeTest.of_history(t, x, force + noise, "m", "N", control="displacement")
 
 
+@pytest.mark.soak
 def test_two_effects_of_which_neither_explains_much_are_accepted_together():
     values = {"asymmetric-stiffness.k2": 20.0, "force-drift.rate": 3.0}
     test = record("maxwell + asymmetric-stiffness + force-drift", **values)

@@ -30,6 +30,7 @@ def relaxation(model, theta, jump=0.0, seed=1):
 JUMP = f"a jump in relax at {TIME[45]:.3g} s"
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("-40.0")
 @pytest.mark.parametrize("height", [-40.0, -100.0])
 def test_a_slip_is_no_effect_of_the_library(height):
@@ -40,6 +41,7 @@ def test_a_slip_is_no_effect_of_the_library(height):
     assert found.evidence["unknown"] > 0.9
 
 
+@pytest.mark.soak
 def test_a_large_slip_is_no_noise_with_a_memory():
     found = diagnose(relaxation(ZENER, THETA, -200.0), ZENER, library(*LIKE_A_SLIP))
     assert found.verdict == "unexplained"
@@ -67,6 +69,7 @@ def test_a_jump_is_found_where_it_is_and_taken_out():
     assert np.std(found.left[0]) == pytest.approx(np.std(noise), rel=0.05)
 
 
+@pytest.mark.soak
 def test_a_jump_pays_for_its_place():
     """Of a test without one nothing speaks for one."""
     found = [diagnose(relaxation(ZENER, THETA, 0.0, seed), ZENER, []) for seed in range(20)]

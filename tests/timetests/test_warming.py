@@ -129,6 +129,7 @@ def test_what_the_test_did_is_followed_while_it_warms():
         ), i
 
 
+@pytest.mark.soak
 def test_a_drift_is_told_from_a_record_that_warms():
     x = 0.01 * np.sin(0.5 * T)
     blank = TimeTest.of_history(T, x, 0 * T, "-", "kPa", control="displacement", temperature=WARMER)
@@ -214,6 +215,7 @@ def test_a_law_of_temperature_is_foretold_while_it_warms():
     assert best.drop > 10.0 * promises["force-drift"][0].drop
 
 
+@pytest.mark.soak
 def test_what_the_exact_response_alone_follows_is_fitted_to_all_samples():
     """A few of them, by which a search finds its way, have a bottom of their own."""
     t = np.linspace(0.0, 100.0, 601)

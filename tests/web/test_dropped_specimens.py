@@ -71,6 +71,7 @@ def test_each_sweep_has_a_stiffness_of_its_own_and_is_drawn_with_it():
         assert stiff == pytest.approx(STIFF, rel=0.01)
 
 
+@pytest.mark.soak
 def test_a_specimen_that_is_left_out_takes_no_other_ones_parameters():
     data, state = sweeps(), State("x", "kelvin", excluded=tuple(range(9)), options="--own k")
     told = answer(state, ladder_of(state, data), data)
@@ -78,6 +79,7 @@ def test_a_specimen_that_is_left_out_takes_no_other_ones_parameters():
     assert ends(told)[1:, 0] == pytest.approx(STIFF[1:], rel=0.01)
 
 
+@pytest.mark.soak
 def test_each_test_in_time_has_its_own_and_is_drawn_with_it():
     data, state = relaxations(), State("x", "zener", options="--own k1,k2,c")
     told = answer(state, ladder_of(state, data), data)

@@ -174,6 +174,7 @@ def test_causes_are_told_as_they_are_tried(damper_data: Measurement):
     assert telling(print, state.accepting("inertia"), damper_data) is unseen
 
 
+@pytest.mark.soak
 def test_another_model_is_accepted_with_the_error_that_its_rung_has(damper_data: Measurement):
     state = State(digest_of(text_of(damper_data)), MODEL)
     models = [f"{MODEL} + inertia", "kelvin"]

@@ -190,7 +190,7 @@ def test_a_hand_moves_the_parameters_of_a_test_in_time(
     assert found["error"] > told
 
 
-@pytest.mark.soak_cases("replay")
+@pytest.mark.soak_cases("replay", "curves")
 @pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan", "replay"])
 def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str, Any], kind: str):
     state = {"data": relaxed["digest"], "model": "maxwell", "excluded": [0]}

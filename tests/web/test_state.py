@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 import springpot
 from springpot.diagnosis import Ladder
@@ -87,7 +87,6 @@ def test_a_key_is_that_of_its_state_and_of_no_other(state: State):
 ANYTHING = st.none() | st.integers() | st.floats() | st.text() | st.lists(st.text() | st.integers())
 
 
-@settings(max_examples=50)
 @given(
     st.dictionaries(
         st.sampled_from(["data", "model", "accepted", "excluded", "seed", "fixed", "options"]),
