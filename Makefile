@@ -34,7 +34,7 @@ demo: $(READY)  ## the whole story on embedded data; figures in results/demo/
 	$(BIN)/springpot demo
 
 bench: $(READY)  ## speed, side by side with the libraries
-	$(BIN)/python -m pytest --benchmark-enable --benchmark-only tests/benchmarks
+	$(BIN)/python -m pytest --benchmark-enable --benchmark-only -m "" tests/benchmarks
 
 soak: $(READY)  ## all tests, also the long ones, with more examples, and all that can be broken; table in results/soak/
 	$(BIN)/python -m pytest -m '' --hypothesis-profile=soak

@@ -124,7 +124,6 @@ CHECK = "a contract test, whose finding is what was raised"
 TOP = "the top of a process: what comes this far is told as a fault, with exit code 3 or a status"
 CARRIED = "kept here and raised again behind a library that would swallow it"
 BOUNDARIES = {
-    "framework/springpot/benchmark/schema.py:readable": STRANGER,
     "framework/springpot/benchmark/supervisor.py:_checked": OPTIMISER,
     "framework/springpot/benchmark/trial.py:complaint": OPTIMISER,
     "framework/springpot/benchmark/archive.py:_one_line": STRANGER,

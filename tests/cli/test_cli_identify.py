@@ -166,7 +166,7 @@ def test_shift_constants_come_with_their_reference_temperature(springpot, write)
     )
     rows = "\n".join(",".join(map(repr, row)) for row in columns)
     path = write(f"frequency [Hz],storage [Pa],loss [Pa],temperature [degC]\n{rows}\n")
-    told = "shift constants refer to T_ref = 25 degC"
+    told = "shift constants refer to T_ref = 25 °C"
     assert told in springpot("identify", path, "-m", "fractional-maxwell + arrhenius-shift").out
     assert told in springpot("diagnose", path, "-m", "fractional-maxwell").out
     assert told not in springpot("identify", path, "-m", "fractional-maxwell").out

@@ -311,7 +311,11 @@ class Path:
             reach = np.sqrt(rise * np.diag(inverse_of(by_u @ by_u.T)))
             # No end of an interval that says nothing is a number.
             reach[log & (2.0 * reach > np.log(LOST))] = np.inf
-            yield ends(at.theta(u, size), np.where(log, reach, reach * size), log, (lower, upper))
+            theta = at.theta(u, size)
+            low, high = ends(theta, np.where(log, reach, reach * size), log, (lower, upper))
+            # How far this one goes itself its own slopes say, or that it is here.
+            low[self.i] = high[self.i] = theta[self.i]
+            yield low, high
 
 
 def inverse_of(information: Real) -> Real:
