@@ -321,7 +321,8 @@ def _told(fit: Identification) -> Identification:
     if not fit.converged:
         notes.append("the search did not come to rest: the parameters may be improved by more data")
     for test in fit.parts:
-        if not test.agrees:
+        # One alone has no others: that its search was cut off is told above.
+        if len(fit.parts) > 1 and not test.agrees:
             ratios = (
                 f"{times(test.over_floor)} its noise floor with common parameters,"
                 f" {times(test.over_floor_alone)} with its own"
