@@ -73,7 +73,8 @@ def identify(
     seed : int, optional
         Seed of all randomness; without it the native solver's starts are its fixed ones.
     intervals : {"jacobian", "profile", "bootstrap"}
-        Where the intervals come from.
+        Where the intervals come from. Those of the Jacobian hold also where a parameter without an
+        end is elsewhere and the fit as good; see `beside_endless`.
     simpler : sequence of Model
         Models that this one contains: if one fits better, the search has failed and is repeated.
     start : mapping of str to float, optional

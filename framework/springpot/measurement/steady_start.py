@@ -71,12 +71,10 @@ def gone_on(loading: Loading, response: Real) -> Loading:
 
 
 def lasting(loading: Loading) -> Loading:
-    """The same with many more cycles before it, where there are any.
+    """A loading that has cycles before its first sample, with many more of them.
 
     What hangs on how many there were, no such record tells.
     """
-    if not loading.before:
-        return loading
     recorded = loading.recorded
     _, lag = _lag(recorded.value)
     return _after_cycles(recorded, lag, MANY * loading.before // lag)
@@ -121,6 +119,7 @@ def said_of_start(name: str, loading: Loading, response: Real, answered: str) ->
 def _to_the_digit(value: Real, lag: int) -> bool:
     """Whether a channel repeats but for its digits."""
     step = np.maximum(rounding_step(value), NEGLIGIBLE * np.max(np.abs(value)))
+    # Each of the two was rounded by itself.
     return bool(np.all(np.abs(value[lag:] - value[:-lag]) <= 2.0 * step[lag:]))
 
 

@@ -28,7 +28,7 @@ FIRST = 1e-3
 def with_intervals(
     result: Identification, search: TimeSearch, found: Minimum, kind: str, seed: int
 ) -> Identification:
-    """The result with the ends of its intervals by ``profile`` or ``bootstrap``.
+    """The result with the ends of its intervals, where these are not those of the slopes alone.
 
     Parameters
     ----------
@@ -37,7 +37,8 @@ def with_intervals(
     search, found
         Where it comes from.
     kind : str
-        ``slopes`` leaves them as they are, ``jacobian`` where all parameters have an end.
+        ``slopes`` leaves them as they are, and ``jacobian`` where all parameters have an end;
+        ``profile`` and ``bootstrap`` are those of `springpot.identify`.
     seed : int
         Of simulated noise.
     """
