@@ -124,6 +124,20 @@ def test_a_motion_before_a_record_that_does_not_repeat_is_an_effect_of_it():
     )
 
 
+def test_so_is_a_load_before_a_record_under_an_imposed_force():
+    """Nobody knows what flows there: it is followed by what does not."""
+    long = np.concatenate([-np.arange(1, 1001)[::-1] / HERTZ, T])
+    force = 300.0 * np.sin(2.0 * np.pi * long) + 120.0 * np.sin(5.4 * np.pi * long)
+    crept = ZENER.respond_force(SOLID, long, force)
+    x = crept[-len(T) :] + 0.003 * np.random.default_rng(5).normal(size=len(T))
+    test = TimeTest.of_history(T, x, force[-len(T) :], "mm", "N", control="force")
+    effects = [springpot.plugins().effect(each) for each in ("earlier-load", "inertia")]
+    found = diagnose(test, ZENER, effects)
+    assert (found.verdict, found.leading) == ("effect-missing", ("earlier-load",))
+    assert found.best.over_floor == pytest.approx(1.0, abs=0.1)
+    assert identify(test, springpot.parse_model("material")).tests[0].over_floor > 5.0
+
+
 ZENER = springpot.parse_model("zener")
 SOLID = ZENER.theta(k1=200.0, k2=300.0, c=30.0)
 

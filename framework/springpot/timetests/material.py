@@ -10,6 +10,7 @@ leave (Golub & Pereyra 2003, doi:10.1088/0266-5611/19/2/201).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
@@ -148,7 +149,9 @@ def spectral(
     known, convex = [lines_of(part) for part in parts if part.convex], []
     for lines in known:
         other = _Search(model, parts, reference, coordinates, lines.beside(known))
-        convex.append((other, other.start()))
+        # One that flows cannot have stood under a load that was there before.
+        with suppress(ModelError):
+            convex.append((other, other.start()))
     for each, start in sorted(convex, key=lambda pair: pair[1].cost)[:KEPT]:
         ends.append((each, each.descended(each.placed(start), MOST_STEPS)))
     return _best(ends, parts)

@@ -233,6 +233,22 @@ EFFECTS = (
         signature="a force that is off at the first samples and fades within some tau",
     ),
     Effect(
+        "earlier-load",
+        on_response,
+        StageLaw(
+            faded,
+            (
+                Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"),
+                relaxation_time("fading", "t_f"),
+            ),
+        ),
+        "the specimen still creeps back from how it was loaded before the record began",
+        citation="Boltzmann's superposition, of a history of which nothing is known",
+        apparatus=True,
+        applies_to=AppliesTo(("force",), _begun),
+        signature="a displacement that is off at the first samples and fades within some tau",
+    ),
+    Effect(
         "thermal-growth",
         on_response,
         StageLaw(grown, (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"), WARMING)),
