@@ -131,7 +131,7 @@ def test_so_is_a_load_before_a_record_under_an_imposed_force():
     crept = ZENER.respond_force(SOLID, long, force)
     x = crept[-len(T) :] + 0.003 * np.random.default_rng(5).normal(size=len(T))
     test = TimeTest.of_history(T, x, force[-len(T) :], "mm", "N", control="force")
-    effects = [springpot.plugins().effect(each) for each in ("earlier-load", "inertia")]
+    effects = [springpot.plugins().effect(each) for each in ("earlier-load", "displacement-drift")]
     found = diagnose(test, ZENER, effects)
     assert (found.verdict, found.leading) == ("effect-missing", ("earlier-load",))
     assert found.best.over_floor == pytest.approx(1.0, abs=0.1)
