@@ -101,15 +101,23 @@ class Error:
         return f"noise of {100 * self.noise_floor:.2g} % is no good measurement: repeat it"
 
 
-def times(ratio: float) -> str:
+def times(ratio: float, beside: float | None = None) -> str:
     """A ratio with two digits, such as ``3.1 x``.
 
-    Whole from a hundred on, never with a power of ten.
+    Whole from a hundred on, never with a power of ten; with a third digit where that tells it from
+    another that is told `beside` it.
+
+    Examples
+    --------
+    >>> from springpot.misfit.error import times
+    >>> times(1.03), times(1.03, beside=0.997), times(1.03, beside=3.1), times(1234.5)
+    ('1 x', '1.03 x', '1 x', '1234 x')
     """
     # From 99.5 on two digits would be written with a power of ten, which users do not read.
     if ratio >= 99.5:
         return f"{ratio:.0f} x"
-    return f"{ratio:.2g} x"
+    digits = 2 if beside is None or f"{beside:.2g}" != f"{ratio:.2g}" else 3
+    return f"{ratio:.{digits}g} x"
 
 
 def over_floor(error: float, floor: float | None, digits: int = 3) -> str:

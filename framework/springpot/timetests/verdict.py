@@ -178,7 +178,9 @@ def sentence(
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
         )
-    after = f"{times(candidates[0].over_floor)} with it{beside}"
+    before, left = error.over_floor, candidates[0].over_floor
+    size = f"the error is {times(before, left)} the noise"
+    after = f"{times(left, before)} with it{beside}"
     if verdict == "unexplained":
         helps = f"{names} helps ({after}) but is not all"
         if apart:
