@@ -100,8 +100,10 @@ def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
     assert told.code == 0, told.err
     assert "the prediction of creep holds" in told.out
     assert table.read_text().startswith(
-        "time [s],strain [-],strain_low [-],strain_high [-],strain_measured [-],measured [text]\n"
+        "time [s],stress [MPa],strain [-],strain_low [-],strain_high [-],strain_measured [-],"
+        "measured [text]\n"
     )
+    assert "creep" in springpot("inspect", table).out
     assert picture.stat().st_size > 5_000
     assert springpot("predict", fit, "--history", swept, "-o", table).code == 0
     ends = ("", "_low", "_high", "_measured")

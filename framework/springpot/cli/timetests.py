@@ -267,9 +267,10 @@ def predict(
     from springpot.files import write_text
     from springpot.timetests.prediction import predict_test
 
-    predicted = predict_test(identified, _asked(spec, temperature, geometry), level)
+    test = _asked(spec, temperature, geometry)
+    predicted = predict_test(identified, test, level)
     if output is not None:
-        write_text(output, _table_text(predicted))
+        write_text(output, _table_text(predicted, test))
     if figure is not None:
         predicted.plot(figure)
     notes = [f"note        {note}" for note in predicted.notes]
@@ -313,8 +314,11 @@ def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     return replace(test, temperature=temperature, warmth=None)
 
 
-def _table_text(predicted: TestPrediction) -> str:
-    """A CSV table with units in its header."""
+def _table_text(predicted: TestPrediction, test: Test) -> str:
+    """A CSV table with units in its header, which opens again as the predicted test."""
+    import numpy as np
+
+    from springpot.measurement.timetest import TimeTest
     from springpot.measurement.units import Units
 
     clock, at = "time [s]", predicted.at
@@ -326,6 +330,9 @@ def _table_text(predicted: TestPrediction) -> str:
         clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.clock]
         at = Units(clock=predicted.clock).on_clock(at[:half])
     names, columns = [clock], [at]
+    if isinstance(test, TimeTest):
+        names.append(f"{test.words[0]} [{test.loading_unit}]")
+        columns.append(np.interp(at, test.loading.time, test.loading.value))
     for quantity, rows in quantities.items():
         told = {"": predicted.value, "_low": predicted.low, "_high": predicted.high}
         if predicted.judged:
