@@ -278,6 +278,13 @@ def test_an_oscillator_with_a_springpot_against_its_inverse_fourier_transform():
     np.testing.assert_allclose(found[early], exact[early], atol=5e-5 * np.abs(exact).max())
 
 
+@pytest.mark.parametrize("m", [1e-100, 1e-200, 1e-300])
+def test_a_mass_of_next_to_nothing_changes_nothing(m: float):
+    model, t = parse_model("kelvin + inertia"), np.linspace(0.0, 1.0, 50)
+    without = parse_model("kelvin").respond_force([5.0, 2.0], t, t)
+    np.testing.assert_allclose(model.respond_force([5.0, 2.0, m], t, t), without, rtol=1e-9)
+
+
 def test_bagley_torvik():
     """m y'' + c D^(3/2) y + k y = F has y = t^3 for F = 6 m t + 6 c t^(3/2)/gamma(5/2) + k t^3."""
     m, c, k = 1.0, 1.0, 1.0

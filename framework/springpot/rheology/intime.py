@@ -370,11 +370,14 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
 
 def _pair(modes: Spectrum, b: float, d: float) -> Modes:
     """The two zeros of K near those of s^2 + b s + d, shape (2,)."""
-    pair: Modes = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(complex(0.25 * b**2 - d))
+    # Over their size: of a mass that is next to nothing the square of b would overflow.
+    half, size = 0.5 * b, max(abs(0.5 * b), abs(d) ** 0.5)
+    root = size * np.sqrt(complex((half / size) ** 2 - d / size / size))
+    pair: Modes = -half + np.array([1.0, -1.0]) * root
     # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.
     for _ in range(8):
         value, slope = _value(modes, pair)
-        pair = pair - value / slope
+        pair = pair - np.nan_to_num(value / slope)
     return pair
 
 
