@@ -10,7 +10,14 @@ from ..numerics import DECADE
 from .elements import delay_time
 from .grammar import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
-from .nonlinear import delay as delay_law, gain as gain_law, one_filter as one_filter_law
+from .nonlinear import (
+    delay as delay_law,
+    delay_of_force,
+    gain as gain_law,
+    gain_of_force,
+    one_filter as one_filter_law,
+    one_filter_of_force,
+)
 from .parameters import PURE, Dimension, Parameter, viscosity
 from .points import GAS_CONSTANT, LARGEST_SHIFT, Points, Real
 
@@ -268,7 +275,9 @@ def delay(tau: str = "tau") -> Formula:
     >>> np.angle(delay().respond(np.array([0.001]), Points.at([10.0, 100.0])).value)
     array([-0.01, -0.1 ])
     """
-    return Formula((delay_time(tau),), _delay, kind="delay", in_time=delay_law)
+    return Formula(
+        (delay_time(tau),), _delay, kind="delay", in_time=delay_law, under_force=delay_of_force
+    )
 
 
 def _gain(at: Points, g: Any) -> Any:
@@ -290,6 +299,7 @@ def gain(g: str = "g") -> Formula:
         _gain,
         kind="gain",
         in_time=gain_law,
+        under_force=gain_of_force,
     )
 
 
@@ -315,4 +325,10 @@ def filter_mismatch(tau: str = "tau") -> Formula:
     >>> np.abs(filter_mismatch().respond(np.array([0.01]), Points.at([1.0, 100.0])).value).round(3)
     array([1.   , 0.707])
     """
-    return Formula((delay_time(tau),), _filter, kind="filter", in_time=one_filter_law)
+    return Formula(
+        (delay_time(tau),),
+        _filter,
+        kind="filter",
+        in_time=one_filter_law,
+        under_force=one_filter_of_force,
+    )

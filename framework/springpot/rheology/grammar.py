@@ -251,6 +251,9 @@ class Formula(Node):
         force and its derivative by each parameter, all (n,). In the measurement chain, ``in_time(t,
         columns, *parameters)`` turns signals (n, c) into what is recorded of them, and gives the
         derivatives of the first one.
+    under_force : callable or None
+        The same of an element in the measurement chain where a force is imposed: it turns the
+        displacement (n, c) that the recorded force would have into the recorded one.
     step : callable or None
         For an element that remembers: ``step(force, way, *parameters)`` gives the force after a
         straight way, from that before it. Others need none, for `in_time` tells their force at each
@@ -269,6 +272,7 @@ class Formula(Node):
     kind: str = "element"
     third: Callable[..., Any] | None = None
     in_time: Callable[..., tuple[Any, Sequence[Any]]] | None = None
+    under_force: Callable[..., tuple[Any, Sequence[Any]]] | None = None
     third_at_most: Callable[..., Any] | None = None
     step: Callable[..., float] | None = None
     flows: bool = False

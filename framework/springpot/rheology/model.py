@@ -84,8 +84,9 @@ class InTime:
         with self._blaming():
             if isinstance(self.temperature, np.ndarray):
                 return self._reduced(self._only_material(), t, force, motion, "force")
-            passive, own = self._linear("the answer to a force")
-            return self._padded(passive.respond_force(t, force, motion=motion), own)
+            passive, own = self._linear("the answer to a force", "under_force")
+            traced = self._padded(passive.respond_force(t, force, motion=motion), own)
+        return through(traced, sorted_out(self.model)[2], self.theta, t, "under_force")
 
     def _only_material(self) -> Sequence[Placed]:
         """The effects, where all of them are linear and go by the clock of the material.
@@ -193,9 +194,13 @@ class InTime:
             self.model, self.theta, conditions_at(temperature, self.reference_temperature)
         )
 
-    def _linear(self, what: str) -> tuple[Passive, list[int]]:
-        """The network in time, and where its parameters stand in theta."""
+    def _linear(self, what: str, law: str = "") -> tuple[Passive, list[int]]:
+        """The network in time, and where its parameters stand in theta.
+
+        Signals may go through what has such a law.
+        """
         _, beside, signals = sorted_out(self.model)
+        signals = tuple(each for each in signals if not getattr(each.effect.element, law, None))
         # The first that stands in the way is named: one thing to mend at a time.
         for effect, _, _ in [*beside, *signals]:
             kind = "belongs to the signals"
@@ -362,11 +367,16 @@ def with_laws(
         force, slopes = effect.element.in_time(t, x, moving, *theta[own])  # type: ignore[attr-defined]
         value = value + force
         by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
-    # One table, as what the signals go through acts on the force and on each of its derivatives
+    return through(Traced(value, by_theta), signals, theta, t, "in_time")
+
+
+def through(traced: Traced, signals: Sequence[Placed], theta: Real, t: Real, law: str) -> Traced:
+    """What the measurement chain records of an answer, by such a law of each of its effects."""
+    # One table, as what the signals go through acts on the answer and on each of its derivatives
     # alike.
-    columns = np.column_stack([value, by_theta])
+    columns = np.column_stack(traced)
     for effect, _, own in signals:
-        columns, slopes = effect.element.in_time(t, columns, *theta[own])  # type: ignore[attr-defined]
+        columns, slopes = getattr(effect.element, law)(t, columns, *theta[own])
         columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
     return Traced(columns[:, 0], columns[:, 1:])
 

@@ -128,6 +128,24 @@ def one_filter(t: Real, signals: Real, tau: float) -> Law:
     return signals - np.stack(behind, axis=-1), (slope,)
 
 
+def delay_of_force(t: Real, signals: Real, tau: float) -> Law:
+    """The displacement of a force that is recorded tau late: it seems to come tau early."""
+    early, (slope,) = delay(t, signals, -tau)
+    return early, (-slope,)
+
+
+def gain_of_force(t: Real, signals: Real, g: float) -> Law:
+    """The displacement of a force that is recorded 1 + g times as large."""
+    less = signals / (1.0 + g)
+    return less, (-less[:, 0] / (1.0 + g),)
+
+
+def one_filter_of_force(t: Real, signals: Real, tau: float) -> Law:
+    """The displacement of a force that is recorded by a filter (tau > 0), or a filtered one."""
+    turned, (slope,) = one_filter(t, signals, -tau)
+    return turned, (-slope,)
+
+
 NEARLY_SINE = 1.0 / 12.0
 """Most that the third harmonic of filled rubber may be of dK / d ln X.
 

@@ -23,7 +23,7 @@ from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.rheology.effect import Effect, on_clock, on_loading
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model, linear_network, sorted_out, with_laws
+from springpot.rheology.model import Model, linear_network, sorted_out, through, with_laws
 from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
@@ -325,11 +325,15 @@ class QuickPart(InTimePart):
             by_theta[:, moved] = columns
         if beside or signals:
             # Steps have no speed, and laws of a force ask for displacements.
-            if self.test.control != "displacement" or len(self.test.loading.jumps[0]):
+            forced = self.test.control == "force"
+            if len(self.test.loading.jumps[0]) or (beside and forced):
                 raise ModelError(f"{model.name} has no answer to a step or a force")
-            value, by_theta = with_laws(
-                Traced(value, by_theta), beside, signals, theta, self.t, self.record.imposed
-            )
+            traced = Traced(value, by_theta)
+            if forced:
+                value, by_theta = through(traced, signals, theta, self.t, "under_force")
+            else:
+                imposed = self.record.imposed
+                value, by_theta = with_laws(traced, beside, signals, theta, self.t, imposed)
         return shown(mine, theta, self.record, value, by_theta)
 
     def _points(self, reference: float) -> Points:

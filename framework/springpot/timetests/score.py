@@ -492,10 +492,11 @@ class View:
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
         test = self.part.test
-        if test.control != "displacement" or len(test.loading.jumps[0]):
+        name = {"displacement": "in_time", "force": "under_force"}[test.control]
+        law = getattr(effect.element, name, None)
+        if len(test.loading.jumps[0]) or law is None:
             raise SpringpotError(f"{effect.name} has no law here")
         if of_signal:
-            law = effect.element.in_time  # type: ignore[attr-defined]
             return self._of_signal(law, values) * self.weight
         return self.quick.force_of(effect, values) * self.weight
 
