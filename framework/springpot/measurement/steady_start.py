@@ -60,8 +60,8 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     samples = len(loading.time)
     if samples <= (PERIODS_AFTER + 1) * SHORTEST or not is_even(loading.time):
         return loading
-    period, lag = _lag(loading.value)
-    if not lag or not _repeats(response[lag:] - response[:-lag], period):
+    periods, lag = period_of(loading.value)
+    if not lag or not _repeats(response[lag:] - response[:-lag], lag // periods):
         return loading
     # What flows on has no place that it had always been at, and what never moves was not measured.
     if abs(float(np.mean(response[lag:] - response[:-lag]))) >= REPEATS * float(np.std(response)):
@@ -76,7 +76,7 @@ def lasting(loading: Loading) -> Loading:
     What hangs on how many there were, no such record tells.
     """
     recorded = loading.recorded
-    _, lag = _lag(recorded.value)
+    _, lag = period_of(recorded.value)
     return _after_cycles(recorded, lag, MANY * loading.before // lag)
 
 
@@ -106,7 +106,7 @@ def said_of_start(name: str, loading: Loading, response: Real, answered: str) ->
         return ""
     says = f"{name} repeats from its first cycle on: taken to have gone on before the record"
     imposed = loading.recorded.value
-    _, lag = _lag(imposed)
+    _, lag = period_of(imposed)
     if not _to_the_digit(response, lag) or _to_the_digit(imposed, lag):
         return says
     return (
@@ -123,8 +123,21 @@ def _to_the_digit(value: Real, lag: int) -> bool:
     return bool(np.all(np.abs(value[lag:] - value[:-lag]) <= 2.0 * step[lag:]))
 
 
-def _lag(value: Real) -> tuple[int, int]:
-    """Samples of a period, and of so many of them as lie best over the next ones; zero for none."""
+def period_of(value: Real) -> tuple[int, int]:
+    """So many periods as lie best over the next ones, and their samples; zero for none.
+
+    Parameters
+    ----------
+    value : ndarray, shape (n,)
+        What was imposed, evenly sampled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.steady_start import period_of
+    >>> period_of(np.sin(2.0 * np.pi * np.arange(200) / 12.5))
+    (1, 25)
+    """
     n, size = len(value), value - np.mean(value)
     whole = np.fft.rfft(size, 2 * n)
     alike = np.fft.irfft(whole * np.conj(whole))[:n]
@@ -138,12 +151,22 @@ def _lag(value: Real) -> tuple[int, int]:
     near = near[near > left[0]] if len(left) else near[:0]
     if not len(near):
         return 0, 0
-    period = int(near[0])
-    tried = near[near <= n - PERIODS_AFTER * period]
+    first = near[: np.argmax(np.append(np.diff(near), 2) > 1) + 1]
+    shortest = int(first[np.argmin(apart[first])])
+    before, here, after = apart[shortest - 1 : shortest + 2]
+    # It need not be a whole number of samples: by a parabola.
+    period = shortest + 0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST)
+    tried = near[near <= n - PERIODS_AFTER * shortest]
     if not len(tried):
         return 0, 0
-    best = int(tried[np.argmin(apart[tried])])
-    return period, best if apart[best] <= REPEATS**2 else 0
+    # The fewest that lie as well as any: more of them leave less of a record to compare.
+    least = float(np.min(apart[tried]))
+    best = int(tried[np.argmax(apart[tried] <= 2.0 * least + NEGLIGIBLE**2)])
+    if apart[best] > REPEATS**2:
+        return 0, 0
+    # Where a period is too few samples to be found, all that is sure is what lies over the next.
+    count = round(best / period)
+    return (count if abs(best / period - count) < PERIODIC else 1), best
 
 
 def _repeats(change: Real, period: int) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH
 
-from ..numerics import MEDIAN_WORTH, NORMAL
+from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -36,6 +36,8 @@ UPPER = 0.25
 
 A misfit spans eight samples or more.
 """
+FEWEST_CYCLES = 3
+"""Of a motion, of which some harmonics have others beside them."""
 LONGEST = 0.75
 """Memory of a slow pole from one sample to the next, at most: what is alike over longer is no
 noise."""
@@ -191,3 +193,56 @@ def _remembers_long(past: tuple[float, ...]) -> bool:
     """Whether an autoregression goes on slowly for longer than noise does."""
     poles = np.roots(past)
     return bool(np.any((np.abs(np.angle(poles)) < UPPER * np.pi) & (np.abs(poles) > LONGEST)))
+
+
+def repeated(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
+    """Chance that noise repeats with a motion as a residual does, and what does not repeat.
+
+    Whatever its colour, noise has at the harmonics of a motion what it has between them, over
+    which each of them is a variable of F; all of them together by Fisher (1925, Statistical
+    Methods for Research Workers, section 21.1).
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    period : tuple of int
+        So many periods of what was imposed, and their samples.
+
+    Returns
+    -------
+    tuple of float and ndarray, shape (m,)
+        The chance, and the rest of as many whole periods.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.timetests.colour import repeated
+    >>> noise, t = np.random.default_rng(1).normal(size=200), np.arange(200)
+    >>> wave = np.cos(0.1 * np.pi * t)
+    >>> [round(repeated(each, (1, 20))[0], 3) for each in (noise, noise + wave)]
+    [1.0, 0.0]
+    """
+    from scipy.special import gammaincc
+
+    periods, lag = period
+    n = len(residual) // lag * lag
+    cycles = n // lag * periods
+    transform = np.fft.rfft(residual[:n] - np.mean(residual[:n]))
+    count = (n - 1) // 2 // cycles
+    if cycles < FEWEST_CYCLES or count < 1:
+        return 1.0, residual
+    lines = cycles * np.arange(1, count + 1)
+    beside = cycles // 2 - (cycles % 2 == 0)
+    away = np.concatenate([-np.arange(1, beside + 1), np.arange(1, beside + 1)])
+    power = np.abs(transform) ** 2
+    around = power[np.minimum(lines[:, None] + away, len(power) - 1)].mean(axis=1)
+    worth = float(len(away))
+    ratio = power[lines] / np.maximum(around, SMALLEST)
+    # F of 2 and 2 m numbers has a closed form.
+    logs = -worth * np.log1p(ratio / worth)
+    transform[lines] = 0.0
+    rest = np.fft.irfft(transform, n) * np.sqrt(n / (n - 2.0 * count))
+    # One of them may stand out, or all may a little.
+    chances = count * np.exp(logs.min()), gammaincc(count, -np.sum(logs))
+    return float(min(2.0 * min(chances), 1.0)), rest
