@@ -153,12 +153,12 @@ def period_of(value: Real) -> tuple[int, int]:
         return 0, 0
     first = near[: np.argmax(np.append(np.diff(near), 2) > 1) + 1]
     shortest = int(first[np.argmin(apart[first])])
-    before, here, after = apart[shortest - 1 : shortest + 2]
-    # It need not be a whole number of samples: by a parabola.
-    period = shortest + 0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST)
     tried = near[near <= n - PERIODS_AFTER * shortest]
     if not len(tried):
         return 0, 0
+    before, here, after = apart[shortest - 1 : shortest + 2]
+    # It need not be a whole number of samples: by a parabola.
+    period = shortest + 0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST)
     # The fewest that lie as well as any: more of them leave less of a record to compare.
     least = float(np.min(apart[tried]))
     best = int(tried[np.argmax(apart[tried] <= 2.0 * least + NEGLIGIBLE**2)])
