@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from springpot.timetests.colour import colour_of
+from springpot.measurement import TimeTest
+from springpot.registry import parse_model
+from springpot.timetests import identify
+from springpot.timetests.colour import colour_of, repeated
 from springpot.timetests.scatter import MEMORIES, ResidualScatter, scatter_of
 
 N = 500
@@ -74,3 +77,24 @@ def test_a_story_may_have_noise_of_its_own_for_the_price_of_a_wider_one():
     # That of a misfit is no excuse for it.
     missed = ResidualScatter(own.size, own.memory, 1e3, 1.0, colour=own.colour)
     assert white.squares(residual, missed) == white.surprise(residual)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9, 0.99])
+def test_noise_of_any_memory_rarely_repeats_with_a_motion(memory):
+    rng = np.random.default_rng(3)
+    drawn = lfilter([1.0], [1.0, -memory], rng.normal(size=(600, 700)))[:, 200:]
+    chances = np.array([repeated(each, (2, 25))[0] for each in drawn])
+    assert np.mean(chances < 0.05) < 0.075
+    assert np.mean(chances < 1e-3) < 0.006
+
+
+def test_what_repeats_with_a_motion_is_no_noise():
+    """A damper of dry friction, fitted without it: its loop is not taken for noise with a memory."""
+    t = 0.0277 * np.arange(192)
+    turned = 2.0 * np.pi * t / (24 * 0.0277)
+    force = 13.0 * np.sign(np.cos(turned - 1.0)) + 2.0 * np.sin(turned)
+    force = force + 0.2 * np.random.default_rng(2).normal(size=len(t))
+    test = TimeTest.of_history(t, 16.0 * np.sin(turned), force, "mm", "N", control="displacement")
+    (told,) = identify(test, parse_model("kelvin")).tests
+    assert told.noise_floor == pytest.approx(0.2 / np.sqrt(np.mean(force**2)), rel=0.15)
+    assert told.over_floor > 25.0
