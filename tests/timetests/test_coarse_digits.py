@@ -44,8 +44,9 @@ def test_friction_larger_than_a_digit_is_found_all_the_same():
 
 def test_a_digit_is_told_of_few_values_alone():
     exact = np.sin(TIME)
-    assert digit_of(np.round(exact / 0.03) * 0.03) == pytest.approx(0.03)
+    written = np.round(exact / 0.03) * 0.03
+    assert digit_of(written) == pytest.approx(0.03)
     assert digit_of(exact) == 0.0
     assert digit_of(np.sign(exact)) == pytest.approx(1.0)
-    assert len(roundings(exact, 0.0)) == 0
-    assert np.abs(roundings(exact, 0.03)).max() <= 0.0150001
+    assert len(roundings(exact, exact)) == 0
+    assert np.abs(roundings(exact, written)).max() <= 0.0150001

@@ -7,6 +7,7 @@ in the first ones recorded, and a model that begins at rest misses it.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -58,9 +59,7 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     0
     """
     samples = len(loading.time)
-    if samples <= (PERIODS_AFTER + 1) * SHORTEST or not is_even(loading.time):
-        return loading
-    periods, lag = period_of(loading.value)
+    periods, lag = cycles_of(loading, samples)
     if not lag or not _repeats(response[lag:] - response[:-lag], lag // periods):
         return loading
     # What flows on has no place that it had always been at, and what never moves was not measured.
@@ -121,6 +120,16 @@ def _to_the_digit(value: Real, lag: int) -> bool:
     step = np.maximum(rounding_step(value), NEGLIGIBLE * np.max(np.abs(value)))
     # Each of the two was rounded by itself.
     return bool(np.all(np.abs(value[lag:] - value[:-lag]) <= 2.0 * step[lag:]))
+
+
+@lru_cache(maxsize=256)
+def cycles_of(loading: Loading, samples: int) -> tuple[int, int]:
+    """The same of what was imposed; none where it was not recorded evenly with these samples."""
+    recorded = loading.recorded
+    few = samples <= (PERIODS_AFTER + 1) * SHORTEST
+    if few or samples != len(recorded.time) or not is_even(recorded.time):
+        return 0, 0
+    return period_of(recorded.value)
 
 
 def period_of(value: Real) -> tuple[int, int]:

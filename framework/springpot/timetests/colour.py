@@ -36,8 +36,6 @@ UPPER = 0.25
 
 A misfit spans eight samples or more.
 """
-FEWEST_CYCLES = 3
-"""Of a motion, of which some harmonics have others beside them."""
 LONGEST = 0.75
 """Memory of a slow pole from one sample to the next, at most: what is alike over longer is no
 noise."""
@@ -230,10 +228,11 @@ def repeated(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
     cycles = n // lag * periods
     transform = np.fft.rfft(residual[:n] - np.mean(residual[:n]))
     count = (n - 1) // 2 // cycles
-    if cycles < FEWEST_CYCLES or count < 1:
+    # Of two cycles the harmonics have nothing between them.
+    beside = (cycles - 1) // 2
+    if not count * beside:
         return 1.0, residual
     lines = cycles * np.arange(1, count + 1)
-    beside = cycles // 2 - (cycles % 2 == 0)
     away = np.concatenate([-np.arange(1, beside + 1), np.arange(1, beside + 1)])
     power = np.abs(transform) ** 2
     around = power[np.minimum(lines[:, None] + away, len(power) - 1)].mean(axis=1)

@@ -22,8 +22,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.rounding import is_even
-from springpot.measurement.steady_start import period_of
+from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -37,15 +36,13 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
-from .colour import repeated
 from .recording import recorded, spread
 from .scatter import (
     FEWEST,
-    LOCAL,
     ResidualScatter,
-    digit_of,
     roundings,
     scatter_of,
+    scatter_of_record,
     scatter_of_sweep,
 )
 from .start import apparent
@@ -398,42 +395,12 @@ class InTimePart(TestPart):
 
     def scatter(self, residual: Real) -> ResidualScatter:
         """From the spectrum of the residual."""
-        errors, power = self.rounded(residual), float(np.mean(residual**2))
-        if power == 0.0:
-            return scatter_of(residual, worth=self.worth)
-        if len(errors) == 0:
-            return self._scatter_of_cycles(residual)
-        # What rounding leaves of a motion that repeats itself has lines too; beside noise they are
-        # as much weaker as its share of the variance.
-        share = min(float(np.mean(errors**2)) / power, 1.0)
-        lines = float(np.mean([scatter_of(row).excess for row in errors]))
-        return scatter_of(residual, share**2 * max(lines, 0.0), self.worth)
-
-    def _scatter_of_cycles(self, residual: Real) -> ResidualScatter:
-        """From the spectrum, where noise does not go with the motion."""
-        found = scatter_of(residual, worth=self.worth)
-        if not self.period[1]:
-            return found
-        chance, rest = repeated(residual, self.period)
-        if chance >= found.chance:
-            return found
-        if chance >= LOCAL:
-            return replace(found, local=chance)
-        # What repeats is no noise: that is what does not.
-        return replace(scatter_of(rest, worth=self.worth), local=chance)
-
-    @cached_property
-    def period(self) -> tuple[int, int]:
-        """Of the motion; see `period_of`."""
-        recorded = self.test.loading.recorded
-        if self.test.kind != "history" or not is_even(recorded.time):
-            return 0, 0
-        return period_of(recorded.value)
+        period = cycles_of(self.test.loading, len(residual))
+        return scatter_of_record(residual, self.rounded(residual), period, self.worth)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""
-        exact = self.measured + residual * self.sd
-        return roundings(exact, digit_of(self.measured)) / self.sd
+        return roundings(self.measured + residual * self.sd, self.measured) / self.sd
 
     def places(self, residual: Real) -> list[Where]:
         """Between which times, and where in a loop."""

@@ -24,7 +24,7 @@ from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
-from .colour import SLOWEST, UPPER, Colour, colour_of, frequencies, transformed
+from .colour import SLOWEST, UPPER, Colour, colour_of, frequencies, repeated, transformed
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -195,6 +195,40 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
     return found
+
+
+def scatter_of_record(
+    residual: Real, rounded: Real, period: tuple[int, int], worth: float
+) -> ResidualScatter:
+    """The same of a record: noise does not go with the motion, as rounding does.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Over the presumed noise.
+    rounded : ndarray, shape (z, n)
+        Errors of rounding, of a channel with few values.
+    period : tuple of int
+        Of the motion; see `repeated`. None of an uneven one.
+    worth : float
+        Independent numbers that tell the presumed noise.
+    """
+    power = float(np.mean(residual**2))
+    if len(rounded) and power > 0.0:
+        # What rounding leaves of a motion that repeats itself has lines too; beside noise they are
+        # as much weaker as its share of the variance.
+        share = min(float(np.mean(rounded**2)) / power, 1.0)
+        lines = float(np.mean([scatter_of(row).excess for row in rounded]))
+        return scatter_of(residual, share**2 * max(lines, 0.0), worth)
+    found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
+    if power > 0.0 and period[1]:
+        chance, rest = repeated(residual, period)
+    if chance >= found.chance:
+        return found
+    # What repeats is no noise: that is what does not.
+    if chance < LOCAL:
+        found = scatter_of(rest, worth=worth)
+    return replace(found, local=chance)
 
 
 def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
@@ -633,11 +667,12 @@ def digit_of(values: Real) -> float:
     return float(np.median(np.diff(levels)))
 
 
-def roundings(exact: Real, digit: float) -> Real:
-    """Errors (ZEROS, n) of exact values (n,) that are written to a digit.
+def roundings(exact: Real, written: Real) -> Real:
+    """Errors (ZEROS, n) of exact values (n,) that are written to the digit of others.
 
     One row for each place of the zero between two digits; no row where there is no digit.
     """
+    digit = digit_of(written)
     if digit == 0.0:
         return np.zeros((0, len(exact)))
     moved = exact + digit * ((np.arange(ZEROS) + 0.5) / ZEROS - 0.5)[:, None]
