@@ -12,9 +12,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import springpot
+from soaked import soaked
 from springpot.diagnosis.scan import applicable
 from springpot.registry import plugins
-from soaked import soaked
 
 SAMPLES = 256
 SOFT = pytest.param({"stiff": 100.0, "cubic": 20.0}, marks=pytest.mark.soak)
