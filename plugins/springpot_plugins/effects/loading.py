@@ -36,10 +36,6 @@ LEAST_LEFT = 1e-3
 """Share of the life of a specimen that the last knot of its load leaves."""
 KNOTS = 257
 """Of a load that grows until then: straight lines between them are within 2e-4 of it."""
-HELD = 0.01
-"""Share of a load by which it may move and be called held."""
-SOONEST = 0.99
-"""Share of the time until the first sample before which no step is over: more is none to see."""
 GROWTHS = (1.0, 4.0, 16.0)
 """Exponents at the largest strain at which stiffening is sought: tissue comes to ten and more."""
 
@@ -158,11 +154,10 @@ def _ruptures(test: TimeTest) -> list[tuple[float, float]]:
 
 def _is_presumed(test: TimeTest) -> bool:
     """Whether it is held from its first sample on, and nothing tells how it came there."""
-    begin, load = test.loading.recorded, test.loading
+    load = test.loading
     if test.kind not in ("relaxation", "creep") or load.sampled or len(load.time) < 2:
         return False
-    held = np.ptp(begin.value[1:]) <= HELD * np.abs(begin.value).max()
-    return bool(held and load.value[0] == 0.0 and load.time[0] < load.time[1] == test.time[0])
+    return bool(load.value[0] == 0.0 and load.time[0] < load.time[1] == test.time[0])
 
 
 def _stepped(test: TimeTest) -> bool:
@@ -210,8 +205,8 @@ EFFECTS = (
         on_loading,
         StageLaw(
             sooner,
-            (Parameter("share", "e", PURE, 0.0, SOONEST, "linear", 0.9),),
-            lambda _: [(share,) for share in (0.5, SOONEST)],
+            (Parameter("share", "e", PURE, 0.0, 1.0 - LEAST_LEFT, "linear", 0.9),),
+            lambda _: [(share,) for share in (0.5, 0.99)],
         ),
         "the step was over sooner than the first sample, until which it is taken to have risen in a"
         " straight line: '?ramp=0[s]' behind the file says that it took no time",
