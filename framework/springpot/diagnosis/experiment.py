@@ -34,7 +34,7 @@ from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.parameters import INERTANCE
-from springpot.rheology.points import COLDEST, KELVIN, Complex, Points, Real
+from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
 from springpot.writing import NAMED
 
@@ -298,6 +298,8 @@ MOST_POINTS = 400
 """Points of a denser sweep at most."""
 STEPS = (20.0, 40.0)
 """Kelvin by which the range of temperatures is widened at least and at most."""
+COLDEST = -180.0
+"""Temperature in degC that liquid nitrogen reaches in a test chamber."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,8 +413,7 @@ def _temperatures(measurement: Measurement) -> Iterator[Action]:
     if temperature is None:
         return
     step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
-    coldest = max(float(temperature.min()) - step, COLDEST - KELVIN)
-    for new in (float(temperature.max()) + step, coldest):
+    for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
         swept = _sweep(
             f"measure {POINTS} points at {new:.3g} degC",
             measurement,

@@ -23,7 +23,6 @@ from types import MappingProxyType
 from typing import Literal, Protocol, TypeVar
 
 from springpot.errors import DataError, SpringpotError, described, owned, owner_of
-from springpot.rheology.points import COLDEST
 
 from .measurement import Measurement
 from .signals import Signals
@@ -148,6 +147,8 @@ _NAMED = re.compile(
 )
 # A minus after a letter or a digit joins two words, as in ps-130; after another mark it is a sign.
 _NUMBER = re.compile(r"(?<!\d)(?:(?<![A-Za-z0-9])[-−])?\d{2,3}(?!\d)")
+COLDEST_KELVIN = 100.0
+"""Below it a K in a name is more likely a thousand, as in PS5K."""
 SIBLINGS = 2
 """Other files of the same name but for one number, from which that number is taken for a condition.
 """
@@ -306,8 +307,7 @@ def _stated_temperature(stem: str) -> tuple[str, str, str] | None:
     if match := _TEMPERATURE.search(stem):
         number = match[1].replace(",", ".").replace("−", "-")
         unit = {"C": "degC", "F": "degF"}.get(match[2][-1], "K")
-        # Below it a K is more likely a thousand, as in PS5K.
-        if unit != "K" or float(number) >= COLDEST:
+        if unit != "K" or float(number) >= COLDEST_KELVIN:
             return match[0], number, unit
     match = _NAMED.search(stem)
     if match is None:

@@ -27,7 +27,7 @@ from springpot.thresholds import COURSE, VERDICT
 
 from ..numerics import SMALLEST
 from .error import plain
-from .frame import LEAST_SEEN, NoiseFrame, orthonormal
+from .frame import LEAST_SEEN, NoiseFrame, beyond
 
 SMALL_MOVE = 0.02
 """Relative change that is told as none."""
@@ -242,9 +242,9 @@ def _seen(frame: NoiseFrame, time: Real, aside: NDArray[np.bool_]) -> tuple[floa
     """
     data = frame.measurement
     lost = frame.beyond(frame.relative(np.eye(len(data))[aside]), LEAST_SEEN)
-    others = _beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
-    curves = _beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
-    basis = _beyond(curves, others)
+    others = beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
+    curves = beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
+    basis = beyond(curves, others)
     spent = int(basis.shape[1])
     spare = frame.size - sum(int(each.shape[1]) for each in (frame.absorbed, lost, others, basis))
     if spent == 0 or spare <= 0:
@@ -260,12 +260,6 @@ def _seen(frame: NoiseFrame, time: Real, aside: NDArray[np.bool_]) -> tuple[floa
     if share <= VERDICT.takes_most or chance >= VERDICT.sentence_alarm:
         return None
     return share, taken - spent * float(np.log(frame.size))
-
-
-def _beyond(columns: Real, known: Real) -> Real:
-    """An orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
-    left = columns - known @ (known.T @ columns)
-    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
 
 
 def _first_period(data: Measurement, time: Real) -> NDArray[np.bool_]:

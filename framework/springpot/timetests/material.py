@@ -460,7 +460,7 @@ class _Search:
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
-            amount = REACH
+            amount = 1.0
             # What may be of either sign has no logarithm, and may be nothing: it moves by what
             # could be seen.
             if not self.coordinates.log[i]:

@@ -15,7 +15,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
-from springpot.identification.native import NEAR, SCANNED
+from springpot.identification.native import NEAR
 from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
 from springpot.identification.task import FLAT_SHAPES
@@ -56,6 +56,8 @@ WRONG = 0.5
 
 Below, the model follows it, whatever they are.
 """
+AFAR = 1e-3
+"""Damping at a start."""
 ROUGHLY = 1e-5
 """Drop foretold, over the objective, that ends the first part of a search: the last goes on."""
 ENDED = {True: "converged", False: "not converged"}
@@ -242,7 +244,7 @@ class TimeSearch:
             u, spent, rests = self._near(quick, [*starts, *further])
             if rests:
                 return u, spent
-            last = self._descend(quick, u[None], True, MOST_STEPS, SCANNED)
+            last = self._descend(quick, u[None], True, MOST_STEPS, AFAR)
             return last.u[0], spent + last.evaluations
         # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
@@ -250,13 +252,13 @@ class TimeSearch:
                 raise
             u, spent, _ = self._near(parts, starts)
             # A few samples showed the valley: what is judged by all of them ends at their bottom.
-            last = self._descend(parts, u[None], False, QUICK, SCANNED)
+            last = self._descend(parts, u[None], False, QUICK, AFAR)
             return last.u[0], spent + last.evaluations
 
     def _near(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the
         # end.
-        quick = self._descend(parts, np.stack(starts), True, QUICK, SCANNED)
+        quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
         if not np.isfinite(quick.cost.min()):
             raise UnfollowedError(f"{self.model.name} cannot be followed from any start")
         best = quick.best
@@ -264,7 +266,7 @@ class TimeSearch:
         count = sum(part.count(coarse=True) for part in parts)
         # A cost is a sum of squares over the noise: one for each number where the model is right.
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
-            more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, SCANNED)
+            more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, AFAR)
             best = more.best
             near, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
         return near, spent, rests
@@ -378,13 +380,9 @@ class TimeSearch:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            scatter = 1.0
-            # With no more numbers than parameters nothing is left over that could show a scatter.
-            if len(value) > len(u):
-                scatter = max(1.0, part.sampled(value))
             if isinstance(part, InTimePart) and part.test.loading.before:
                 _, slopes = self.residual([_after_many_cycles(part)], u)
-            information += slopes @ slopes.T / scatter
+            information += slopes @ slopes.T / part.beside(value, len(u))
         return inverse_of(information)
 
 
