@@ -8,8 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from springpot.diagnosis.discovery import MOST_TOGETHER
-from springpot.diagnosis.grown import go_on_to_neighbours, key_of
+from springpot.diagnosis.grown import MOST_TOGETHER, go_on_to_neighbours, key_of
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import (
     FoundSet,
