@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.identification.leastsquares import REACH
 from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.conversion import FILE, file_of, refuse_copies
 from springpot.measurement.measurement import Measurement, points_at
@@ -25,11 +26,6 @@ from springpot.rheology.points import KELVIN, ROOM, Real
 from .residuals_of_tests import TestPart, part_of, reach_of
 
 RIGS = (ALL, SWEEPS)
-LONGEST = 2.0
-"""Logarithm by which a linear step may change a parameter.
-
-Beyond a factor of seven nothing is linear.
-"""
 
 
 def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
@@ -326,7 +322,7 @@ def stepped(model: Model, theta: Real, step: Real) -> Real:
     for parameter, value, change in zip(model.parameters, theta, step, strict=True):
         # What has one sign moves by a factor: a long step cannot take it through nothing.
         if parameter.scale == "log" and value > 0.0:
-            moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
+            moved.append(value * float(np.exp(np.clip(change / value, -REACH, REACH))))
         else:
             moved.append(float(np.clip(value + change, parameter.lower, parameter.upper)))
     return np.array(moved)
