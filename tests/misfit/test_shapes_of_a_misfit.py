@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from springpot.measurement import Measurement
-from springpot.misfit.drift_search import _at_each, _beyond, _roughness, _slow
+from springpot.misfit.drift_search import _at_each, _roughness, _slow, beyond
 from springpot.misfit.frame import (
     DRIFT_DEGREE,
     SMOOTH_DEGREE,
@@ -82,9 +82,9 @@ def test_an_orthonormal_basis_spans_the_columns_whatever_their_units(rng):
     np.testing.assert_allclose(basis.T @ basis, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(basis @ (basis.T @ columns), columns)
     assert orthonormal(np.zeros((9, 2))).shape == (9, 0)
-    beyond = _beyond(np.column_stack([columns[:, 0], rng.normal(size=9)]), basis)
-    assert beyond.shape == (9, 1)
-    np.testing.assert_allclose(basis.T @ beyond, 0.0, atol=1e-12)
+    left = beyond(np.column_stack([columns[:, 0], rng.normal(size=9)]), basis)
+    assert left.shape == (9, 1)
+    np.testing.assert_allclose(basis.T @ left, 0.0, atol=1e-12)
 
 
 def test_deviations_are_relative_to_the_model_unless_it_has_none():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -39,6 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     # busy machine.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    # Modules and arrays are no rubbish: to look for it at each 700th object takes an eighth of a
+    # short command.
+    gc.set_threshold(50_000)
     _open_streams()
     # Before anything is imported: it is imports that Ctrl-C meets in the first second.
     ctrl_c = CtrlC()

@@ -20,6 +20,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from .evidence import Evidence, log_prior, one_for_each_set, size_of_scanned
 from .examination import examine
 from .grown import (
+    MOST_TOGETHER,
     AskedSet,
     Grown,
     Search,
@@ -36,9 +37,6 @@ from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
 from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
 from .verdict import by_chain
-
-MOST_TOGETHER = 4
-"""Effects sought together at most: more of them follow any misfit."""
 
 
 def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:

@@ -616,6 +616,10 @@ class Sets(Protocol[S]):
         ...
 
 
+MOST_TOGETHER = 4
+"""Effects sought together at most: more of them follow any misfit."""
+
+
 def go_on_to_neighbours(sets: Sets[S]) -> None:
     """Go on to sets that are neighbours of the best, until none is better.
 

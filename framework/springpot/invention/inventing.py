@@ -18,6 +18,7 @@ from springpot.identification.space import require_conditions
 from springpot.identification.value import Value
 from springpot.measurement.independence import (
     HELD_ALIKE,
+    SMOOTH_DEGREE,
     at_one_frequency,
     held_frequency_numbers,
     moved_along,
@@ -48,8 +49,6 @@ from .search import search_laws
 
 ASKED = 3
 """Rivals of the likeliest law of which it is asked what would tell them from it."""
-SMOOTH = 3
-"""Degree of the polynomial in the logarithm of the frequency that a column may repeat."""
 _COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
 
 
@@ -118,7 +117,7 @@ def _of_frequency(measurement: Measurement) -> Real:
         return np.asarray(number == np.unique(number)[:, None], dtype=np.float64)
     log_omega = np.log(measurement.omega)
     scaled = 2.0 * (log_omega - log_omega.min()) / (float(np.ptp(log_omega)) or 1.0) - 1.0
-    return np.asarray(np.polynomial.legendre.legvander(scaled, SMOOTH).T, dtype=np.float64)
+    return np.asarray(np.polynomial.legendre.legvander(scaled, SMOOTH_DEGREE).T, dtype=np.float64)
 
 
 def _of_runs(measurement: Measurement) -> Real:

@@ -149,9 +149,9 @@ SMOOTH_DEGREE = 5
 And of a sweep that counts as structure, not as noise.
 """
 POINTS_PER_DEGREE = 3
-"""Distinct frequencies that a degree needs.
+"""Distinct frequencies, or times, that a degree needs.
 
-With fewer, the polynomial would follow levels chosen at random.
+With fewer, the polynomial would follow levels chosen at random, or noise.
 """
 ROUNDS = 20
 """Reweighted fits towards the least sum of absolute deviations.

@@ -29,8 +29,9 @@ OF_PERIOD = (0.125, 0.5, 1.0)
 """Parts of a period, from the first sample on, in which the response may still be settling."""
 MANY = 10
 """Times the cycles recorded, that a motion had gone on for before them."""
-SETTLING = 1e-3
-"""Chance of so large a difference there from noise alone, below which it began at rest."""
+RULED_OUT = 1e-3
+"""Chance from noise alone of so large a difference, or of levels so unlike, below which it is not.
+"""
 
 
 def gone_on(loading: Loading, response: Real) -> Loading:
@@ -156,6 +157,6 @@ def _repeats(change: Real, period: int) -> bool:
     for part in OF_PERIOD:
         first = change[: max(int(part * period), 2)]
         ratio = float(np.mean(first**2)) / usual
-        if f_sf(ratio, len(first), len(rest)) < SETTLING:
+        if f_sf(ratio, len(first), len(rest)) < RULED_OUT:
             return False
     return True

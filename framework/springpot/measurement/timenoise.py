@@ -38,6 +38,7 @@ from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS
 from .measurement import Measurement
+from .steady_start import RULED_OUT
 from .timetest import TimeTest
 
 ORDER = 4
@@ -56,9 +57,6 @@ FEWEST_IN_BIN = 16
 """Samples of a level of the signal whose scatter is worth a number."""
 DOUBTED = 0.05
 """Chance of noises as unlike as several tests', below which they are not held to be one."""
-RULED_OUT = 1e-3
-"""Chance of levels that either kind of noise, or both, show by themselves: below it neither does.
-"""
 
 
 @dataclass(frozen=True, eq=False)

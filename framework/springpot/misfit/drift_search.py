@@ -14,7 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.measurement.independence import at_one_frequency, frequency_numbers
+from springpot.measurement.independence import (
+    POINTS_PER_DEGREE,
+    at_one_frequency,
+    frequency_numbers,
+)
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import TIME, settings_of
 from springpot.measurement.units import TIME_UNITS
@@ -23,7 +27,7 @@ from springpot.thresholds import COURSE, VERDICT
 
 from ..numerics import SMALLEST
 from .error import plain
-from .frame import LEAST_SEEN, NoiseFrame, orthonormal
+from .frame import LEAST_SEEN, NoiseFrame, beyond
 
 SMALL_MOVE = 0.02
 """Relative change that is told as none."""
@@ -200,8 +204,6 @@ STEADY_DEGREE = 4
 
 A higher one swings at its ends.
 """
-ROWS_OF_A_DEGREE = 3
-"""Times that a degree needs: with fewer a curve would follow the noise."""
 END = 0.1
 """Share of the rows of one frequency whose mean stands for the start, and for the end."""
 
@@ -240,9 +242,9 @@ def _seen(frame: NoiseFrame, time: Real, aside: NDArray[np.bool_]) -> tuple[floa
     """
     data = frame.measurement
     lost = frame.beyond(frame.relative(np.eye(len(data))[aside]), LEAST_SEEN)
-    others = _beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
-    curves = _beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
-    basis = _beyond(curves, others)
+    others = beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
+    curves = beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
+    basis = beyond(curves, others)
     spent = int(basis.shape[1])
     spare = frame.size - sum(int(each.shape[1]) for each in (frame.absorbed, lost, others, basis))
     if spent == 0 or spare <= 0:
@@ -258,12 +260,6 @@ def _seen(frame: NoiseFrame, time: Real, aside: NDArray[np.bool_]) -> tuple[floa
     if share <= VERDICT.takes_most or chance >= VERDICT.sentence_alarm:
         return None
     return share, taken - spent * float(np.log(frame.size))
-
-
-def _beyond(columns: Real, known: Real) -> Real:
-    """An orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
-    left = columns - known @ (known.T @ columns)
-    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
 
 
 def _first_period(data: Measurement, time: Real) -> NDArray[np.bool_]:
@@ -373,7 +369,7 @@ def _slow(values: Real, slopes: Real) -> Real:
     """Slow curves (m, n) in the order of some values, each also sloping along the frequency."""
     # By order, not by size: a reaction that is followed at ever longer times is as smooth.
     levels, rank = np.unique(values, return_inverse=True)
-    degree = min(DEGREE, len(levels) // ROWS_OF_A_DEGREE)
+    degree = min(DEGREE, len(levels) // POINTS_PER_DEGREE)
     x = 2.0 * rank.ravel() / max(len(levels) - 1, 1) - 1.0
     curves = np.polynomial.legendre.legvander(x, degree).T
     return np.asarray(np.concatenate([curves, curves * slopes]), dtype=np.float64)
@@ -391,7 +387,7 @@ def _of_others(data: Measurement) -> Real:
             continue
         level = data.levels(name)
         # What was swept row by row has no levels, only a course.
-        if int(level.max()) + 1 > len(level) // ROWS_OF_A_DEGREE:
+        if int(level.max()) + 1 > len(level) // POINTS_PER_DEGREE:
             shapes.append(_slow(data.conditions[name], slopes))
         else:
             shapes += [_at_each(level), _at_each(level) * slopes]
@@ -475,7 +471,7 @@ def _mutation(data: Measurement, time: Real, rows: NDArray[np.int64], unit: str)
     if unit not in TIME_UNITS or len(np.unique(time[rows])) < 2:
         return None
     seconds, size = TIME_UNITS[unit] * time[rows], np.log(data.magnitude[rows])
-    degree = max(1, min(STEADY_DEGREE, len(rows) // ROWS_OF_A_DEGREE))
+    degree = max(1, min(STEADY_DEGREE, len(rows) // POINTS_PER_DEGREE))
     x = np.linspace(-1.0, 1.0, len(rows))
     curve = np.polynomial.Legendre.fit(x, size, degree)(x)
     # Over some rows: the curve goes by order, and points that came in pairs lie much nearer in time

@@ -229,6 +229,12 @@ def near_an_alarm(chance: float, draws: int) -> bool:
     return low < chance < high + SURE * float(np.sqrt(high / draws))
 
 
+def beyond(columns: Real, known: Real, least: float = LEAST_SEEN) -> Real:
+    """Orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
+    left = columns - known @ (known.T @ columns)
+    return orthonormal(left[:, np.linalg.norm(left, axis=0) > least], least)
+
+
 @dataclass(frozen=True, eq=False)
 class NoiseFrame:
     """A fit seen in units of the noise.
@@ -470,8 +476,7 @@ class NoiseFrame:
         """
         size = np.linalg.norm(columns, axis=0)
         columns = columns[:, size > 0] / size[size > 0]
-        left = self.project(columns)
-        return orthonormal(left[:, np.linalg.norm(left, axis=0) > least], least)
+        return beyond(columns, self.absorbed, least)
 
     @cached_property
     def smooth(self) -> Real:

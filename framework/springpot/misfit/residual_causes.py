@@ -40,6 +40,7 @@ from .frame import (
     ENOUGH_NEIGHBOURS,
     LEAST_SEEN,
     NoiseFrame,
+    beyond,
     chance_of_squares,
     orthonormal,
     relative_to,
@@ -455,12 +456,6 @@ def _relative_squares(frame: NoiseFrame, whitened: Real) -> float:
     return float(np.sum((whitened[there] / (weights * size)[there]) ** 2))
 
 
-def _basis_without(basis: Real, other: Real) -> Real:
-    """Orthonormal basis of what one basis has beyond another."""
-    left = basis - other @ (other.T @ basis)
-    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
-
-
 def _curve(frame: NoiseFrame, x: Real) -> Real:
     """Basis (2n, q) of any one curve along x, in size and phase of K."""
     step = step_of(frame)
@@ -480,8 +475,8 @@ def _pattern(frame: NoiseFrame, log_shift: Real | None) -> str:
     # Each without what the other has: both follow slow misfits, and only what one alone follows can
     # tell.
     fixed, moving = _curve(frame, x), _curve(frame, x + log_shift)
-    by_fixed_only = _seen(frame, _basis_without(fixed, moving))
-    by_moving_only = _seen(frame, _basis_without(moving, fixed))
+    by_fixed_only = _seen(frame, beyond(fixed, moving))
+    by_moving_only = _seen(frame, beyond(moving, fixed))
     if _explains_alone(by_fixed_only, by_moving_only):
         return "fixed"
     if _explains_alone(by_moving_only, by_fixed_only):

@@ -14,7 +14,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import over_floor, plain
 from springpot.writing import LISTED, listed, number
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, Real
 from .answers import (
     beside_floor,
     diagnosis_document,
@@ -343,11 +343,16 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
         words = f"{percent(step.relative_rms, 2)}\n{_ratio(step)}"
         beside_mark(axes, (x, error[x]), words)
     _names(axes, steps)
-    logarithmic(axes, "y")
     foretold = [100.0 * (step.predicted_error or 0.0) for step in steps]
-    lines = np.concatenate([floor, material, error, foretold])
-    # A floor of exact data is zero, which has no place on a logarithmic axis.
-    drawn = lines[(lines > 0) & np.isfinite(lines)]
+    error_axis(axes, np.concatenate([floor, material, error, foretold]))
+
+
+def error_axis(axes: Axes, levels: Real) -> None:
+    """A logarithmic axis of errors in per cent on which levels have room."""
+    logarithmic(axes, "y")
+    # A floor of exact data is zero, which has no place there, and what could not be fitted has no
+    # error.
+    drawn = levels[(levels > 0.0) & np.isfinite(levels)]
     axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
     # Again: which numbers stand at the axis depends on its ends.
     logarithmic(axes, "y")

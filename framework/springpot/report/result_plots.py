@@ -41,7 +41,7 @@ from .figures import (
     sweep_marks,
 )
 from .invention import draw_fits, figure_invention
-from .ladder_text import ROOM, beside_mark, broken, draw_ladder, entitled, figure_ladder
+from .ladder_text import beside_mark, broken, draw_ladder, entitled, error_axis, figure_ladder
 from .mastercurve import figure_mastercurve
 from .replay import SUFFIX, write_replay
 from .residuals import figure_compared, fits_of
@@ -101,13 +101,7 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.set_xticks(places, ["as it is", *(broken(f"+ {one.effect}") for one in shown)])
     axes.tick_params(axis="x", length=0)
     axes.grid(False, axis="x")
-    levels = np.array([noise, material, *after, *predicted])
-    # Exact data have no noise floor, and what could not be fitted has no error.
-    drawn = levels[np.isfinite(levels) & (levels > 0.0)]
-    axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
-    logarithmic(axes, "y")
-    axes.set_ylabel("error [%]")
-    axes.legend(loc="upper right")
+    error_axis(axes, np.array([noise, material, *after, *predicted]))
 
 
 PLACES = "give ax= or a file to plot into, not both: save the figure of the axes"

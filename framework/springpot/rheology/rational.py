@@ -35,17 +35,13 @@ def inside(newton: NDArray[np.inexact[Any]], u: Real, low: Real, high: Real) -> 
     return places
 
 
-ROUNDING = 1e-15
+ROUNDING = 1e-14
 """Of a place, relative: a further step would change the last digits only."""
 
 
 def settled(moved: Real, u: Real) -> bool:
     """Whether no place has moved from `u` by more than rounding."""
     return bool(np.all(np.abs(moved - u) <= ROUNDING * (1.0 + np.abs(u))))
-
-
-SAME = 1e-14
-"""Relative distance below which two rates are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +181,7 @@ class Rational:
             last = poles[-1] + 1.01 * pulls.sum() / dashpot
             low, high = np.append(low, poles[-1]), np.append(high, last)
         # Two modes of one rate are one, and no zero lies between them.
-        apart = high > low * (1.0 + SAME)
+        apart = high > low * (1.0 + ROUNDING)
         return _between(poles, pulls, dashpot, low[apart], high[apart])
 
 
@@ -290,7 +286,7 @@ def _of_law(node: Formula, theta: Real, chain: Real, conditions: Points) -> Rati
         power = np.exp(exponent * (ASKED + 0.5j * np.pi))
         constants = response.value / power
         constant = float(constants.real.flat[0])
-        if np.all(np.abs(constants - constant) <= SAME * abs(constant)):
+        if np.all(np.abs(constants - constant) <= ROUNDING * abs(constant)):
             slope = (response.by_theta[0, :, 0] / power[0]).real
             return Rational.power(exponent, constant, slope @ chain)
     return None

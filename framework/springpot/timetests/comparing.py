@@ -29,6 +29,7 @@ from springpot.thresholds import VERDICT
 from .fitting import identify
 from .floor import TimeFloor, material_floor, material_floors
 from .left import Left, delta_bic, independent, plain_bic
+from .native import DOUBTFUL
 from .residuals_of_tests import (
     Test,
     parts_of_specimen,
@@ -172,12 +173,6 @@ def judgement_of(
     return Judgement.told(fit, error, delta, known)
 
 
-SHORT = 1.5
-"""Times the error that the native solver reaches with the same model, from which a search did not
-come to its end: where both ended at the best, they agree to several digits.
-"""
-
-
 def standing_of(identified: Identification) -> Standing | None:
     """How the error of a fit stands against noise and any material.
 
@@ -206,8 +201,9 @@ def standing_of(identified: Identification) -> Standing | None:
     # at its best.
     alike = identified.fit.objective.name == default_objective(identified.measurement).name
     best = max(error.relative_rms, error.noise_floor)
-    # Where the model itself fails, a longer search mends nothing.
-    if good and alike and identified.relative_rms > SHORT * best:
+    # Searches that ended at the best agree to several digits. Where the model itself fails, a
+    # longer one mends nothing.
+    if good and alike and identified.relative_rms > DOUBTFUL * best:
         good = False
         says = (
             f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on"

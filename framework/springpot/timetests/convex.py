@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from springpot.identification.material import CLOSER
 from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, evenly, non_negative
 from springpot.rheology.points import Real
 
@@ -27,7 +28,7 @@ SLOWER, FASTER = 1.0, 0.5
 
 What relaxes more slowly is a spring there, and of what is gone before the
 first sample, but for a few per cent, any amount could have been."""
-CLOSER = (0.25, 0.0625)
+SPACINGS = (CLOSER, CLOSER * CLOSER)
 """Spacings, over that of the first lattice, at which lines are looked for about those that carry.
 """
 APART = 0.2
@@ -76,7 +77,7 @@ def lines_of(part: TestPart) -> ConvexSpectrum:
     ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
     logs = np.arange(ends[0], ends[1] + step, step)
     amounts = _amounts(part, logs)
-    for share in CLOSER:
+    for share in SPACINGS:
         carrying = logs[amounts[2:] > 0.0]
         near = carrying[:, None] + share * step * np.arange(-4.0, 5.0)
         logs = np.unique(np.round(near.ravel() / (share * step))) * share * step

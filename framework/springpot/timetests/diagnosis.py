@@ -76,6 +76,7 @@ from .sieve import (
 )
 from .specimen import at_rigs, at_tests
 from .verdict import TimeCase, answer_of, misfit_of, worst_of
+from .where import NOTABLE
 
 SAMPLES = 200
 """Of a planned record, which moves all the time."""
@@ -294,10 +295,6 @@ def _sweep(parts: Sequence[TestPart], fit: Identification, omega: Real) -> Sweep
     return SweepPart(plan).with_sd(share * np.tile(size, 2))
 
 
-UNEVEN = 1.5
-"""Ratio of the largest to the smallest noise of a record from which its shape matters."""
-
-
 def diagnose(
     tests: Sequence[Test] | Test,
     model: Model | str,
@@ -408,13 +405,13 @@ def _better_noise(part: TestPart, fit: Identification) -> Real | None:
         return None
     # Only the shape of the noise weighs samples against one another: its size is read from what is
     # left anyway.
-    if part.sd.max() < UNEVEN * part.sd.min():
+    if part.sd.max() < NOTABLE * part.sd.min():
         return None
     over_noise = part.residual(fit.model, fit.theta, fit.reference).value
     all_noise = not scatter_of(over_noise).doubtful
     better = noise_of(part.test, over_noise * part.sd, all_noise=all_noise).sd
     share = better / part.sd
-    if share.max() > UNEVEN * share.min():
+    if share.max() > NOTABLE * share.min():
         return better
     return None
 

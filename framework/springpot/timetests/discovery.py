@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from springpot.diagnosis.grown import go_on_to_neighbours, key_of
+from springpot.diagnosis.grown import MOST_TOGETHER, go_on_to_neighbours, key_of
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import (
     FoundSet,
@@ -40,8 +40,6 @@ from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both
 from .specimen import at_tests
 from .verdict import TimeCase
 
-MOST = 3
-"""Effects of a set at most."""
 STARTS = 1
 """Places in the parameters of an effect from which its fit beside others begins."""
 
@@ -95,7 +93,7 @@ class TimeSets:
             self._extend(self._without(best, effect), SEARCH.singles)
 
     def _extend(self, one: Tried, most: int) -> None:
-        if len(one.effects) >= MOST:
+        if len(one.effects) >= MOST_TOGETHER:
             return
         asked, grown = self.asked, replace(self.base, model=one.model, theta=one.theta)
         names = [effect.name for effect in one.effects]

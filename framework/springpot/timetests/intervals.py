@@ -99,10 +99,7 @@ class _Valley:
         weight = []
         for part in parts:
             value, _ = plain.residual([part], u)
-            scatter = 1.0
-            if len(value) > len(u):
-                scatter = max(1.0, part.sampled(value))
-            weight.append(np.full(len(value), scatter**-0.5))
+            weight.append(np.full(len(value), part.beside(value, len(u)) ** -0.5))
         return cls(plain, parts, u, np.concatenate(weight))
 
     def at(self, u: Real) -> tuple[Real, Real]:

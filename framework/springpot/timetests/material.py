@@ -17,7 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
+from springpot.identification.leastsquares import REACH
 from springpot.identification.material import STILL
+from springpot.identification.material_fit import KEPT
 from springpot.numerics import (
     ALIKE,
     DECADE,
@@ -35,22 +37,15 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
 from ..numerics import rms
-from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
+from .convex import SPACINGS, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
 from .temperatures import Together, is_law, lawful, seen_by
 
-KEPT = 2
-"""Convex forms of single tests from which a search of all of them begins."""
 BRIEF = 3
 """Steps from each place where an effect of a test may lie.
 
 The material needs two, and the effect one.
-"""
-LONGEST = 1.0
-"""Of a step of a searched coordinate, most of which are logarithms.
-
-Beyond a factor of e no slope holds.
 """
 
 
@@ -225,7 +220,7 @@ def _best(
     quick = search.linear or not spared or not len(place.u)
     if not known and quick and np.any(place.weights[2:]):
         samples = sum(len(part.signal) for part in parts)
-        for share in CLOSER:
+        for share in SPACINGS:
             closer, there = search.closer(place, share, spared)
             evaluations += closer.evaluations
             if _pays(place, there, samples) or (not spared and there.cost < place.cost):
@@ -465,7 +460,7 @@ class _Search:
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
-            amount = LONGEST
+            amount = 1.0
             # What may be of either sign has no logarithm, and may be nothing: it moves by what
             # could be seen.
             if not self.coordinates.log[i]:
@@ -506,7 +501,7 @@ class _Search:
                 np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0], dtype=float
             )
         low, high = self.bounds[0][0], self.bounds[1][0]
-        allowed = np.clip(u + np.clip(move, -LONGEST, LONGEST), low, high) - u
+        allowed = np.clip(u + np.clip(move, -REACH, REACH), low, high) - u
         if np.any(allowed != move):
             # Lines for the step that is taken, not for the one that was too long.
             move = allowed

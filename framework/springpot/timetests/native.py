@@ -15,6 +15,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
+from springpot.identification.native import NEAR
 from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
 from springpot.identification.task import FLAT_SHAPES
@@ -55,8 +56,8 @@ WRONG = 0.5
 
 Below, the model follows it, whatever they are.
 """
-AFAR, NEAR = 1e-3, 1e-6
-"""Damping at a start, and at one beside its end: there a step of Gauss and Newton is right."""
+AFAR = 1e-3
+"""Damping at a start."""
 ROUGHLY = 1e-5
 """Drop foretold, over the objective, that ends the first part of a search: the last goes on."""
 ENDED = {True: "converged", False: "not converged"}
@@ -379,13 +380,9 @@ class TimeSearch:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            scatter = 1.0
-            # With no more numbers than parameters nothing is left over that could show a scatter.
-            if len(value) > len(u):
-                scatter = max(1.0, part.sampled(value))
             if isinstance(part, InTimePart) and part.test.loading.before:
                 _, slopes = self.residual([_after_many_cycles(part)], u)
-            information += slopes @ slopes.T / scatter
+            information += slopes @ slopes.T / part.beside(value, len(u))
         return inverse_of(information)
 
 

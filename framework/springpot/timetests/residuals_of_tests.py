@@ -214,6 +214,10 @@ class TestPart(ABC):
         """Mean square of a residual times the numbers that make up one independent one."""
         return float(np.mean(residual**2)) * samples_of_one(self.neighbours(residual))
 
+    def beside(self, residual: Real, parameters: int) -> float:
+        """By how much its variance exceeds the noise's, where more than the parameters tell it."""
+        return max(1.0, self.sampled(residual)) if len(residual) > parameters else 1.0
+
     def rounded(self, residual: Real) -> Real:
         """Errors (k, m) that the digits of the test may make of what leaves this residual (m,).
 

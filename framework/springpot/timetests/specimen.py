@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.identification.leastsquares import REACH
 from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.conversion import FILE, file_of, refuse_copies
 from springpot.measurement.measurement import Measurement, points_at
@@ -25,11 +26,6 @@ from springpot.rheology.points import KELVIN, ROOM, Real
 from .residuals_of_tests import TestPart, part_of, reach_of
 
 RIGS = (ALL, SWEEPS)
-LONGEST = 2.0
-"""Logarithm by which a linear step may change a parameter.
-
-Beyond a factor of seven nothing is linear.
-"""
 
 
 def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
@@ -54,7 +50,13 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
         # One test by itself has nothing to be told from.
         names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
         return [effect.of_one(name) for name in names if len(tests) > 1]
+    if len(tests) == 1 and not effect.applies_to.alone(tests[0]):
+        return []
     there = at_rig(effect, tests)
+    if isinstance(effect.element, StageLaw):
+        # What was done in one test, such as a slow step, was not done in the others.
+        shown = dict.fromkeys(test.name for test in tests if there.applies_to(test))
+        return [there, *(there.of_one(name) for name in shown if len(shown) > 1)]
     if not _is_rig(there) or len(tests) == 1:
         return [there]
     forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]
@@ -320,7 +322,7 @@ def stepped(model: Model, theta: Real, step: Real) -> Real:
     for parameter, value, change in zip(model.parameters, theta, step, strict=True):
         # What has one sign moves by a factor: a long step cannot take it through nothing.
         if parameter.scale == "log" and value > 0.0:
-            moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
+            moved.append(value * float(np.exp(np.clip(change / value, -REACH, REACH))))
         else:
             moved.append(float(np.clip(value + change, parameter.lower, parameter.upper)))
     return np.array(moved)

@@ -36,7 +36,9 @@ if TYPE_CHECKING:
 PIECES = 12
 """Parts of a record among which the place of the largest misfit is sought."""
 NOTABLE = 1.5
-"""Times the noise, or the misfit elsewhere, from which a part of a record is worth a word."""
+"""Times the noise, or the misfit or the noise elsewhere, from which a part of a record is worth a
+word.
+"""
 EDGES = (-1.001, -0.8, -0.3, 0.3, 0.8, 1.001)
 """Of what was imposed over its largest size: two ends, two flanks and the middle of a loop."""
 ENDS = (
