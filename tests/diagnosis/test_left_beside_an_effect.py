@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot import Diagnosis, Measurement
-from springpot.diagnosis.verdict import leading_names
+from springpot.diagnosis.verdict import leading_names, left_of
 
 OMEGA = np.tile(2.0 * np.pi * np.geomspace(0.3, 30.0, 9), 4)
 AMPLITUDE = np.repeat([0.2, 0.9, 4.2, 20.0], 9)
@@ -51,3 +51,18 @@ def test_a_name_is_not_withheld_for_curves_that_need_more_parameters():
     ]
     evidence = SimpleNamespace(search=search, explanations=explanations)
     assert leading_names(search, evidence, "unexplained") == ["friction"]
+
+
+@pytest.mark.parametrize(
+    ("error", "chance", "says"),
+    [
+        (0.018, 0.0001, "; 1.8 x is left, which no effect explains"),
+        (0.018, 0.5, ""),
+        (0.011, 0.0001, ""),
+    ],
+)
+def test_structure_that_named_effects_leave_stands_in_the_headline(error, chance, says):
+    search = SimpleNamespace(
+        best=SimpleNamespace(error=error, floor=0.01), left=SimpleNamespace(p_value=chance)
+    )
+    assert left_of(SimpleNamespace(rest=None, search=search)) == says

@@ -13,6 +13,8 @@ from scipy.integrate import solve_ivp
 
 import springpot
 from soaked import soaked
+from springpot.diagnosis.scan import applicable
+from springpot.registry import plugins
 
 SAMPLES = 256
 SOFT = pytest.param({"stiff": 100.0, "cubic": 20.0}, marks=pytest.mark.soak)
@@ -94,3 +96,10 @@ def test_slip_that_grows_with_the_stress_is_no_heat(own):
     assert found.best.alike == ("power-law-slip",)
     assert found.best.parameters["a"].value == pytest.approx(1.0 / own.get("power", 3), rel=0.05)
     assert found.best.parameters["F"].value == pytest.approx(own.get("force", 60.0), rel=0.1)
+
+
+def test_at_one_amplitude_no_joint_is_told_from_what_goes_with_the_frequency():
+    omega = np.geomspace(0.1, 10.0, 20)
+    data = springpot.Measurement(omega, 1.0 + 1j * omega, conditions={"amplitude": np.ones(20)})
+    asked = [plugins().effect(name) for name in ("hardening-mount", "power-law-slip", "friction")]
+    assert [effect.name for effect in applicable(asked, data)] == ["friction"]

@@ -249,7 +249,8 @@ def told(**changed):
         "search": SimpleNamespace(
             base=SimpleNamespace(fit=SimpleNamespace(measurement=None)),
             confounded=[],
-            best=SimpleNamespace(log_evidence=0.0),
+            best=SimpleNamespace(log_evidence=0.0, error=0.01, floor=0.01),
+            left=SimpleNamespace(p_value=1.0),
         ),
         "instead": (), "rest": None,
         "explanations": [SimpleNamespace(names=("inertia",), probability=1.0)],

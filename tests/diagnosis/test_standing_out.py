@@ -13,6 +13,7 @@ import springpot
 from soaked import soaked
 from springpot.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor, undragged
+from springpot.misfit.outliers import outlying
 
 MODEL = springpot.parse_model("fractional-kelvin")
 AT = design(40, 0.1, 50.0)
@@ -135,3 +136,23 @@ def test_what_lies_beside_a_bad_reading_tells_it_from_a_resonance():
     assert answer.verdict == "unexplained"
     assert "a single point stands out" in answer.says
     assert "nothing else is missing" in answer.says
+
+
+def with_bad_points(off, gain, phase, seed):
+    """A sweep of 60 points with noise in gain and phase, some of them off by a factor."""
+    at, rng = design(60), np.random.default_rng(seed)
+    factor = (1.0 + gain * rng.normal(size=60)) * np.exp(1j * phase * rng.normal(size=60))
+    factor[list(off)] *= list(off.values())
+    return Measurement(at.omega, exact(KELVIN, at) * factor)
+
+
+def test_two_bad_points_do_not_hide_each_other():
+    data = with_bad_points({15: 0.86, 35: 1.14}, 0.014, 0.005, seed=0)
+    assert outlying(fitted_to_floor(MODEL, data).frame()).tolist() == [15, 35]
+
+
+def test_a_bad_end_does_not_hide_another_bad_point():
+    data = with_bad_points({50: 1.3, 59: 0.65}, 0.012, 0.012, seed=3)
+    answer = springpot.diagnose(data, MODEL, only=["inertia", "friction", "parallel-spring"])
+    assert answer.verdict == "adequate"
+    assert [step.exclude for step in answer.actions] == [(51,), (60,)]

@@ -9,6 +9,7 @@ import pytest
 from springpot.measurement import TimeTest
 from springpot.registry import plugins
 from springpot.timetests import diagnose
+from springpot.timetests.specimen import at_tests
 
 TIME = np.arange(600) / 200.0
 OTHERS = ("force-drift", "displacement-drift", "thermal-force", "thermal-growth")
@@ -54,8 +55,8 @@ def test_a_step_that_is_held_cannot_show_one():
     """It is the stiffness that stays."""
     step = TimeTest.of_relaxation(TIME[1:], 3.0 + np.exp(-TIME[1:]), "kPa")
     (effect,) = tried("force-offset")
-    assert not effect.applies_to(step)
-    assert effect.applies_to(dampers(1.0))
+    assert at_tests(effect, [step]) == []
+    assert at_tests(effect, [dampers(1.0)]) == [effect]
 
 
 @pytest.mark.soak

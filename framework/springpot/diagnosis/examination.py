@@ -176,8 +176,15 @@ def _without_a_pulling_point(
     if len(rows) == 0:
         return None
     reduced = reduced_by(rows)
-    before, after = search.best.relative_rms, reduced.best.relative_rms
-    if after**2 > OUTLIERS.settles * before**2:
+    # What it bent hid another bad point: it made the next one stand out in its place.
+    kept = np.setdiff1d(np.arange(len(measurement)), rows)
+    if len(others := outlying(reduced.frame)):
+        rows = np.union1d(rows, kept[others])
+        reduced = reduced_by(rows)
+    # Of a misfit, not of an error: noise is left without any point.
+    noise = reduced.best.floor**2
+    before, after = (fit.relative_rms**2 - noise for fit in (search.best, reduced.best))
+    if after > OUTLIERS.settles * before:
         return None
     if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
         return None

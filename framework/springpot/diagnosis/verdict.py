@@ -425,7 +425,7 @@ def sentence(
             error = f"without {standing}, {error}"
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
-        return f"{error}; missing is {_named(evidence)}{_left(evidence)}"
+        return f"{error}; missing is {_named(evidence)}{left_of(evidence)}"
     if verdict == "inconclusive":
         return f"{error}; these data cannot tell whether something is missing{_or_bad(own.base)}"
     # Before the other sentences: the error is that of the data without these points, and small.
@@ -460,11 +460,16 @@ def _or_bad(base: Refit) -> str:
     return " or some points are bad" if beyond_floor(base) else ""
 
 
-def _left(evidence: Evidence) -> str:
+def left_of(evidence: Evidence) -> str:
     """What the effects that are named leave, as the end of a sentence."""
-    if evidence.rest is None:
+    if evidence.rest is not None:
+        return f"; what is left looks like {evidence.rest.says}"
+    search = evidence.search
+    over = search.best.error / search.best.floor
+    # As the battery sees it: of noise alone nothing is to be told.
+    if search.left.p_value >= VERDICT.structure_alarm or over < VERDICT.noisy:
         return ""
-    return f"; what is left looks like {evidence.rest.says}"
+    return f"; {times(over)} is left, which no effect explains"
 
 
 def _of_repeats(search: Search) -> str:

@@ -13,7 +13,8 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import betainc
 
 from springpot.distributions import (
     chi2_quantile,
@@ -397,8 +398,7 @@ def outlying(frame: NoiseFrame) -> NDArray[np.int64]:
     while len(found) <= most:
         rows = np.array([row for row in range(n) if row not in found])
         worst, chance = _worst(frame, followed, rows)
-        # The largest of n points is judged: each of them might have been it.
-        if chance > OUTLIERS.rare / n:
+        if chance > OUTLIERS.rare:
             return np.array(sorted(found), dtype=np.int64)
         found.append(worst)
     return np.zeros(0, dtype=np.int64)
@@ -473,12 +473,15 @@ def ends_beside(measurement: Measurement, rows: NDArray[np.int64]) -> NDArray[np
 def _worst(
     frame: NoiseFrame, followed: NDArray[np.float64], rows: NDArray[np.int64]
 ) -> tuple[int, float]:
-    """The row that stands out most from a fit to these rows, and its chance by noise alone."""
+    """The row that stands out most from a fit to these rows.
+
+    With the chance that noise alone lets one of them, or several together, stand out as far.
+    """
     scaled, _ = _squares(frame, followed, rows)
     worst = int(np.argmax(scaled))
     # In units of a known noise nothing of the others is needed.
     if frame.scale_dof == inf:
-        return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
+        return int(rows[worst]), _chance_of_any(chi2_sf(scaled[worst], 2), len(rows))
     # The others are judged without it: a bad point drags the curve from its neighbours, whose tails
     # then seem long.
     others, variance = _squares(frame, followed, np.delete(rows, worst))
@@ -505,7 +508,7 @@ def _squares(
 
 
 def _chance(squares: NDArray[np.float64]) -> float:
-    """Chance of the largest of many squared deviations, by the tails of the others.
+    """Chance of the largest of many squared deviations, one or several, by the tails of the others.
 
     Each deviation is of both parts of a point.
 
@@ -528,7 +531,20 @@ def _chance(squares: NDArray[np.float64]) -> float:
     if likelihood[best] < likelihood[0] + OUTLIERS.heavier:
         best = 0
     nu, scale = TAILS[best]
-    return float(f_sf(half[-1] / scale, 2, nu))
+    # Two bad points hide each other: each makes the tails that it is judged by seem long enough
+    # for the other, but not for both.
+    return min(
+        _chance_of_any(f_sf(half[-count] / scale, 2, nu), len(half), count)
+        for count in range(1, doubtful + 1)
+    )
+
+
+def _chance_of_any(chance: ArrayLike, n: int, count: int = 1) -> float:
+    """Chance that some `count` of n points or more are as far off as one is by this chance.
+
+    Each of them might have been it: a binomial tail.
+    """
+    return float(betainc(count, n - count + 1, chance))
 
 
 def described(frame: NoiseFrame, rows: NDArray[np.int64]) -> list[Outlier]:

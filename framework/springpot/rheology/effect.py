@@ -229,6 +229,8 @@ class AppliesTo:
         What was imposed in them: ``frequency`` in a sweep, ``displacement`` or ``force`` in time.
     suits : callable
         Whether a test that it is given can show the effect at all.
+    alone : callable
+        Whether a test can show it with no other beside it; asked of the only test that there is.
     one : bool
         Whether it tells one of several tests from the others, so that it must be said of which:
         ``NAME:TEST``.
@@ -247,6 +249,7 @@ class AppliesTo:
 
     controls: tuple[str, ...] = CONTROLS
     suits: Callable[[Any], bool] = _any
+    alone: Callable[[Any], bool] = _any
     one: bool = False
     test: str = ""
 

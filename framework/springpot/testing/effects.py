@@ -51,8 +51,10 @@ def tests_in_time() -> list[TimeTest]:
     late, even = np.geomspace(0.01, 100.0, 60), np.linspace(0.0, 20.0, 160)
     wave = np.sin(1.3 * even) * (1.0 + 0.3 * np.sin(0.31 * even))
     release = Loading(np.array([0.0, 0.0, 7.0, 7.0, 20.0]), np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
+    held = Loading(np.concatenate([[0.0], late]), np.concatenate([[0.0], np.ones(len(late))]))
     bare = [
         TimeTest(late, late, Loading.step(), "displacement", "mm", "N", name="relaxation"),
+        TimeTest(late, late, held, "displacement", "mm", "N", name="held from its first sample"),
         TimeTest(late, late, Loading.step(), "force", "mm", "N", name="creep"),
         TimeTest(even, even, release, "force", "mm", "N", name="recovery"),
         TimeTest(even, even, Loading(even, even), "displacement", "mm", "N", name="startup"),

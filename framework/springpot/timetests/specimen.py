@@ -50,7 +50,13 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
         # One test by itself has nothing to be told from.
         names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
         return [effect.of_one(name) for name in names if len(tests) > 1]
+    if len(tests) == 1 and not effect.applies_to.alone(tests[0]):
+        return []
     there = at_rig(effect, tests)
+    if isinstance(effect.element, StageLaw):
+        # What was done in one test, such as a slow step, was not done in the others.
+        shown = dict.fromkeys(test.name for test in tests if there.applies_to(test))
+        return [there, *(there.of_one(name) for name in shown if len(shown) > 1)]
     if not _is_rig(there) or len(tests) == 1:
         return [there]
     forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]

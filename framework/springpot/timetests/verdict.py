@@ -237,7 +237,8 @@ def answer_of(
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
     error, jump = error_of(tests, noise), slip.says if slipped else ""
-    apart, rival = _said_apart(parts, tests), beside_one_ramp(parts, named, leading_of(named))
+    apart = said_apart(parts, tests, best.rows(parts, noise, tests))
+    rival = beside_one_ramp(parts, named, leading_of(named))
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
@@ -300,9 +301,16 @@ def _after(
     return after, f", {worst.name} still {times(worst.over_floor)}"
 
 
-def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
-    """What tests say that one material follows worse than each its own; nothing of others."""
+def said_apart(
+    parts: Sequence[TestPart], tests: Sequence[PartResult], with_best: Sequence[PartResult]
+) -> str:
+    """What tests say that one material follows worse than each its own; nothing of others.
+
+    Nor where one material with the best effect follows them no worse: that is the shorter story.
+    """
     if all(test.agrees for test in tests):
+        return ""
+    if max(test.over_floor for test in with_best) <= max(test.over_floor_alone for test in tests):
         return ""
     alone, taken = max(test.over_floor_alone for test in tests), _taken_by_own(tests)
     if alone < VERDICT.agrees:

@@ -60,6 +60,12 @@ def warming(time: Any, s: Any, tau: Any) -> Any:
     return value, (tau * by_s, by_tau)
 
 
+def at_another_pace(time: Any, s: Any) -> Any:
+    """Time over the shift factor, ln a_T = s, and its derivative."""
+    quick = time * np.exp(-s)
+    return quick, (-quick,)
+
+
 def _waits(test: TimeTest) -> list[tuple[float, float]]:
     """Exponents and waiting times from which to look further."""
     times = np.geomspace(3.0 / test.seen[1], 1.0 / test.seen[0], 5)
@@ -109,5 +115,22 @@ EFFECTS = (
         applies_to=AppliesTo(suits=_long),
         signature="early the response is that of another temperature, from some tau on that of the"
         " set one",
+    ),
+    Effect(
+        "test-shift",
+        on_clock,
+        StageLaw(
+            at_another_pace,
+            (Parameter("s", "s", PURE, -12.0, 12.0, "linear", 1.0),),
+            lambda _: [(s,) for s in (-3.0, -1.0, -0.3, 0.3, 1.0, 3.0)],
+        ),
+        "this test was made at another temperature or age than the others of the specimen: all its"
+        " times by one factor, ln a_T = s",
+        citation="reduced time, Morland and Lee 1960, doi:10.1122/1.548856",
+        apparatus=True,
+        applies_to=AppliesTo(one=True),
+        signature="the whole response sooner or later by one factor; a test by itself cannot show"
+        " it, as its material takes it over",
+        aliases=("another-temperature",),
     ),
 )

@@ -76,6 +76,7 @@ EFFECTS = (
         citation="Nayfeh and Mook, Nonlinear Oscillations, 1979",
         aliases=("hardening-series-spring",),
         prior=0.3,
+        only_varied=True,
     ),
     Effect(
         "power-law-slip",
@@ -87,6 +88,7 @@ EFFECTS = (
         aliases=("stress-slip", "nonlinear-slip", "yielding-as-a-whole"),
         approximate=BALANCE,
         prior=0.3,
+        only_varied=True,
         equation=(
             "1 / (1 / K + 1 / S), S = i * F * g * omega^a * Y^(a - 1), Y = X * |K / (K + S)|, "
             "g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)"

@@ -63,6 +63,20 @@ def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
     return bent, (_summed(when, -sizes / tau, tau),)
 
 
+def sooner(loading: Loading, share: Any) -> tuple[Loading, tuple[Loading]]:
+    """A ramp up to the first sample that was over sooner, by a share of the time until then."""
+    begin, first = loading.time[:2]
+    long, size = first - begin, loading.value[1] - loading.value[0]
+    over = begin + (1.0 - share) * long
+    quick = Loading(
+        np.concatenate([[begin, over], loading.time[1:]]),
+        np.concatenate([loading.value[:2], loading.value[1:]]),
+    )
+    # Until it is over it is the higher the sooner that is: a ramp up that jumps back.
+    height = size / (1.0 - share)
+    return quick, (Loading(np.array([begin, over, over]), np.array([0.0, height, 0.0])),)
+
+
 def _summed(when: Real, depths: Real, tau: float) -> Loading:
     """The sum of ramps from nothing to `depths` in tau seconds that then jump back, one a step."""
     time = np.repeat(np.unique(np.concatenate([when, when + tau])), 2)
@@ -138,6 +152,14 @@ def _ruptures(test: TimeTest) -> list[tuple[float, float]]:
     return [(beyond * last, exponent) for beyond in (1.05, 1.5) for exponent in (0.1, 0.4)]
 
 
+def _is_presumed(test: TimeTest) -> bool:
+    """Whether it is held from its first sample on, and nothing tells how it came there."""
+    load = test.loading
+    if test.kind not in ("relaxation", "creep") or load.sampled or len(load.time) < 2:
+        return False
+    return bool(load.value[0] == 0.0 and load.time[0] < load.time[1] == test.time[0])
+
+
 def _stepped(test: TimeTest) -> bool:
     return len(test.loading.jumps[0]) > 0
 
@@ -177,6 +199,22 @@ EFFECTS = (
         applies_to=AppliesTo(suits=_stepped),
         signature="early, up to some ten times the rise: a relaxation begins lower, a creep later",
         aliases=("slow-step",),
+    ),
+    Effect(
+        "sudden-step",
+        on_loading,
+        StageLaw(
+            sooner,
+            (Parameter("share", "e", PURE, 0.0, 1.0 - LEAST_LEFT, "linear", 0.9),),
+            lambda _: [(share,) for share in (0.5, 0.99)],
+        ),
+        "the step was over sooner than the first sample, until which it is taken to have risen in a"
+        " straight line: '?ramp=0[s]' behind the file says that it took no time",
+        citation="Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
+        applies_to=AppliesTo(suits=_is_presumed),
+        signature="early, up to some ten times the first sample: a relaxation begins lower, a creep"
+        " higher",
+        aliases=("quick-step",),
     ),
     Effect(
         "backlash-in-time",

@@ -119,7 +119,8 @@ def _begun(test: TimeTest) -> bool:
 def _cycled(test: TimeTest) -> bool:
     """Whether the load came back.
 
-    A constant beside what a step alone leaves would be a spring of another size.
+    A constant beside what a step alone leaves would be a spring of another size, as long as no
+    other test tells the spring.
     """
     return test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
 
@@ -168,7 +169,7 @@ EFFECTS = (
         "the force has a constant part: a preload, a gas charge, a weight, or the zero of the"
         " transducer",
         citation=ELEMENTARY,
-        applies_to=AppliesTo(("displacement",), _cycled),
+        applies_to=AppliesTo(("displacement",), alone=_cycled),
         signature="the whole loop stands higher or lower, the same from the first sample to the"
         " last",
     ),
@@ -178,7 +179,7 @@ EFFECTS = (
         StageLaw(offset, (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"),)),
         "the displacement has a constant part: it is not counted from where the force vanishes",
         citation=ELEMENTARY,
-        applies_to=AppliesTo(("force",), _cycled),
+        applies_to=AppliesTo(("force",), alone=_cycled),
         signature="the whole loop stands further on or back, the same from the first sample to the"
         " last",
     ),
