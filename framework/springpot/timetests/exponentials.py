@@ -29,7 +29,7 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
 
-from ..numerics import ALIKE, ENOUGH, evenly
+from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
 from .recording import Clock, at_stage, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Residual, TestPart
 from .start import answers_of
@@ -61,8 +61,6 @@ CLOSE = 0.05
 """How nearly K must go there as omega or omega squared."""
 
 
-STEP = 1e-5
-"""Relative step of the derivative by a clock's parameters, which a search needs to three digits."""
 KEPT = (
     "sd",
     "rows",
@@ -372,7 +370,7 @@ class QuickPart(InTimePart):
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
         for index in indices(mine, on_clock):
             # A clock bends time for all exponentials at once, which has no closed derivative here.
-            step = STEP * max(abs(float(theta[index])), STEP)
+            step = DIFFERENCE * max(abs(float(theta[index])), DIFFERENCE)
             more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
             columns.append((more - both[:, 0]) / step)
         # An effect all of whose parameters are held has none.

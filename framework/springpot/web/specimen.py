@@ -26,10 +26,9 @@ from springpot.errors import DataError
 from springpot.files import json_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
+from springpot.measurement.reader import LONGEST_NAME
 from springpot.registry import open_measurement, open_tests
 
-LONGEST = 80
-"""Signs of a file's name that are kept."""
 UNSAFE = re.compile(r"[^\w.+() -]", re.ASCII)
 """What has a meaning in paths, FILE#PART?COLUMN=UNIT@CONDITION or a terminal is none of these."""
 
@@ -46,7 +45,7 @@ def safe_name(name: str) -> str:
     # Both slashes: the browser may run on another system than this.
     last = re.split(r"[/\\]", name)[-1]
     # The end is kept, where the suffix stands.
-    plain = UNSAFE.sub("_", last)[-LONGEST:].strip()
+    plain = UNSAFE.sub("_", last)[-LONGEST_NAME:].strip()
     # A hyphen would begin an option, and a dot hide the file.
     return re.sub(r"^[-.]+", "_", plain) or "data"
 

@@ -173,10 +173,10 @@ def _makris_form() -> SearchForm:
     )
 
 
-def _relaxing_springpot(k: str, tau: str, alpha: str = "alpha") -> Node:
+def _relaxing_springpot(k: str, tau: str) -> Node:
     """K = k (s tau)^alpha / (1 + (s tau)^alpha): spring k in series with springpot k tau^alpha."""
-    network = series(spring(k), springpot(f"{k} {tau}^{alpha}", alpha))
-    own = (stiffness(k), relaxation_time(tau), order(alpha))
+    network = series(spring(k), springpot(f"{k} {tau}^alpha"))
+    own = (stiffness(k), relaxation_time(tau), order())
     # The parameters are those in which the three-parameter models are searched, and so are their
     # maps.
     return Mapped(network, own, TIME_FORM.to_elements, TIME_FORM.jacobian)
