@@ -25,11 +25,7 @@ from springpot.measurement.other_test import OtherTest
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
-from springpot.measurement.units import (
-    AMPLITUDE_UNITS,
-    Units,
-    one_modulus,
-)
+from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
 from springpot.misfit.where import Where
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
