@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.numerics import DIFFERENCE
+from springpot.registry import parse_model
 from springpot.rheology.nonlinear import delay, one_filter
 
 T = np.linspace(0.0, 2.0, 101)
@@ -27,3 +28,24 @@ def test_a_small_lag_leaves_the_first_sample_where_it_is(law):
     little = (law(T, SETS_OFF, 1e-4)[0] - SETS_OFF)[:, 0] / 1e-4
     assert slope[0] == little[0] == 0.0
     np.testing.assert_allclose(slope[1:-1], little[1:-1], atol=0.3)
+
+
+@pytest.mark.parametrize(
+    ("effect", "value"),
+    [("time-delay", 0.02), ("gain-error", 0.1), ("filter-mismatch", 0.01)],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_chain_records_the_same_force_whichever_channel_was_imposed(effect, value, sign):
+    model, t = parse_model(f"zener + {effect}"), np.linspace(0.0, 4.0, 1601)
+    theta = np.array([200.0, 300.0, 30.0, sign * value])
+    force = 300.0 * np.sin(2.0 * np.pi * t) + 80.0 * np.sin(9.0 * t)
+    answer = model.in_time(theta).respond_force(t, force)
+    back = model.respond(theta, t, answer.value)
+    # Of its first instants a late channel shows nothing: until the material has forgotten them.
+    inner = slice(800, -40)
+    np.testing.assert_allclose(back[inner], force[inner], atol=0.01 * np.max(force))
+    step = np.array([0.0, 0.0, 0.0, 1e-4 * value])
+    more, less = (model.respond_force(theta + way * step, t, force) for way in (1.0, -1.0))
+    slope = (more - less) / (2.0 * step[-1])
+    scale = np.max(np.abs(slope))
+    assert np.max(np.abs(slope - answer.by_theta[:, -1])[inner]) < 0.01 * scale
