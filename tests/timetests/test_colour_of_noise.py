@@ -89,7 +89,7 @@ def test_noise_of_any_memory_rarely_repeats_with_a_motion(memory):
 
 
 def test_what_repeats_with_a_motion_is_no_noise():
-    """A damper of dry friction, fitted without it: its loop is not taken for noise with a memory."""
+    """A damper of dry friction, fitted without it: its loop is no noise with a memory."""
     t = 0.0277 * np.arange(192)
     turned = 2.0 * np.pi * t / (24 * 0.0277)
     force = 13.0 * np.sign(np.cos(turned - 1.0)) + 2.0 * np.sin(turned)
