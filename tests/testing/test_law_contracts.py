@@ -25,7 +25,7 @@ def law(made_up):
 
 def test_the_made_up_tests_hold_the_response_of_their_own_material(made_up):
     kinds = {test.name for test in made_up}
-    assert len(kinds) == len(made_up) == 6
+    assert len(kinds) == len(made_up) == 7
     for test in made_up:
         np.testing.assert_array_equal(test.response, recorded(effects.MODEL, THETA, test).value)
 

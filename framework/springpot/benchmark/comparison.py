@@ -93,9 +93,9 @@ class CellScores:
         evaluation's median; only for data with noise and a known truth.
     dimension : int
         Number of parameters; zero if no trial came to anything.
-    errors, covered : ndarray, shape (n,)
-        Largest relative error of the parameters, and share of their intervals that hold the truth;
-        infinite, and of `covered` zero, where a trial failed; NaN where they
+    oracles, errors, covered : ndarray, shape (n,)
+        Noise-free objective, largest relative error of the parameters, and share of their intervals
+        that hold the truth; infinite, and of `covered` zero, where a trial failed; NaN where they
         are not known.
     area : ndarray, shape (n,)
         Area over the convergence curve of each trial; see `area_over_curve`.
@@ -110,6 +110,7 @@ class CellScores:
     curve: Real
     clean: Real | None
     dimension: int
+    oracles: Real = field(default_factory=lambda: np.empty(0))
     errors: Real = field(default_factory=lambda: np.empty(0))
     covered: Real = field(default_factory=lambda: np.empty(0))
     area: Real = field(default_factory=lambda: np.empty(0))
@@ -215,6 +216,7 @@ def score_cell(
         curve=bands(along),
         clean=_clean(trials, scale),
         dimension=next((len(trials[int(i)].theta) for i in np.flatnonzero(~dead)), 0),
+        oracles=np.where(dead, np.inf, trials.numbers("oracle")),
         errors=np.where(dead, np.inf, trials.numbers("parameter_error")),
         covered=np.where(dead, 0.0, trials.numbers("covered")),
         area=area_over_curve(traces, excess, scale),
