@@ -125,7 +125,7 @@ def test_a_motion_before_a_record_that_does_not_repeat_is_an_effect_of_it():
 
 
 def test_so_is_a_load_before_a_record_under_an_imposed_force():
-    """Nobody knows what flows there: it is followed by what does not."""
+    """A material that flows could not have stood under that load: others are followed."""
     long = np.concatenate([-np.arange(1, 1001)[::-1] / HERTZ, T])
     force = 300.0 * np.sin(2.0 * np.pi * long) + 120.0 * np.sin(5.4 * np.pi * long)
     crept = ZENER.respond_force(SOLID, long, force)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from springpot.errors import ModelError
+from springpot.measurement import TimeTest
 from springpot.numerics import DIFFERENCE
-from springpot.registry import parse_model
+from springpot.registry import parse_model, plugins
 from springpot.rheology.nonlinear import delay, one_filter
+from springpot.timetests import identify
 
 T = np.linspace(0.0, 2.0, 101)
 SETS_OFF = np.column_stack([np.sin(3.0 * T)])
@@ -49,3 +54,16 @@ def test_a_chain_records_the_same_force_whichever_channel_was_imposed(effect, va
     slope = (more - less) / (2.0 * step[-1])
     scale = np.max(np.abs(slope))
     assert np.max(np.abs(slope - answer.by_theta[:, -1])[inner]) < 0.01 * scale
+
+
+def test_a_chain_without_a_law_under_a_force_is_named():
+    known = plugins().effect("gain-error")
+    element = replace(known.element, under_force=None)
+    model = parse_model("zener") + replace(known, name="of-a-plugin", element=element)
+    force = np.sin(3.0 * T)
+    with pytest.raises(ModelError, match="of-a-plugin"):
+        model.respond_force([200.0, 300.0, 30.0, 0.1], T, force)
+    noisy = 0.01 * force + 1e-4 * np.random.default_rng(1).normal(size=len(T))
+    test = TimeTest.of_history(T, noisy, force, "mm", "N", control="force")
+    with pytest.raises(ModelError, match="of-a-plugin"):
+        identify(test, model)

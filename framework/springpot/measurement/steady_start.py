@@ -31,8 +31,7 @@ OF_PERIOD = (0.125, 0.5, 1.0)
 MANY = 10
 """Times the cycles recorded, that a motion had gone on for before them."""
 RULED_OUT = 1e-3
-"""Chance from noise alone of so large a difference, or of levels so unlike, below which it is not.
-"""
+"""Chance of what is seen from noise alone, below which noise is not what it is."""
 
 
 def gone_on(loading: Loading, response: Real) -> Loading:
@@ -76,7 +75,7 @@ def lasting(loading: Loading) -> Loading:
     What hangs on how many there were, no such record tells.
     """
     recorded = loading.recorded
-    _, lag = period_of(recorded.value)
+    _, lag = cycles_of(loading, len(recorded.time))
     return _after_cycles(recorded, lag, MANY * loading.before // lag)
 
 
@@ -106,7 +105,7 @@ def said_of_start(name: str, loading: Loading, response: Real, answered: str) ->
         return ""
     says = f"{name} repeats from its first cycle on: taken to have gone on before the record"
     imposed = loading.recorded.value
-    _, lag = period_of(imposed)
+    _, lag = cycles_of(loading, len(imposed))
     if not _to_the_digit(response, lag) or _to_the_digit(imposed, lag):
         return says
     return (
@@ -125,7 +124,10 @@ def _to_the_digit(value: Real, lag: int) -> bool:
 
 @lru_cache(maxsize=256)
 def cycles_of(loading: Loading, samples: int) -> tuple[int, int]:
-    """The same of what was imposed; none where it was not recorded evenly with these samples."""
+    """Periods of what was imposed, and their samples; see `period_of`.
+
+    None where it was not recorded evenly, or with other samples than so many.
+    """
     recorded = loading.recorded
     few = samples <= (PERIODS_AFTER + 1) * SHORTEST
     if few or samples != len(recorded.time) or not is_even(recorded.time):
@@ -161,6 +163,7 @@ def period_of(value: Real) -> tuple[int, int]:
     near = near[near > left[0]] if len(left) else near[:0]
     if not len(near):
         return 0, 0
+    # Lags that follow one another are of one place where it comes back.
     first = near[: np.argmax(np.append(np.diff(near), 2) > 1) + 1]
     shortest = int(first[np.argmin(apart[first])])
     tried = near[near <= n - PERIODS_AFTER * shortest]

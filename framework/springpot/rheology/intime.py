@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 
-from ..numerics import ALIKE, HALVINGS
+from ..numerics import ALIKE, HALVINGS, SMALLEST
 from .motion import Between, acceleration, velocity
 from .nodes import FULL, Node
 from .points import HALF_PI, Points, Real
@@ -371,7 +371,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
 def _pair(modes: Spectrum, b: float, d: float) -> Modes:
     """The two zeros of K near those of s^2 + b s + d, shape (2,)."""
     # Over their size: of a mass that is next to nothing the square of b would overflow.
-    half, size = 0.5 * b, max(abs(0.5 * b), abs(d) ** 0.5)
+    half, size = 0.5 * b, max(abs(0.5 * b), abs(d) ** 0.5, SMALLEST)
     root = size * np.sqrt(complex((half / size) ** 2 - d / size / size))
     pair: Modes = -half + np.array([1.0, -1.0]) * root
     # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.

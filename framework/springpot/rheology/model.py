@@ -84,7 +84,7 @@ class InTime:
         with self._blaming():
             if isinstance(self.temperature, np.ndarray):
                 return self._reduced(self._only_material(), t, force, motion, "force")
-            passive, own = self._linear("the answer to a force", "under_force")
+            passive, own = self._linear("the answer to a force", chain=True)
             traced = self._padded(passive.respond_force(t, force, motion=motion), own)
         return through(traced, sorted_out(self.model)[2], self.theta, t, "under_force")
 
@@ -194,13 +194,14 @@ class InTime:
             self.model, self.theta, conditions_at(temperature, self.reference_temperature)
         )
 
-    def _linear(self, what: str, law: str = "") -> tuple[Passive, list[int]]:
+    def _linear(self, what: str, chain: bool = False) -> tuple[Passive, list[int]]:
         """The network in time, and where its parameters stand in theta.
 
-        Signals may go through what has such a law.
+        What the `chain` of the measurement does may be left to `through`.
         """
         _, beside, signals = sorted_out(self.model)
-        signals = tuple(each for each in signals if not getattr(each.effect.element, law, None))
+        if chain:
+            signals = ()
         # The first that stands in the way is named: one thing to mend at a time.
         for effect, _, _ in [*beside, *signals]:
             kind = "belongs to the signals"
@@ -376,7 +377,13 @@ def through(traced: Traced, signals: Sequence[Placed], theta: Real, t: Real, law
     # alike.
     columns = np.column_stack(traced)
     for effect, _, own in signals:
-        columns, slopes = getattr(effect.element, law)(t, columns, *theta[own])
+        respond = getattr(effect.element, law, None)
+        if respond is None:
+            raise ModelError(
+                f"the answer to a force has no meaning with '{effect.name}', which belongs to the"
+                " signals: ask for respond"
+            )
+        columns, slopes = respond(t, columns, *theta[own])
         columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
     return Traced(columns[:, 0], columns[:, 1:])
 
