@@ -5,7 +5,7 @@
 
 Trials are those of the archive of suite_race. Where the rules are others than before, `auto` is
 raced again: springpot run results/suite_race/suite_race.zip --optimiser auto, and
-studies/suite_repeated.py auto.
+studies/suite_repeated.py without its store.
 
 Question: does a choice by features that cost at most 5 % of the budget come near the best optimiser
 of each problem on problems from which nothing was learnt? Measure: expected running time over that
@@ -94,61 +94,43 @@ def looks(budget: int) -> dict[str, list[Seen]]:
 
 
 Bank = dict[str, Real]
-"""By problem (kinds, n, 2): evaluations of a descent, and those at which it met the target.
-
-The first of each kind begins in the middle of the box.
-"""
+"""By problem (kinds, n, 2): evaluations of a descent, and those at which it met the target."""
 
 
 def bank() -> Bank:
     """Single descents of every kind."""
     found: Bank = {}
     for name, problem, goal in training():
-        count, d = TRIED if name in sweeps() else TRIED_IN_TIME, problem.dimension
-        shares = [np.full(d, 0.5), *(np.random.default_rng(i).random(d) for i in range(count))]
+        count = TRIED if name in sweeps() else TRIED_IN_TIME
         found[name] = np.array(
-            [[_descent(problem, goal, kind, share) for share in shares] for kind in KINDS]
+            [
+                [_descent(problem, goal, kind, np.random.default_rng(i)) for i in range(count)]
+                for kind in KINDS
+            ]
         )
     return found
 
 
 def _descent(
-    problem: Problem, goal: float, kind: Mapping[str, Any], share: Real
+    problem: Problem, goal: float, kind: Mapping[str, Any], rng: np.random.Generator
 ) -> tuple[float, float]:
     run = Recorder(problem, max(LENGTHS))
     watched = Watched(run, max(LENGTHS), kind["logarithmic"])
-    start = run.lower + share * (run.upper - run.lower)
+    start = run.lower + rng.random(run.dimension) * (run.upper - run.lower)
     with np.errstate(all="ignore"), suppress(Exception):
         LeastSquares(tolerance=NEGLIGIBLE, **kind).descend(watched, start)
     return run.evaluations, next((at for at, value in run.trace if value <= goal), np.inf)
 
 
-def begun(runs: Real, order: Order, longest: int) -> tuple[float, float]:
-    """Evaluations of the descents from the middle, and those at which one met the target."""
-    spent = 0.0
-    for kind in order:
-        taken, met = runs[kind, 0]
-        if met <= longest:
-            return spent + met, spent + met
-        spent += max(1.0, min(taken, longest))
-    return spent, np.inf
-
-
 def expected(runs: Real, order: Order, longest: int) -> float:
-    """Expected evaluations until descents in this order meet the target.
-
-    From the middle, and then from uniform points over and over.
-    """
-    before, met_at = begun(runs, order, longest)
-    if np.isfinite(met_at):
-        return met_at
+    """Expected evaluations until descents in this order, over and over, meet the target."""
     total, open_still = 0.0, 1.0
     for kind in order:
-        met = runs[kind, 1:, 1] <= longest
-        spent = np.where(met, runs[kind, 1:, 1], np.minimum(runs[kind, 1:, 0], longest))
+        met = runs[kind, :, 1] <= longest
+        spent = np.where(met, runs[kind, :, 1], np.minimum(runs[kind, :, 0], longest))
         total += open_still * float(spent.mean())
         open_still *= 1.0 - float(met.mean())
-    return before + total / (1.0 - open_still) if open_still < 1.0 else np.inf
+    return total / (1.0 - open_still) if open_still < 1.0 else np.inf
 
 
 def rotation(known: Bank, budget: int) -> tuple[Order, int]:
@@ -165,13 +147,10 @@ def rotation(known: Bank, budget: int) -> tuple[Order, int]:
 def put_together(runs: Real, order: Order, longest: int, budget: int) -> Real:
     """Evaluations (n,) at which runs of such descents meet the target, infinite if they do not."""
     rng, hits = np.random.default_rng(0), np.full(DRAWN, np.inf)
-    before, met_at = begun(runs, order, longest)
-    if met_at <= budget:
-        return np.full(DRAWN, met_at)
     for i in range(DRAWN):
-        spent = before
+        spent = 0.0
         for kind in cycle(order):
-            taken, met = runs[kind, rng.integers(1, runs.shape[1])]
+            taken, met = runs[kind, rng.integers(runs.shape[1])]
             if spent + met <= budget and met <= longest:
                 hits[i] = spent + met
             spent += max(1.0, min(taken, longest))

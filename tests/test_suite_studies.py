@@ -64,19 +64,14 @@ def test_all_readings_of_the_swarm_are_raced():
 def test_descents_in_turn_take_what_one_by_one_is_expected_of_them():
     from suite_choice import expected
 
-    # Of the first kind half of the descents meet the target at 10, the others end at 20 without;
-    # from the middle none does.
-    missed = [5.0, np.inf]
-    runs = np.array([[[40.0, np.inf], [10.0, 10.0], [20.0, np.inf]], [missed] * 3])
-    assert expected(runs, (0,), 100) == 40.0 + 15.0 / 0.5
-    assert expected(runs, (0, 1), 100) == 45.0 + (15.0 + 0.5 * 5.0) / 0.5
+    # Of the first kind half of the descents meet the target at 10, the others end at 20 without.
+    runs = np.array([[[10.0, 10.0], [20.0, np.inf]], [[5.0, np.inf], [5.0, np.inf]]])
+    assert expected(runs, (0,), 100) == 15.0 / 0.5
+    assert expected(runs, (0, 1), 100) == (15.0 + 0.5 * 5.0) / 0.5
     # One that is cut short misses, and costs no more than that.
     assert expected(runs, (0,), 8) == np.inf
-    assert expected(runs, (0,), 15) == 15.0 + 12.5 / 0.5
+    assert expected(runs, (0,), 15) == 12.5 / 0.5
     assert expected(runs, (1,), 100) == np.inf
-    # The second kind meets it from the middle, after the first has missed it there.
-    runs[1, 0] = [6.0, 4.0]
-    assert expected(runs, (0, 1), 100) == 44.0
 
 
 def test_the_order_of_descents_is_that_which_takes_least_on_all_problems():

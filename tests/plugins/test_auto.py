@@ -10,7 +10,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError, OptionError
 from springpot.identification.problem import Problem
-from springpot.identification.recorder import BudgetSpent, Recorder, all_points
+from springpot.identification.recorder import BudgetSpent, Recorder
 from springpot.identification.runs import run
 from springpot.registry import plugins
 from springpot_plugins.optimisers import auto
@@ -36,7 +36,7 @@ def test_what_it_looks_at_are_the_descents_of_its_rules():
     whole = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace
     descents = Recorder(problem("mass-and-delay"), limit)
     with contextlib.suppress(BudgetSpent):
-        auto.looked(descents, limit, np.random.default_rng(3))
+        auto.descents(descents, limit, np.random.default_rng(3))
     assert [step for step in whole if step[0] <= limit] == descents.trace
     assert descents.trace
 
@@ -48,20 +48,8 @@ def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch)
     for methods in ("trf", "lm", "trf"):
         kind, before = next(kinds), made.evaluations
         assert kind.method == methods
-        assert auto.descended(made, kind, np.full(made.dimension, 0.3), BUDGET).cut
+        assert auto.descended(made, kind, np.random.default_rng(1), BUDGET).cut
         assert made.evaluations == before + 4
-
-
-def test_each_kind_begins_in_the_middle_once_and_then_anywhere(monkeypatch):
-    kinds = [{"method": "trf"}, {"method": "dogbox"}]
-    monkeypatch.setattr(auto, "rules", lambda: {"longest": 1, "descents": kinds})
-    diary: list = []
-    made = Recorder(problem("mass-and-delay"), BUDGET, diary=diary)
-    auto.looked(made, 4, np.random.default_rng(1))
-    points = all_points(diary, made.dimension)[0][:4]
-    shares = (points - made.lower) / (made.upper - made.lower)
-    assert shares[:2] == pytest.approx(np.full((2, made.dimension), 0.5))
-    assert shares[2:] == pytest.approx(np.random.default_rng(1).random((2, made.dimension)))
 
 
 def test_it_says_which_optimiser_it_goes_on_with_and_why():

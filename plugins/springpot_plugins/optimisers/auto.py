@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
-from itertools import cycle, repeat
+from itertools import cycle
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -123,9 +123,9 @@ class Auto(Optimiser):
 
 
 def descents(problem: Recorder, budget: int, rng: np.random.Generator) -> None:
-    """Nothing but the short descents from uniform points, until the recorder ends the run."""
-    ways, d = kinds(), problem.dimension
-    keep_on(problem, lambda: descended(problem, next(ways), rng.random(d), budget))
+    """Nothing but the short descents, until the recorder ends the run."""
+    ways = kinds()
+    keep_on(problem, lambda: descended(problem, next(ways), rng, budget))
 
 
 class Turn(Searched):
@@ -166,18 +166,10 @@ def in_turn(problem: Recorder, search: Search, length: int, rng: np.random.Gener
 
 
 def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
-    """Descend until so many evaluations are made, and say what was seen.
-
-    By each kind from the middle of the box, whose sizes are those of the data, and then from
-    uniform points.
-    """
+    """Descend from uniform points until so many evaluations are made, and say what was seen."""
     starts, ends, ways = list[float](), list[float](), kinds()
-    middles = repeat(np.full(problem.dimension, 0.5), len(rules()["descents"]))
     while problem.evaluations < limit:
-        share = next(middles, None)
-        if share is None:
-            share = rng.random(problem.dimension)
-        misfit = descended(problem, next(ways), share, limit)
+        misfit = descended(problem, next(ways), rng, limit)
         # One that was cut short by the limit has ended nowhere; without it there may be none.
         if misfit.cut and problem.evaluations >= limit and ends:
             break
@@ -191,15 +183,14 @@ def kinds() -> Iterator[LeastSquares]:
     return cycle(LeastSquares(tolerance=NEGLIGIBLE, **each) for each in rules()["descents"])
 
 
-def descended(problem: Recorder, kind: LeastSquares, share: Real, limit: int) -> Watched:
-    """A short descent, at the latest until `limit` evaluations of the run.
-
-    It begins at these shares (d,) of the box's width.
-    """
+def descended(
+    problem: Recorder, kind: LeastSquares, rng: np.random.Generator, limit: int
+) -> Watched:
+    """A short descent from a uniform point, at the latest until `limit` evaluations of the run."""
     longest = problem.evaluations + int(rules()["longest"])
     misfit = Watched(problem, min(limit, longest), kind.logarithmic)
     width = problem.upper - problem.lower
-    start = problem.first(problem.lower + share * width)
+    start = problem.first(problem.lower + rng.random(problem.dimension) * width)
     with suppress(_CutShortError):
         kind.descend(misfit, start)
     return misfit
