@@ -16,6 +16,7 @@ import numpy as np
 
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
+from springpot.diagnosis.ladder import GrownBy
 from springpot.diagnosis.result import (
     AsTold,
     Candidate,
@@ -27,7 +28,9 @@ from springpot.diagnosis.result import (
     turning,
 )
 from springpot.diagnosis.verdict import Facts, rule_for
+from springpot.errors import ModelError
 from springpot.identification.result import Identification
+from springpot.identification.uncertainty import correlation_of
 from springpot.identification.value import PartResult, Value
 from springpot.measurement.mixed_up import said_of_sign, turned
 from springpot.measurement.timenoise import said_of_strays
@@ -35,14 +38,15 @@ from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
 from springpot.misfit.where import Where
 from springpot.numerics import SMALLEST, TWO_DEVIATIONS
-from springpot.rheology.effect import Layer
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
 from .left import TWINS, AskedTests, Left, Promise, Tried
-from .residuals_of_tests import InTimePart, SweepPart, TestPart
+from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 
 
@@ -211,6 +215,33 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     tried: tuple[Tried, ...]
     asked: AskedTests
+
+    @property
+    def tests(self) -> Sequence[Test]:
+        """What the model was fitted to, in the units of the fit."""
+        return self.base.data
+
+    @property
+    def correlated(self) -> tuple[Model, Real]:
+        """The model, and the correlations (p, p) of its parameters."""
+        return self.base.model, correlation_of(self.base.covariance)
+
+    @property
+    def untold(self) -> None:
+        """What is nonlinear shows in a record: no amplitude is untold."""
+
+    def grown_with(self, effect: Effect) -> GrownBy:
+        """The model as accepting one effect would make it, without a new fit.
+
+        Raises
+        ------
+        ModelError
+            If the effect was not fitted.
+        """
+        for each in self.tried:
+            if each.effect.name == effect.name:
+                return GrownBy(each.model, each.theta, each.fit is not None)
+        raise ModelError(f"{effect.name} was not fitted beside {self.base.model.name}")
 
 
 def answer_of(
