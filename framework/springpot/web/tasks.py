@@ -61,6 +61,7 @@ from .trying import (
     hand_of,
     invented,
     leveled,
+    looked_at,
     ranked,
     scene_of,
     telling,
@@ -360,7 +361,10 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.trying.first_look`."""
-    return first_look(State.of(state), _opened(text))
+    asked, data = State.of(state), _opened(text)
+    model, tests = looked_at(asked, data)
+    (judged,) = compare(tests, [model], seed=asked.seed).judgements
+    return first_look(asked, data, judged)
 
 
 def curve(

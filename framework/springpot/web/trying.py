@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from springpot.api import compare
 from springpot.comparison.result import Comparison, Judgement
 from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
@@ -90,20 +89,19 @@ def bound(state: State, data: Opened) -> Model:
     return as_had_by(*model_and_tests(state, tests_in(kept(data, state.excluded))))
 
 
-def first_look(state: State, data: Opened) -> dict[str, Any]:
-    """An answer as `springpot.web.tasks.answer`, without a single cause."""
+def looked_at(state: State, data: Opened) -> tuple[Model, list[Test]]:
+    """The model of a state, and what a first look is at: of a large sweep some rows."""
     used = kept(data, state.excluded)
     if isinstance(used, Measurement) and len(used) > FEW:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
         used = used.subset(rows)
-    model, tests = model_and_tests(state, tests_in(used))
-    [judged] = compare(tests, [model], seed=state.seed).judgements
+    return model_and_tests(state, tests_in(used))
+
+
+def first_look(state: State, data: Opened, judged: Judgement) -> dict[str, Any]:
+    """A judged model as `springpot.web.tasks.answer`, without a single cause."""
     assert isinstance(judged.fitted, Identification | Refit)
-    return _sought(state, judged, drawn_at_once(judged.fitted, scene_of(state, data)))
-
-
-def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str, Any]:
     error, model = judged.error.to_dict(), judged.model
     rung = {"model": model.name, "accepted": None, "class": [], **error}
     diagnosis = {
@@ -120,7 +118,7 @@ def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str,
         "state": state.to_dict(),
         "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
         "spots": [place.spot for place in judged.where],
-        **drawn,
+        **drawn_at_once(judged.fitted, scene_of(state, data)),
     }
 
 
