@@ -12,7 +12,7 @@ import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
 from springpot.benchmark import Findings, Store, archive, run_study
-from springpot.benchmark.archive import Archive, opened, study_of, write_archive
+from springpot.benchmark.archive import Archive, opened, study_of, take_over, write_archive
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
 from springpot.benchmark.traces import pack
@@ -85,6 +85,17 @@ def test_tables_beside_an_archive_are_those_of_one_study(folder):
         n: sorted(map(repr, t.rows)) for n, t in wanted.items()
     }
     assert store_in(folder, "walk").read_bytes() == before
+
+
+def test_a_study_takes_over_what_its_archive_holds(folder, tmp_path):
+    """And runs the others alone."""
+    plan = a_study([Walk(), *RIVALS]).plan()
+    with Store(tmp_path / "small.sqlite", write=True) as store:
+        numbers = store.register(plan, {})
+        take_over(store, Archive.read(folder / "rivals.zip"))
+        tasks = list(plan.tasks(lambda cell: store.finished(numbers[cell.index])))
+    missing = {plan.entrants[plan.cells[task.cell].entrant].label for task in tasks}
+    assert missing == {"walk"}
 
 
 def test_what_a_study_ran_itself_is_not_shown_twice(folder):

@@ -458,8 +458,18 @@ def _other_problem(cells: Sequence[CellRow], archived: Sequence[ProblemRow]) -> 
 def _enter(store: Store, archive: Archive, rivals: Mapping[int, str]) -> None:
     chosen = {i: archive.cells[i] for i in rivals}
     columns = {i: _columns(cell, archive) for i, cell in chosen.items()}
-    numbers = store.adopt(columns, rivals, {"beside": _told(archive)})
-    trials = archive.trials(rivals)
+    _add(store, archive, store.adopt(columns, rivals, {"beside": _told(archive)}))
+
+
+def take_over(store: Store, archive: Archive) -> None:
+    """Enter the trials of an archive whose cells are a study's own: they need not be run again."""
+    own = {cell.digest: cell.id for cell in store.cells()}
+    cells = enumerate(archive.cells)
+    _add(store, archive, {i: own[cell.digest] for i, cell in cells if cell.digest in own})
+
+
+def _add(store: Store, archive: Archive, numbers: Mapping[int, int]) -> None:
+    trials = archive.trials(numbers)
     while batch := list(islice(trials, AS_ONE)):
         store.add(batch, numbers)
 
