@@ -35,12 +35,11 @@ ALGORITHMS = {
     "lsrtde": ("LSRTDE", "Stanovov and Semenkin 2024, doi:10.1109/CEC60901.2024.10611907"),
 }
 """The library's name of an algorithm and the source of the method."""
-LEAST = {"NLSHADE_RSP": 60, "LSRTDE": 60}
-"""Evaluations a parameter that an algorithm is told of at least.
+ENDED_BY_FEW = ("NLSHADE_RSP", "LSRTDE")
+"""Algorithms that end the process where they are told of few evaluations.
 
 With up to 7 a parameter the first, and with 20 to 40 the second, reads beyond its own tables in
-version 1.9.1, and ends the process: fewer are no schedule beside populations of 30 and 20 a
-parameter. The recorder ends the run.
+version 1.9.1.
 """
 
 
@@ -73,8 +72,11 @@ class Minion(Optimiser):
             return [inf] * len(points)
 
         box = [(0.0, 1.0)] * cube.dimension
-        told = max(budget, LEAST.get(self.algorithm, 0) * cube.dimension)
-        Minimizer(values, box, None, self.algorithm, told, None, integer(rng)).optimize()
+        if self.algorithm in ENDED_BY_FEW:
+            # Fewer are no schedule beside populations of 30 and 20 a parameter; the recorder ends
+            # the run.
+            budget = max(budget, 60 * cube.dimension)
+        Minimizer(values, box, None, self.algorithm, budget, None, integer(rng)).optimize()
         if ended:
             raise ended[0]
 
