@@ -145,7 +145,7 @@ class Others(Rungs):
         diagnosis = SimpleNamespace(verdict="adequate", candidates=(), parameters={}, tests=())
         diagnosis.model, diagnosis.next_experiment = model, None
         diagnosis.error = Error(0.1, 0.1, "given")
-        return SimpleNamespace(diagnosis=diagnosis)
+        return SimpleNamespace(diagnosis=diagnosis, untold=None)
 
     def likeliest_set(self, steps):
         effects = tuple(plugins().effect(name) for name in self.effects)
