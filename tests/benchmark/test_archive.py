@@ -207,6 +207,7 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
     assert sorted(cell.label for cell in cells) == sorted(["native", "cma-es", "nlopt-bobyqa"] * 2)
 
 
+@pytest.mark.soak
 def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):
     changes = {"budget": 900, "repetitions": 1, "noise": []}
     path = run_in(tmp_path, a_study([Walk(shrink=0.97), "native"], **changes))

@@ -133,6 +133,7 @@ def test_one_optimiser_and_one_problem(tmp_path):
     assert "too few trials to tell" in page or "alone" in page
 
 
+@pytest.mark.soak
 def test_the_same_store_gives_the_same_report(tmp_path):
     first = report_of(tmp_path, [Walk(), Lazy()])
     with Store(tmp_path / "small" / "small.sqlite") as store:

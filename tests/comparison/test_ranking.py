@@ -240,6 +240,7 @@ def mixed():
     return ranked(switched())
 
 
+@pytest.mark.soak
 def test_what_no_material_follows_to_the_noise_makes_no_model_adequate(mixed):
     """It read: the simplest model is kelvin, adequate, 16 x the noise floor."""
     assert mixed.adequate == ()

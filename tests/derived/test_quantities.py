@@ -245,6 +245,7 @@ def test_a_condition_that_the_model_needs_is_asked_for():
     assert "amplitude=" in fit.quantities.notes[0]
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("2.4")
 @pytest.mark.parametrize("power", [0.8, 2.4])
 def test_the_error_of_a_linear_limit_is_what_it_scatters_by(power):

@@ -66,6 +66,7 @@ def test_friction_shows_at_one_frequency_over_amplitudes():
     assert "friction" in diagnosis.best.alike
 
 
+@pytest.mark.soak
 def test_negative_loss_is_data_like_any_other():
     """Late force makes the loss of a stiff specimen negative: a delay of the wrong sign."""
     at = SWEEP

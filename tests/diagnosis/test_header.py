@@ -31,6 +31,7 @@ def notes(measured, said, unit="Pa"):
     ]
 
 
+@pytest.mark.soak
 def test_an_inertia_that_agrees(measured):
     [note] = notes(measured, INERTIA)
     assert "0.002 Pa s^2" in note

@@ -80,6 +80,7 @@ def test_modulus_and_phase_are_told_apart():
     assert not Accuracy(0.03, 0.001).holds([turn])
 
 
+@pytest.mark.soak
 def test_a_certain_misfit_within_what_is_promised_is_adequate():
     data, few = sweep(0.002), ["inertia", "series-spring", "time-delay"]
     plain = springpot.diagnose(data, "fractional-kelvin-voigt", only=few)

@@ -185,6 +185,7 @@ def test_its_selector_opens_one_test_alone(apart, name):
     assert springpot.diagnose(part, "fractional-maxwell").verdict == "adequate"
 
 
+@pytest.mark.soak_cases("batch")
 @pytest.mark.soak_cases("current")
 @pytest.mark.parametrize("name", ["current", "batch"])
 def test_the_last_line_is_a_command_that_runs(apart, tells, name):
@@ -397,6 +398,7 @@ def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     assert not found.one_test
 
 
+@pytest.mark.soak
 def test_three_materials_that_were_numbered_as_repeats_are_not_adequate(save):
     """An error of 90 % of |K| is no noise of any of them; it is 1.8 times the so-called floor."""
     stiffness = noisy(np.concatenate([damper(SWEEP, k) for k in (400.0, 900.0, 100.0)]), SCATTER)

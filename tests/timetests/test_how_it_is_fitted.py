@@ -32,6 +32,7 @@ def test_intervals_by_profiles_and_by_simulation_are_those_of_the_slopes(kind):
             assert apart != 0.0
 
 
+@pytest.mark.soak
 def test_a_profile_ends_at_the_bound_of_a_user():
     scatter = 0.01 * np.random.default_rng(0).normal(size=len(T)) * MODEL.relaxation(THETA, T)
     fit = springpot.identify(
