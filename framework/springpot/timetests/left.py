@@ -101,6 +101,18 @@ class Left:
         ]
 
     @property
+    def all_noise(self) -> list[ResidualScatter]:
+        """The noise of each test where all that is left is noise, whatever another fit leaves.
+
+        What the signal tells is not read from what is left.
+        """
+        told = zip(self.residuals, self.scatters, strict=True)
+        return [
+            replace(own, size=own.size if own.size == 1.0 else times_noise(value, 1.0))
+            for value, own in told
+        ]
+
+    @property
     def chance(self) -> float:
         """That noise alone leaves so much of the test that is missed most."""
         return min(scatter.chance for scatter in self.scatters)

@@ -214,6 +214,8 @@ def answer_of(
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
     verdict = rule_for(facts_of(before.beside(noise), tried, slipped)).verdict
+    if verdict == "adequate":
+        noise = before.all_noise
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)
