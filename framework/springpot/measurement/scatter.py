@@ -94,6 +94,8 @@ class Noise:
         One sentence where the given ones disagree with the data's own scatter.
     along : Along, optional
         Where the noise along K is of another size than that across it: by these it is weighed.
+    memory : float
+        Correlation of the errors of neighbouring points of a sweep.
 
     Examples
     --------
@@ -109,6 +111,7 @@ class Noise:
     source: Source
     doubt: str = ""
     along: Along | None = None
+    memory: float = 0.0
 
     @classmethod
     def shaped(cls, sd: Complex, turn: Complex | None, dof: float, source: Source) -> Noise:
@@ -144,11 +147,20 @@ class Noise:
         """Unit numbers (n,) by which differences are multiplied before they are weighed."""
         return None if self.along is None else self.along.turn
 
-    def log_likelihood(self, rss: float, size: int) -> float:
+    @property
+    def worth(self) -> float:
+        """Independent numbers that each point is worth where the misfit is slow.
+
+        So much less than the mean power of noise with a memory is its power at slow waves.
+        """
+        return (1.0 - self.memory) / (1.0 + self.memory)
+
+    def log_likelihood(self, rss: float, size: float) -> float:
         """Log-likelihood of a whitened residual sum of squares.
 
         An unknown scale is integrated or profiled out.
         """
+        rss, size = self.worth * rss, self.worth * size
         if self.dof == inf:
             return -0.5 * rss
         # The scale integrated out: a normal whose variance is estimated with so many degrees of
@@ -171,7 +183,7 @@ class Noise:
         """The same with at least what writing values with few digits rounds away."""
         sd = at_least_rounding(self.parts, measurement, self.turn)
         told = Noise.shaped(sd, self.turn, self.dof, self.source)
-        return replace(told, doubt=self.doubt)
+        return replace(told, doubt=self.doubt, memory=self.memory)
 
 
 class Scatter(NamedTuple):

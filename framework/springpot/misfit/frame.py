@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -235,6 +235,18 @@ def beyond(columns: Real, known: Real, least: float = LEAST_SEEN) -> Real:
     return orthonormal(left[:, np.linalg.norm(left, axis=0) > least], least)
 
 
+def decorrelated(measurement: Measurement, values: Any, memory: float) -> Any:
+    """Values (n, ...) of which each has lost what it remembers of the one before it in its sweep.
+
+    Noise of this memory keeps its size.
+    """
+    new = values.copy()
+    for rows, _ in sweeps_of(measurement):
+        late = values[rows[1:]] - memory * values[rows[:-1]]
+        new[rows[1:]] = late / np.sqrt(1.0 - memory**2)
+    return new
+
+
 @dataclass(frozen=True, eq=False)
 class NoiseFrame:
     """A fit seen in units of the noise.
@@ -255,6 +267,8 @@ class NoiseFrame:
         Whether the noise was estimated from the scatter of these very data.
     turn : ndarray of complex, shape (n,), optional
         Unit numbers by which differences of K are multiplied before they are weighed.
+    memory : float
+        Correlation of the noise of neighbouring points of a sweep.
     """
 
     measurement: Measurement
@@ -264,6 +278,7 @@ class NoiseFrame:
     scale_dof: float = inf
     estimated: bool = False
     turn: Complex | None = None
+    memory: float = 0.0
 
     def whiten(self, values: Complex) -> Real:
         """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
@@ -305,13 +320,15 @@ class NoiseFrame:
         if self._steps is not None:
             noise = self._as_written(self._steps, count, rng)
         elif not self._deals_out:
-            noise = rng.standard_normal((count, self.size), dtype=DRAWN)
+            parts = rng.standard_normal((count, 2, self.size // 2), dtype=DRAWN)
+            noise = self._remembered(parts).reshape(count, self.size)
         else:
             order = self._dealt(count, rng)
             sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(
                 2
             ) - np.int8(1)
-            noise = self._in_their_places(self._deviations.astype(np.complex64)[order] * sign)
+            new = self._deviations.astype(np.complex64)[order] * sign
+            noise = self._in_their_places(self._remembered(new))
         # The measured residual has lost what the parameters follow; so must the noise (no refit of
         # each draw needed).
         absorbed = self.absorbed.astype(DRAWN)
@@ -322,6 +339,20 @@ class NoiseFrame:
         # estimate of its own.
         scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
         return np.asarray(noise / scale[:, None])
+
+    def _remembered(self, new: Any) -> Any:
+        """Noise (..., n) of the same size in which a point remembers the one before it.
+
+        Of what is new with each point (..., n), over a sweep.
+        """
+        if self.memory:
+            from scipy.signal import lfilter
+
+            for rows, _ in sweeps_of(self.measurement):
+                noise = new[..., rows]
+                noise[..., 1:] *= np.sqrt(1.0 - self.memory**2)
+                new[..., rows] = lfilter([1.0], [1.0, -self.memory], noise)
+        return new
 
     @property
     def has_mirror(self) -> bool:
@@ -461,6 +492,8 @@ class NoiseFrame:
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
         relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
+        if self.memory:
+            relative = decorrelated(self.measurement, relative, self.memory)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
