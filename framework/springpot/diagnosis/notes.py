@@ -275,9 +275,9 @@ def _of_floor(search: Search) -> Iterator[str]:
     base = search.base
     if base.noise.memory:
         yield (
-            f"the errors of neighbouring points of a sweep go together (correlation"
-            f" {base.noise.memory:.2f}): the floor and all chances count that; measured again, or in"
-            " another order of the frequencies, noise comes otherwise and a misfit does not"
+            "the errors of neighbouring points of a sweep go together (correlation"
+            f" {base.noise.memory:.2f}): the floor and all chances count that; measured again,"
+            " noise comes otherwise and a misfit does not"
         )
     if base.noise.source != "estimated":
         return

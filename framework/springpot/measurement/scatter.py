@@ -78,6 +78,14 @@ def turned_sd(sd: Complex, turn: Complex) -> Complex:
     return np.asarray(real + 1j * imag, dtype=np.complex128)
 
 
+def worth_of(memory: float) -> float:
+    """Independent numbers that each point of a noise with a memory is worth, seen by slow curves.
+
+    By so much less than the mean power of such noise is its power at slow waves.
+    """
+    return (1.0 - memory) / (1.0 + memory)
+
+
 @dataclass(frozen=True, eq=False)
 class Noise:
     """Standard deviations of the measured points, and how well they are known.
@@ -149,11 +157,8 @@ class Noise:
 
     @property
     def worth(self) -> float:
-        """Independent numbers that each point is worth where the misfit is slow.
-
-        So much less than the mean power of noise with a memory is its power at slow waves.
-        """
-        return (1.0 - self.memory) / (1.0 + self.memory)
+        """Independent numbers that each point is worth where the misfit is slow."""
+        return worth_of(self.memory)
 
     def log_likelihood(self, rss: float, size: float) -> float:
         """Log-likelihood of a whitened residual sum of squares.

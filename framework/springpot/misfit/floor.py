@@ -26,6 +26,7 @@ from springpot.measurement.scatter import (
     noise_shape_along,
     plausible_variance,
     robust_noise_shape,
+    worth_of,
 )
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -39,7 +40,6 @@ from .frame import (
     NoiseFrame,
     beyond,
     chance_of_squares,
-    decorrelated,
     orthonormal,
     phase_of,
     waves,
@@ -398,7 +398,7 @@ def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     return Noise.shaped(sd, turn, scatter.dof, "estimated").at_least_rounding(data)
 
 
-class Told(NamedTuple):
+class ScatterAbout(NamedTuple):
     """What the scatter about a fit tells of whitened noise.
 
     Attributes
@@ -414,7 +414,7 @@ class Told(NamedTuple):
     memory: float = 0.0
 
 
-def scatter_about(frame: NoiseFrame) -> Told:
+def scatter_about(frame: NoiseFrame) -> ScatterAbout:
     """Noise by the scatter that neither the fit nor structure can follow.
 
     A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken
@@ -425,33 +425,39 @@ def scatter_about(frame: NoiseFrame) -> Told:
     scatter = trimmed(frame)
     if (remembering := _remembering(frame, scatter.kept)) is not None:
         return remembering
-    variance, dof = scatter.variance, float(max(frame.rough_dof, 1))
     # Where a free spectrum has as many lines as there are numbers, all of the noise is followed:
     # none is left over.
     kept = max(1.0 - frame.absorbed.shape[1] / frame.size, 1.0 / frame.size)
-    along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
-    for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
-        parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
+    first = ScatterAbout(scatter.variance, float(max(frame.rough_dof, 1)))
+    return _by_neighbours(frame.measurement, frame.rest / np.sqrt(kept), first)
+
+
+def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) -> ScatterAbout:
+    """The same, if differences of neighbours in whitened values (2n,) do not vary by much less."""
+    along_sweeps, n = [sweep.rows for sweep in sweeps_of(measurement)], len(measurement)
+    for lines in (along_sweeps, [np.arange(n)]):
+        parts = [rest[rows + k] for rows in lines for k in (0, n)]
         for order in DIFFERENCES:
             left = np.concatenate([np.zeros(0), *(np.diff(part, order) for part in parts)])
             power = comb(2 * order, order)
             efficient = len(left) * power**2 / comb(4 * order, 2 * order)
             if efficient < ENOUGH_NEIGHBOURS:
                 continue
-            near = float(np.mean(left**2)) / power / kept
+            near = float(np.mean(left**2)) / power
             # Only where it is smaller beyond chance: the least of several estimates of white noise
             # is too small.
-            if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
-                variance, dof = near, efficient
-    return Told(variance, dof)
+            if near < about.variance * f_quantile(SCATTER.faster_alarm, efficient, about.dof):
+                about = ScatterAbout(near, efficient)
+    return about
 
 
-def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Told | None:
+def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> ScatterAbout | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
     Told beside slow structure, so that no slow misfit is taken for it, and held against white noise
     beside a ripple: a number more costs what the Bayesian information criterion charges. What
-    `kept` (2n,) leaves out has a number of its own.
+    `kept` (2n,) leaves out has a number of its own. What is new with each point is white, or it is
+    a misfit.
     """
     alone = np.eye(frame.size)[:, ~kept]
     curves = orthonormal(np.concatenate([frame.absorbed, frame.structured, alone], axis=1))
@@ -459,45 +465,48 @@ def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Told | None:
     if free < FEWEST_OWN:
         return None
     columns = np.column_stack([curves, frame.residual])
-    # What is alike over as long as slow structure is that.
+    # What is alike over as long as slow structure is that, unless other sweeps show that it is not.
     longest = max(len(sweep.rows) for sweep in sweeps_of(frame.measurement))
-    bounds = (0.0, float(np.exp(-SMOOTH_DEGREE / longest)))
-    found = minimize_scalar(lambda m: _cost(frame, columns, m)[0], bounds=bounds, method="bounded")
-    memory = float(found.x)
-    cost, square = _cost(frame, columns, memory)
+    most = float(np.exp(-SMOOTH_DEGREE / longest))
+    found = minimize_scalar(lambda m: _cost(frame, columns, m)[0], bounds=(0.0, 1.0))
+    if found.x > most and not frame.shared.shape[1]:
+        return None
+    memory = min(float(found.x), most)
+    cost, new = _cost(frame, columns, memory)
     beyond_white = _cost(frame, columns, 0.0)[0] - cost - float(np.log(free))
     if beyond_white < 0.0 or beyond_white + _best_ripple(frame, curves, longest) < 0.0:
         return None
-    worth = (1.0 - memory**2) / (1.0 + memory**2)
-    return Told(square / free, worth * free, memory)
+    about = ScatterAbout(float(new @ new) / free, float(free))
+    if _by_neighbours(frame.measurement, new, about) is not about:
+        return None
+    return ScatterAbout(about.variance, worth_of(memory**2) * free, memory)
 
 
-def _cost(frame: NoiseFrame, columns: Real, memory: float) -> tuple[float, float]:
-    """Minus twice the log-likelihood of a memory, and the sum of squares of what is left.
+def _cost(frame: NoiseFrame, columns: Real, memory: float) -> tuple[float, Real]:
+    """Minus twice the log-likelihood of a memory, and what is new with each point (2n,).
 
     Of what curves leave of the last of some columns (2n, q + 1), the others being these curves
     (Harville 1977, doi:10.1080/01621459.1977.10480998).
     """
-    half, linked = frame.size // 2, frame.size - 2 * len(sweeps_of(frame.measurement))
-    parts = [decorrelated(frame.measurement, columns[k : k + half], memory) for k in (0, half)]
-    sizes = np.abs(np.diag(np.linalg.qr(np.concatenate(parts), mode="r"))) + SMALLEST
-    free, square = len(columns) - len(sizes) + 1, float(sizes[-1] ** 2)
-    logs = free * np.log(square) + 2.0 * np.sum(np.log(sizes[:-1]))
-    return float(logs + linked * np.log1p(-(memory**2))), square
+    basis, sizes = np.linalg.qr(frame.forgetting(columns, memory))
+    size = np.abs(np.diag(sizes)) + SMALLEST
+    free = len(columns) - len(size) + 1
+    logs = 2.0 * (free * np.log(size[-1]) + np.sum(np.log(size[:-1])))
+    return float(logs + frame.links * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
 
 
 def _best_ripple(frame: NoiseFrame, curves: Real, longest: int) -> float:
-    """By how much the best ripple of gain or of phase changes minus twice the log-likelihood.
+    """By how much the best ripple, of gain or phase or both, changes twice the log-likelihood.
 
     With the price of its numbers and of its period, in sweeps of at most so many points.
     """
     rest = frame.residual - curves @ (curves.T @ frame.residual)
     free, best = frame.size - curves.shape[1], 0.0
     # In half waves along a sweep, and twice as fine as these are independent.
-    tried = 0.5 * np.arange(4, 2 * longest + 1)
+    tried = range(4, 2 * longest + 1)
     for halves in tried:
-        ripple = frame.relative(waves(frame.measurement, 2.0 * longest / halves))
-        for columns in np.split(ripple, 2, axis=1):
+        ripple = frame.relative(waves(frame.measurement, 4.0 * longest / halves))
+        for columns in (*np.split(ripple, 2, axis=1), ripple):
             basis = beyond(columns, curves)
             left = 1.0 - float(np.sum((basis.T @ rest) ** 2) / (rest @ rest))
             gain = free * float(np.log(max(left, SMALLEST)))

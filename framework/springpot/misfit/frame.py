@@ -24,7 +24,7 @@ from springpot.identification.problem import weighted
 from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
+from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps, worth_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, VERDICT
 
@@ -235,18 +235,6 @@ def beyond(columns: Real, known: Real, least: float = LEAST_SEEN) -> Real:
     return orthonormal(left[:, np.linalg.norm(left, axis=0) > least], least)
 
 
-def decorrelated(measurement: Measurement, values: Any, memory: float) -> Any:
-    """Values (n, ...) of which each has lost what it remembers of the one before it in its sweep.
-
-    Noise of this memory keeps its size.
-    """
-    new = values.copy()
-    for rows, _ in sweeps_of(measurement):
-        late = values[rows[1:]] - memory * values[rows[:-1]]
-        new[rows[1:]] = late / np.sqrt(1.0 - memory**2)
-    return new
-
-
 @dataclass(frozen=True, eq=False)
 class NoiseFrame:
     """A fit seen in units of the noise.
@@ -293,6 +281,11 @@ class NoiseFrame:
     def absorbed(self) -> Real:
         """Orthonormal basis (2n, q) of all that the fitted parameters can follow."""
         return orthonormal(self.whiten(self.jacobian).T)
+
+    @property
+    def worth(self) -> float:
+        """Independent numbers that each point is worth to slow curves."""
+        return worth_of(self.memory)
 
     @property
     def size(self) -> int:
@@ -352,6 +345,33 @@ class NoiseFrame:
                 noise = new[..., rows]
                 noise[..., 1:] *= np.sqrt(1.0 - self.memory**2)
                 new[..., rows] = lfilter([1.0], [1.0, -self.memory], noise)
+        return new
+
+    @cached_property
+    def _neighbours(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows of (2n,) that have one before them in their sweep, and the rows of these."""
+        lines = [rows for rows, _ in sweeps_of(self.measurement)]
+        pairs = [np.concatenate([rows[k:][: len(rows) - 1] for rows in lines]) for k in (1, 0)]
+        later, earlier = (np.concatenate([rows, rows + self.size // 2]) for rows in pairs)
+        return later, earlier
+
+    @property
+    def links(self) -> int:
+        """How many numbers have one before them."""
+        return len(self._neighbours[0])
+
+    def forgetting(self, values: Any, memory: float) -> Any:
+        """Values (2n, ...) or (n,) of which each has lost what it remembers of the one before it.
+
+        Noise of this memory keeps its size.
+        """
+        if not memory:
+            return values
+        later, earlier = self._neighbours
+        if len(values) < self.size:
+            later, earlier = (rows[: self.links // 2] for rows in (later, earlier))
+        new = values.copy()
+        new[later] = (values[later] - memory * values[earlier]) / np.sqrt(1.0 - memory**2)
         return new
 
     @property
@@ -492,8 +512,7 @@ class NoiseFrame:
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
         relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
-        if self.memory:
-            relative = decorrelated(self.measurement, relative, self.memory)
+        relative = self.forgetting(relative, self.memory)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
