@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.benchmark.statistics import Interval
 from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm
 
 STUDIES = str(Path(__file__).parents[1] / "studies")
@@ -95,3 +97,14 @@ def test_whoever_begins_anew_in_each_turn_arrives_within_one_or_not():
     assert cost(np.array([20.0]), np.array([80.0]), 0.1, budget) == 20.0
     # Descents go on in every second turn.
     assert cost(np.array([60.0]), np.array([np.inf]), 0.1, budget) == 160.0
+
+
+def test_the_page_tells_what_the_table_says():
+    """Its intervals are those of the archives, by tests/benchmark/recomputed_suite.py."""
+    import suite_repeated
+
+    with (suite_repeated.FOLDER / "judged.csv").open(newline="", encoding="utf-8") as stream:
+        _, *rows = csv.reader(stream)
+    values = [[Interval(*map(float, row[i : i + 3])) for i in range(1, 19, 3)] for row in rows]
+    text = suite_repeated.PAGE.read_text(encoding="utf-8")
+    assert suite_repeated.page(text, SimpleNamespace(rows=values)) == text

@@ -12,7 +12,7 @@ import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
 from springpot.benchmark import Findings, Store, archive, run_study
-from springpot.benchmark.archive import Archive, opened, study_of, write_archive
+from springpot.benchmark.archive import Archive, opened, study_of, take_over, write_archive
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
 from springpot.benchmark.traces import pack
@@ -85,6 +85,17 @@ def test_tables_beside_an_archive_are_those_of_one_study(folder):
         n: sorted(map(repr, t.rows)) for n, t in wanted.items()
     }
     assert store_in(folder, "walk").read_bytes() == before
+
+
+def test_a_study_takes_over_what_its_archive_holds(folder, tmp_path):
+    """And runs the others alone."""
+    plan, archive = a_study([Walk(), *RIVALS]).plan(), Archive.read(folder / "rivals.zip")
+    with Store(tmp_path / "small.sqlite", write=True) as store:
+        numbers = store.register(plan, {})
+        take_over(store, archive, anew=["native"])
+        tasks = list(plan.tasks(lambda cell: store.finished(numbers[cell.index])))
+    missing = {plan.entrants[plan.cells[task.cell].entrant].label for task in tasks}
+    assert missing == {"walk", "native"}
 
 
 def test_what_a_study_ran_itself_is_not_shown_twice(folder):
@@ -196,6 +207,7 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
     assert sorted(cell.label for cell in cells) == sorted(["native", "cma-es", "nlopt-bobyqa"] * 2)
 
 
+@pytest.mark.soak
 def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):
     changes = {"budget": 900, "repetitions": 1, "noise": []}
     path = run_in(tmp_path, a_study([Walk(shrink=0.97), "native"], **changes))

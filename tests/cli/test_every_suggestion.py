@@ -10,7 +10,6 @@ import re
 import shlex
 import sys
 from contextlib import suppress
-from dataclasses import make_dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -116,7 +115,7 @@ def by_column(_):
     )
 
 
-UNFIT = SimpleNamespace(standing=SimpleNamespace(good_enough=False))
+UNFIT = SimpleNamespace(sweep=None, standing=SimpleNamespace(good_enough=False))
 ANSWER = SimpleNamespace(
     one_test="",
     offered="inertia",
@@ -126,15 +125,12 @@ ANSWER = SimpleNamespace(
     best=SimpleNamespace(effect="inertia", model=parse_model("kelvin"), fails=True, unclear=False),
 )
 
-IN_TIME = make_dataclass("Answer", [*vars(ANSWER), "steps"])(**vars(ANSWER), steps=())
-
 
 def printing(name, *given):
     """A function that prints an answer, whose words are not looked at, and what follows it."""
 
     def action(monkeypatch):
         monkeypatch.setattr("springpot.report.told.told", lambda *_, **__: "")
-        monkeypatch.setattr("springpot.cli.timetests._turned", lambda tests, data: list(data))
         called(name)(*given)
 
     return action
@@ -192,6 +188,7 @@ SCENARIOS = {
         "cli/diagnose.py:_next_command",
         ["warm.csv"],
         None,
+        ["warm.csv"],
         changes=({}, {"one_test": "temperature=20"}, {"offered": ""}),
     ),
     "cli/discover.py:_next": after_discovery,
@@ -200,12 +197,6 @@ SCENARIOS = {
     ),
     "cli/init.py:_next": of_command("init", "study", "--folder", "my race"),
     "cli/signals.py:_show": of_command("signals", "record.csv", "-o", "sweep of it.csv"),
-    "cli/timetests.py:_show": printing(
-        "cli/timetests.py:_show", UNFIT, None, ["step.csv"], "maxwell"
-    ),
-    "cli/timetests.py:_show_diagnosis": printing(
-        "cli/timetests.py:_show_diagnosis", IN_TIME, [], ["step.csv"], "maxwell", False
-    ),
     "diagnosis/result.py:accepting": of_call("diagnosis/result.py:accepting", "inertia", True, 0.1),
     "diagnosis/result.py:leaving_out": of_call("diagnosis/result.py:leaving_out", 3, 0.1),
     "diagnosis/result.py:leaving_out_the_beginning": of_call(

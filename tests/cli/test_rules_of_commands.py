@@ -11,7 +11,7 @@ import click
 import pytest
 
 from springpot import api, registry
-from springpot.cli import CtrlC, common, compare, diagnose, group, hints, listing, timetests
+from springpot.cli import CtrlC, common, compare, diagnose, group, identify, listing, timetests
 from springpot.errors import DataError
 from springpot.measurement import Loading, TimeTest
 
@@ -34,37 +34,34 @@ class Shown:
 
 @pytest.mark.parametrize("optimiser", [None, "pso-paper"])
 def test_nothing_moves_on_the_terminal_while_an_optimiser_runs_in_a_copy(optimiser, monkeypatch):
-    words, drawn, printed = [], [], []
-    fit = SimpleNamespace(plot=drawn.append, standing=None)
-    monkeypatch.setattr(hints, "Waiting", lambda: Shown(words))
-    monkeypatch.setattr(api, "identify", lambda tests, model, **options: fit)
-    monkeypatch.setattr(timetests, "emit", lambda what, as_json, show: printed.append(as_json))
-    model = SimpleNamespace(name="maxwell")
-    for figure in (None, "fit.svg"):
-        options = {"optimiser": optimiser, "table": None}
-        timetests.identify([], ["a.csv"], model, figure, False, True, options)
-    assert words == ["fitting maxwell"] * (2 * (optimiser is None))
-    assert drawn == ["fit.svg"]
-    assert printed == [True, True]
+    words = []
+    monkeypatch.setattr(identify, "Waiting", lambda: Shown(words))
+    monkeypatch.setattr(api, "identify", lambda *_, **__: SimpleNamespace(standing=None))
+    tests, model = [SimpleNamespace(name="a")], SimpleNamespace(name="maxwell")
+    identify._fitted(tests, model, {"optimiser": optimiser})
+    fitting = ["fitting maxwell to a"] * (optimiser is None)
+    assert words == [*fitting, "judging maxwell of a"]
 
 
 @pytest.mark.parametrize(
-    ("standing", "figure", "lines"),
+    ("standing", "figure", "data", "sweep", "lines"),
     [
-        (None, None, ["told"]),
-        (None, "fit.svg", ["told", "figure      fit.svg"]),
-        (True, None, ["told"]),
-        (False, None, ["told", "", "next: springpot diagnose a.csv --model maxwell"]),
+        (None, None, "a", None, ["told"]),
+        (None, "fit.svg", "a", None, ["told", "figure      fit.svg"]),
+        (True, None, "a", None, ["told"]),
+        (False, None, "a", "a", ["told", "", "next: springpot diagnose a --model maxwell"]),
+        (False, None, "ab", None, ["told", "", "next: springpot diagnose a b --model maxwell"]),
+        (False, None, "ab", "ab", ["told"]),
     ],
 )
 def test_a_fit_that_is_not_good_enough_is_followed_by_what_comes_next(
-    standing, figure, lines, monkeypatch, capsys
+    standing, figure, data, sweep, lines, monkeypatch, capsys
 ):
     from springpot.report import told
 
-    monkeypatch.setattr(told, "told", lambda fit, width: "told")
+    monkeypatch.setattr(told, "told", lambda fit, width, verbose: "told")
     rated = None if standing is None else SimpleNamespace(good_enough=standing)
-    timetests._show(SimpleNamespace(standing=rated), figure, ["a.csv"], "maxwell")
+    identify._show(SimpleNamespace(standing=rated, sweep=sweep), data, "maxwell", figure, False)
     assert capsys.readouterr().out.splitlines() == lines
 
 
@@ -82,6 +79,20 @@ def test_an_answer_is_written_at_once():
         assert (stream.getvalue(), stream.flushed) == ('{\n  "a": 1\n}\n', 1)
         common.print_json({"a": 1}, None)
     assert stream.getvalue().splitlines()[3].replace(" ", "") == '{"a":1}'
+
+
+@pytest.mark.parametrize(
+    ("named", "right_way", "line"),
+    [
+        (["a"], ["a"], "springpot compare a"),
+        (["a", "b"], ["a", "b"], ""),
+        (["a", "b"], ["a", "b?force=-N"], "springpot diagnose a 'b?force=-N'"),
+    ],
+)
+def test_where_any_material_is_adequate_models_are_compared(named, right_way, line):
+    """Of any kind of test; a ranking is of one file."""
+    answer = SimpleNamespace(one_test="", offered="", verdict="adequate")
+    assert diagnose._next_command(answer, named, None, right_way) == line
 
 
 @pytest.mark.parametrize(

@@ -97,6 +97,7 @@ def test_where_a_pair_explains_the_data_no_further_set_is_sought(delayed):
     assert rungs().complete_set([rung(delayed)]) is None
 
 
+@pytest.mark.soak
 def test_one_rung_is_exchanged_for_the_effect_that_belongs_there(delayed):
     """A mount took the place of the mass beside a delay."""
     last = with_effects(delayed, "series-spring", "time-delay")
@@ -144,7 +145,7 @@ class Others(Rungs):
         diagnosis = SimpleNamespace(verdict="adequate", candidates=(), parameters={}, tests=())
         diagnosis.model, diagnosis.next_experiment = model, None
         diagnosis.error = Error(0.1, 0.1, "given")
-        return SimpleNamespace(diagnosis=diagnosis)
+        return SimpleNamespace(diagnosis=diagnosis, untold=None)
 
     def likeliest_set(self, steps):
         effects = tuple(plugins().effect(name) for name in self.effects)

@@ -41,6 +41,7 @@ def mass_in(stiffness):
     return next(each for each in diagnosis.candidates if each.effect == "inertia").parameters["m"]
 
 
+@pytest.mark.soak
 def test_an_interval_is_as_wide_as_the_misfit_that_its_model_leaves():
     """Alone the mass is fitted to data that a delay has bent.
 
@@ -69,6 +70,7 @@ def test_a_harmonic_that_nothing_makes_is_not_passed_over():
     assert any("harmonic 2 is 8" in note for note in diagnosis.notes)
 
 
+@pytest.mark.soak
 def test_harmonics_of_noise_are_passed_over():
     diagnosis = springpot.diagnose(with_harmonics(0.0, 0.0), KELVIN.name)
     assert "harmonics" not in diagnosis.says

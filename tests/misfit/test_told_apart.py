@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.numerics import TWO_DEVIATIONS
-from springpot.timetests.verdict import told_apart, variance_of_sum
+from springpot.timetests.left import told_apart, variance_of_sum
 
 RECORDS, SAMPLES = 400, 120
 PHASE = 4.0 * np.pi * np.arange(SAMPLES) / SAMPLES

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import textwrap
 from dataclasses import replace
 from importlib.metadata import EntryPoint
@@ -13,7 +14,7 @@ from effects_common import BASES, EFFECTS, POINTS, base, cauchy, grown, own_thet
 
 from springpot.errors import DataError
 from springpot.measurement.units import Units
-from springpot.registry import Registry, parse_model
+from springpot.registry import Registry, parse_model, plugins
 from springpot.rheology import FULL, Points, balanced_series, draw, heated
 
 DESIGN = {
@@ -320,3 +321,10 @@ def test_a_model_fixed_at_its_parameters_grows_as_the_model_itself(name, first):
     full[:, old], full[:, new] = theta, own
     found = (model.fixed_at(theta) + effect).stiffness(own, POINTS)
     np.testing.assert_allclose(found, with_effect.stiffness(full, POINTS), rtol=1e-12)
+
+
+def test_each_can_be_sent_to_another_process():
+    """As every answer that holds it is by Dask, and by whoever keeps one for later."""
+    known = list(plugins().items("effect"))
+    assert len(known) > len(EFFECTS)
+    assert [effect.name for effect in known if pickle.loads(pickle.dumps(effect)) != effect] == []

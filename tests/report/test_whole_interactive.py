@@ -8,7 +8,7 @@ from test_whole_report import MODEL, OMEGA, THETA, TIME, UNITS, levels, noisy, r
 
 import springpot
 from springpot.measurement import Loading, TimeTest
-from springpot.report import page
+from springpot.report import html, page
 from springpot.report.interactive import answers, in_time, scene
 
 SHORT = 7.0
@@ -102,8 +102,8 @@ def test_rows_and_curve_of_tests_in_time(name, stays):
         plain(
             {
                 "page": page.to_dict(),
-                "curve": page.curve(MODEL, theta, 293.15),
-                "whole": page.curve(MODEL, theta, 293.15, whole=True),
+                "curve": page.curve(MODEL, theta),
+                "whole": page.curve(MODEL, theta, whole=True),
             }
         ),
         within=1e-3,
@@ -121,7 +121,16 @@ def test_rungs_of_a_ladder(stays):
 def test_a_rung_of_tests_in_time(stays):
     tests = [relaxed()]
     ladder = springpot.discover(tests, MODEL, accept=[], only=["force-drift", "series-spring"])
-    stays(plain(in_time.drawn_in_time(ladder, in_time.TimeScene(tests))), within=1e-3)
+    stays(plain(answers.drawn(ladder, in_time.TimeScene(tests))), within=1e-3)
+    # What a page, a report and a further rung ask of sweeps they ask of these.
+    (step,) = ladder.steps
+    case, drift = step.examined, springpot.plugins().effect("force-drift")
+    assert case.grown_with(drift).model.name == f"{MODEL.name} + force-drift"
+    with pytest.raises(springpot.errors.ModelError, match="inertia was not fitted beside"):
+        case.grown_with(springpot.plugins().effect("inertia"))
+    assert (list(case.tests), case.untold, html._diagnosed(ladder)) == (
+        tests, None, {step: ladder.diagnosis}
+    )  # fmt: skip
 
 
 def test_a_page_allows_its_own_program_alone():

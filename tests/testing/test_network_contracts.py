@@ -15,6 +15,7 @@ from springpot.rheology import (
     TIME_FORM,
     VISCOSITY,
     Effect,
+    FixedPower,
     Formula,
     Model,
     Parameter,
@@ -91,6 +92,13 @@ def toss(at, k):
     return constant(at, k)
 
 
+class Doubled(FixedPower):
+    """A spring that is twice as stiff in a search."""
+
+    def parts(self, theta, at):
+        return 2.0 * theta, np.zeros((1, 1))
+
+
 def negative(x):
     return -TIME_FORM.to_elements(x)
 
@@ -157,6 +165,10 @@ MODELS = {
     ),
     "a memory": (of(remember), "pure: two calls with the same arguments differ"),
     "a changed argument": (of(meddle), "pure: the arrays that are handed in are changed"),
+    "other parts": (
+        replace(GOOD, material=Doubled(K, 0.0), search=None),
+        "pure: K' and K'' apart are others than those of K",
+    ),
     "a toss": (of(toss), "pure: changes the process-wide random state"),
     "an exception": (of(lambda at, k: 1 / 0), "shapes: raises ZeroDivisionError: division by zero"),
     "leading axes mixed up": (

@@ -12,6 +12,7 @@ from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.web import launch, leaving, tasks, trying, understanding, watching
 from springpot.web.sessions import LONGEST_NAME, State
+from springpot.web.specimen import Specimen
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
 SWEEP = Measurement(OMEGA, (1.0 + 0.3j) * OMEGA**0.4, units=Units("kPa", "%"), name="sweep")
@@ -84,18 +85,11 @@ def test_the_ladders_asked_for_last_are_kept(monkeypatch):
 
 
 @pytest.mark.parametrize("count", [trying.FEW, 7 * trying.FEW])
-def test_a_first_look_is_at_rows_evenly_of_all(count, monkeypatch):
-    seen = []
-    judged = SimpleNamespace(error=SimpleNamespace(to_dict=dict))
-    monkeypatch.setattr(
-        trying, "compare", lambda used, models, rng: seen.append(used) or 1 / 0 or [judged]
-    )
+def test_a_first_look_is_at_rows_evenly_of_all(count):
     omega = np.geomspace(0.1, 100.0, count)
-    with pytest.raises(ZeroDivisionError):
-        trying.first_look(
-            State.of({"data": "a", "model": "kelvin"}), Measurement(omega, omega + 1j)
-        )
-    (used,) = seen
+    state = State.of({"data": "a", "model": "kelvin"})
+    model, (used,) = trying.looked_at(state, Measurement(omega, omega + 1j))
+    assert model.name == "kelvin"
     assert len(used) == trying.FEW
     assert used.omega[[0, -1]].tolist() == omega[[0, -1]].tolist()
     steps = np.diff(np.searchsorted(omega, used.omega))
@@ -180,14 +174,17 @@ def test_rows_of_several_tests_leave_by_no_script_and_no_command(
 ):
     monkeypatch.setattr(leaving, "script", lambda state, *files: f"reads {len(files)}")
     monkeypatch.setattr(leaving, "command", lambda state, file: f"reads {file}")
-    data = SimpleNamespace(sources=["a.csv", "b.csv"][:sources], tests=[None] * tests)
-    state = State("x", excluded=excluded)
+    files = [{"name": name, "choice": ""} for name in ("a.csv", "b.csv")[:sources]]
+    data = Specimen(tuple(files))
+    vars(data)["tests"] = (None,) * tests
+    monkeypatch.setattr(tasks, "_opened", lambda text: data)
+    monkeypatch.setattr(tasks.State, "of", lambda state: State("x", excluded=excluded))
     if "." not in says:
         with pytest.raises(DataError, match=says):
-            understanding.leave_in_time(kind, state, data, (), None)
+            tasks.leave(None, kind, {}, "", "", False)
         return
     text = {"script": f"reads {sources}", "command": "reads a.csv\n"}[kind]
-    assert understanding.leave_in_time(kind, state, data, (), None) == {"name": says, "text": text}
+    assert tasks.leave(None, kind, {}, "", "", False) == {"name": says, "text": text}
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
-    from springpot.measurement.measurement import Measurement
+    from springpot.measurement.opening import Test
 
 
 @click.command(
@@ -83,9 +83,8 @@ def command(
     arguments = {"model": expression, "seed": seed or 0, **known}
     arguments |= {"accuracy": accuracy, **library_from(options)}
     tests = timetests.named_tests(data, geometry)
-    if tests is not None:
-        timetests.diagnose(tests, data, model, as_json, verbose, arguments)
-        return 0
+    if tests is None and asks_for_all(known["own"], known["share"]):
+        tests = [opened_together(data, geometry)]
 
     def shown(*named: str) -> Shown:
         if as_json:
@@ -96,29 +95,29 @@ def command(
         if name != data[0] and not as_json:
             print()
         # Opened here: data that cannot be used end their own answer, not the others'.
-        _answer(opened(name, geometry), arguments, shown(name))
+        _answer([opened(name, geometry)], arguments, shown(name))
 
-    if asks_for_all(known["own"], known["share"]):
-        _answer(opened_together(data, geometry), arguments, shown(*data))
-        return 0
-    return of_each(data, answer)
-
-
-Shown = Callable[["Diagnosis", "Measurement"], None]
+    if tests is None:
+        return of_each(data, answer)
+    _answer(tests, arguments, shown(*data))
+    return 0
 
 
-def _answer(measurement: Measurement, arguments: dict[str, Any], shown: Shown) -> None:
+Shown = Callable[["Diagnosis", "Sequence[Test]"], None]
+
+
+def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> None:
     from springpot.api import diagnose
     from springpot.diagnosis.result import within
+    from springpot.measurement.opening import together
 
     with Waiting() as waiting:
-        diagnosis: Any = diagnose(
-            measurement, **arguments, progress=within(measurement.name, waiting.told)
-        )
-    shown(diagnosis, measurement)
+        progress = within(together(test.name for test in tests), waiting.told)
+        diagnosis: Any = diagnose(tests, **arguments, progress=progress)
+    shown(diagnosis, tests)
 
 
-def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:
+def _json(diagnosis: Diagnosis, tests: Sequence[Test], line: bool) -> None:
     # Of several answers each is a line, as programs read a stream of them.
     if line:
         print_json(diagnosis, indent=None)
@@ -128,20 +127,21 @@ def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:
 
 def _text(
     diagnosis: Diagnosis,
-    measurement: Measurement,
+    tests: Sequence[Test],
     verbose: bool,
     named: Sequence[str],
     model: str | None,
 ) -> None:
     """The answer, and the command that goes on from it."""
     from springpot.diagnosis.result import of_data
-    from springpot.measurement.mixed_up import turned
+    from springpot.measurement.opening import sweep_of
     from springpot.report.told import told
 
     diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, *named, *with_model(model)))
     # At once: what is there stays, even where the rest is interrupted.
-    print(told(diagnosis, window(), data=measurement, verbose=verbose), flush=True)
-    if following := _next_command(diagnosis, named, model, turned(measurement.provenance)):
+    print(told(diagnosis, window(), data=sweep_of(tests), verbose=verbose), flush=True)
+    right_way = timetests.turned_data(tests, named)
+    if following := _next_command(diagnosis, named, model, right_way):
         word = "next"
         if following.split()[1] == "discover":
             word = diagnosis.onward
@@ -149,13 +149,13 @@ def _text(
 
 
 def _next_command(
-    diagnosis: Diagnosis, named: Sequence[str], model: str | None, other_way: str = ""
+    diagnosis: Diagnosis, named: Sequence[str], model: str | None, right_way: Sequence[str]
 ) -> str:
     """The command that goes on from an answer; empty where only a measurement does."""
     judged = with_model(model)
     # Before all else: of a force that counts the other way every other answer is wrong.
-    if other_way:
-        return suggested("diagnose", other_way, *judged)
+    if list(right_way) != list(named):
+        return suggested("diagnose", *right_way, *judged)
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     # One of several specimens has no level of its own.
     if diagnosis.one_test and len(named) == 1:
@@ -163,6 +163,6 @@ def _next_command(
     if diagnosis.offered:
         return suggested("discover", *named, *judged, *accepting([diagnosis.offered]))
     # Of any material that is adequate the question is left which model has the fewest parameters.
-    if diagnosis.verdict == "adequate" and model is None:
+    if diagnosis.verdict == "adequate" and model is None and len(named) == 1:
         return suggested("compare", *named)
     return ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +38,7 @@ from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
-    from springpot.measurement.measurement import Measurement
+    from springpot.measurement.opening import Test
     from springpot.rheology.model import Model
 
 OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
@@ -140,17 +142,13 @@ def command(
     known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
-    if tests is not None:
-        arguments["table"] = table
-        timetests.identify(tests, data, expression, figure, as_csv, as_json, arguments)
-        return 0
-    if len(data) > 1 and not (joint or asks_for_all(known["own"], known["share"])):
+    together = tests is not None or joint or asks_for_all(known["own"], known["share"])
+    if len(data) > 1 and not together:
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
             raise click.UsageError(advice, click.get_current_context())
         return _each(data, expression, geometry, arguments, table, as_csv, as_json)
-    together = opened_together(data, geometry)
-    fit = _fitted(together, expression, arguments)
+    fit = _fitted(tests or [opened_together(data, geometry)], expression, arguments)
     if figure is not None:
         fit.plot(figure, view=view)
     if table is not None:
@@ -192,23 +190,19 @@ def _check_paths(figure: Path | None, view: str | None, table: Path | None) -> N
         require_ending(table)
 
 
-def _fitted(measured: Measurement, model: Model, arguments: dict[str, Any]) -> Identification:
+def _fitted(tests: Sequence[Test], model: Model, arguments: dict[str, Any]) -> Identification:
     """The fit, with the floors that its text tells; those who wait are told what is being done."""
     from springpot.api import identify
-    from springpot.identification.result import Identification
+    from springpot.measurement.opening import together
 
-    if arguments.get("optimiser") is None:
-        with Waiting() as waiting:
-            waiting.told(f"fitting {model.name} to {measured.name}")
-            fit = identify(measured, model, **arguments)
-    else:
-        # Its run takes place in a copy of this process, which is safe only where no thread runs
-        # beside.
-        fit = identify(measured, model, **arguments)
-    # Of a sweep, as all that this command opens by itself.
-    assert isinstance(fit, Identification)
+    name = together(test.name for test in tests)
+    # An optimiser runs in a copy of this process, which is safe only where no thread runs beside.
+    with ExitStack() as stack:
+        if arguments.get("optimiser") is None:
+            stack.enter_context(Waiting()).told(f"fitting {model.name} to {name}")
+        fit = identify(tests, model, **arguments)
     with Waiting() as waiting:
-        waiting.told(f"judging {model.name} of {measured.name}")
+        waiting.told(f"judging {model.name} of {name}")
         # Asked for here, while somebody says what is waited for: the text asks again at no cost.
         _ = fit.standing
     return fit
@@ -233,7 +227,7 @@ def _each(
     fits: list[Identification] = []
 
     def answer(name: str) -> None:
-        fits.append(_fitted(opened(name, geometry), model, arguments))
+        fits.append(_fitted([opened(name, geometry)], model, arguments))
         # With --json each is printed when it is there; a table needs all of them for its widths.
         if as_json:
             print_json(fits[-1], indent=None)
@@ -260,5 +254,7 @@ def _show(
     print(told(identified, window(), verbose=verbose))
     if figure is not None:
         print(f"figure      {figure}")
-    if identified.standing is not None and not identified.standing.good_enough and len(data) == 1:
-        print(f"\nnext: {suggested('diagnose', data[0], *with_model(model))}")
+    # Several sweeps are diagnosed one by one.
+    asked = len(data) == 1 or identified.sweep is None
+    if asked and identified.standing is not None and not identified.standing.good_enough:
+        print(f"\nnext: {suggested('diagnose', *data, *with_model(model))}")

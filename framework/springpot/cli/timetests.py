@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.writing import accepting, with_model
-
 from .common import emit, note_to_stderr, opened, quoted, seen_through, window
-from .hints import suggested
 
 if TYPE_CHECKING:
-    from springpot.diagnosis.result import Diagnosis
     from springpot.identification.result import Identification
     from springpot.measurement.other_test import OtherTest
     from springpot.measurement.timetest import TimeTest
-    from springpot.rheology.model import Model
     from springpot.timetests.residuals_of_tests import Test
     from springpot.timetests.where import TestPrediction
 
@@ -65,103 +59,14 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     return tests
 
 
-def identify(
-    tests: Sequence[Test],
-    data: Sequence[str],
-    model: Model,
-    figure: Path | None,
-    as_csv: bool,
-    as_json: bool,
-    options: Any,
-) -> None:
-    """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
-    from springpot.api import identify as identified_from
-
-    from .hints import Waiting
-
-    table = options.pop("table")
-
-    # An optimiser runs in a copy of this process, which is safe only where no thread runs beside.
-    with ExitStack() as stack:
-        if options.get("optimiser") is None:
-            stack.enter_context(Waiting()).told(f"fitting {model.name}")
-        fit: Any = identified_from(tests, model, **options)
-    if figure is not None:
-        fit.plot(figure)
-    if table is not None:
-        from springpot.report.tables import write_parameters
-
-        write_parameters(table, [fit])
-    if as_csv:
-        from springpot.report.fit_text import many_csv
-
-        # One row: tests of one specimen are fitted together.
-        print(many_csv([fit]), end="")
-        return
-    emit(fit, as_json, lambda: _show(fit, figure, data, model.name))
-
-
-def _show(
-    identified: Identification, figure: Path | None, data: Sequence[str], expression: str
-) -> None:
-    from springpot.report.told import told
-
-    print(told(identified, window()))
-    if figure is not None:
-        print(f"figure      {figure}")
-    if identified.standing is not None and not identified.standing.good_enough:
-        print(f"\nnext: {suggested('diagnose', *data, *with_model(expression))}")
-
-
-def diagnose(
-    tests: Sequence[Test],
-    data: Sequence[str],
-    named: str | None,
-    as_json: bool,
-    verbose: bool,
-    arguments: Any,
-) -> None:
-    """``springpot diagnose`` of the tests in time that DATA name.
-
-    What is missing, from the raw signals.
-    """
-    from springpot.api import diagnose as diagnosed
-
-    from .hints import Waiting
-
-    with Waiting() as waiting:
-        diagnosis: Any = diagnosed(tests, **arguments, progress=waiting.told)
-    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named, verbose))
-
-
-def _show_diagnosis(
-    diagnosis: Diagnosis,
-    tests: Sequence[Test],
-    data: Sequence[str],
-    model: str | None,
-    verbose: bool,
-) -> None:
-    from springpot.diagnosis.result import of_data
-    from springpot.report.told import told
-
-    judged = with_model(model)
-    diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, *data, *judged))
-    print(told(diagnosis, window(), verbose=verbose))
-    # Before all else: of a force that counts the other way every other answer is wrong.
-    right_way = _turned(tests, data)
-    if right_way != list(data):
-        print(f"\nnext: {suggested('diagnose', *right_way, *judged)}")
-    elif diagnosis.offered:
-        accepted = accepting([diagnosis.offered])
-        print(f"\n{diagnosis.onward}: {suggested('discover', *data, *judged, *accepted)}")
-
-
-def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
+def turned_data(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     """The data, each with its force turned where that seems to count the other way."""
     from springpot.measurement.mixed_up import turned
     from springpot.measurement.reader import file_and_choice
 
     others = [other for test in tests if (other := turned(test.provenance))]
+    if others and len(data) == 1:
+        return others[:1]
     return [
         next(
             (other for other in others if file_and_choice(other)[0] == file_and_choice(spec)[0]),
@@ -286,8 +191,6 @@ def predict(
 
 def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     """The test to be predicted: in time, measured or only planned, or else a sweep."""
-    from dataclasses import replace
-
     from springpot.errors import DataError
     from springpot.measurement.other_test import OtherTest
     from springpot.measurement.reader import with_part

@@ -18,21 +18,22 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.fitted import FittedModel
 from springpot.identification.space import require_conditions
+from springpot.identification.uncertainty import Uncertainty
 from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
+from springpot.measurement.opening import Test
 from springpot.misfit.drift_search import Course
 from springpot.misfit.error import over_floor
 from springpot.misfit.material import MaterialFloor
-from springpot.misfit.outliers import (
-    Outlier,
-)
+from springpot.misfit.outliers import Outlier
+from springpot.misfit.refit import Refit
 from springpot.plain_data import alive, json_number, jsonable, some
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .grown import Search, key_of
+from .grown import Search, Untold, key_of
 from .in_practice import Accuracy
 from .result import (
     SEEN,
@@ -73,9 +74,42 @@ class GrownBy(NamedTuple):
     refitted: bool
 
 
+class Examined(Protocol):
+    """A model that was examined, on tests of whatever kind."""
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """What is said of it."""
+        ...
+
+    @property
+    def base(self) -> FittedModel:
+        """The fit that was judged."""
+        ...
+
+    @property
+    def tests(self) -> Sequence[Test]:
+        """What it was fitted to."""
+        ...
+
+    @property
+    def correlated(self) -> tuple[Model, Real]:
+        """The model whose parameters are told, and the correlations (p, p) of these."""
+        ...
+
+    @property
+    def untold(self) -> Untold | None:
+        """Effects of an amplitude that no column tells, which may stand in a named one's place."""
+        ...
+
+    def grown_with(self, effect: Effect) -> GrownBy:
+        """The model as accepting one effect would make it, without a new fit."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
-    """All that a diagnosis found, for those who go on from it.
+    """All that a diagnosis of a sweep found, for those who go on from it.
 
     Attributes
     ----------
@@ -109,6 +143,27 @@ class Case:
 
     def __repr__(self) -> str:
         return f"<Case {self.diagnosis!r:.200}>"
+
+    @property
+    def base(self) -> Refit:
+        """The fit that was judged."""
+        return self.search.base
+
+    @property
+    def tests(self) -> Sequence[Test]:
+        """The sweep, without what was set aside."""
+        return [self.base.data.raw]
+
+    @property
+    def correlated(self) -> tuple[Model, Real]:
+        """As the model is identified: its lines may be others where the material is free."""
+        fit = self.base.identified
+        return fit.model, Uncertainty.of(fit).correlation
+
+    @property
+    def untold(self) -> Untold | None:
+        """Effects of an amplitude that no column tells, which may stand in a named one's place."""
+        return self.evidence.untold
 
     def grown_with(self, effect: Effect) -> GrownBy:
         """The model as accepting one effect would make it, without a new fit.
@@ -155,15 +210,6 @@ class Case:
 LONGEST = 6
 """Effects accepted at most."""
 SCHEMA = "springpot.discovery/2"
-
-
-class Examined(Protocol):
-    """A model that was examined."""
-
-    @property
-    def diagnosis(self) -> Diagnosis:
-        """What is said of it."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -629,10 +675,9 @@ def rung_of(case: Examined, before: Step | None = None, accepted: str | None = N
                 # Not where nothing was foretold, or of another test.
                 if isfinite(candidate.predicted_error) and before.test == error.test:
                     predicted = candidate.predicted_error
-        if isinstance(before.examined, Case):
-            untold = before.examined.evidence.untold
-            if untold is not None and untold.effect == accepted:
-                alike = (*alike, *untold.others)
+        untold = before.examined and before.examined.untold
+        if untold and untold.effect == accepted:
+            alike = (*alike, *untold.others)
     return Step(
         model=told.model,
         accepted=accepted,

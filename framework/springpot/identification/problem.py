@@ -275,13 +275,18 @@ class Objective:
             error = (stiffness - measurement.stiffness) * self.turn
             storage, loss = error.real * weights.real, error.imag * weights.imag
         else:
-            # Part by part: each is read once and then lies side by side.
-            storage = (stiffness.real - measurement.stiffness.real) * weights.real
-            loss = (stiffness.imag - measurement.stiffness.imag) * weights.imag
-        storage *= storage
-        loss *= loss
-        storage += loss
-        return total(storage)
+            return self.value_of_parts(stiffness.real, stiffness.imag, measurement, weights)
+        return _squares(storage, loss)
+
+    def value_of_parts(
+        self, storage: Real, loss: Real, measurement: Measurement, weights: Complex
+    ) -> Real:
+        """The same of K' and K'' (..., n), where their differences are what is weighed."""
+        # Each is read once, and what is made of it lies side by side.
+        storage, loss = storage - measurement.stiffness.real, loss - measurement.stiffness.imag
+        storage *= weights.real
+        loss *= weights.imag
+        return _squares(storage, loss)
 
     def derivative(self, by_theta: Complex, stiffness: Complex, weights: Complex) -> Real:
         """Derivative of `residual`, shape (..., p, 2n), from dK/dtheta of shape (..., p, n)."""
@@ -304,6 +309,14 @@ def weighted(values: Complex, weights: Complex, turn: Complex | None = None) -> 
 def numbers_of(weights: Complex) -> int:
     """How many numbers count: K' and K'' of each point, but none that has no weight."""
     return int(np.count_nonzero(weights.real) + np.count_nonzero(weights.imag))
+
+
+def _squares(storage: Real, loss: Real) -> Real:
+    """Sum of the squares of both (..., n), which it writes over."""
+    storage *= storage
+    loss *= loss
+    storage += loss
+    return total(storage)
 
 
 def total(terms: Real) -> Real:
@@ -554,6 +567,10 @@ class Problem(SpecimenProblem):
         return np.concatenate(blocks).reshape(lead)
 
     def _value(self, theta: Real) -> Real:
+        if theta.ndim == 2 and not self.objective.logarithmic and self.objective.turn is None:
+            self.tally.points += len(theta)
+            parts = self.model.network.parts(theta, self.measurement.points)
+            return self.objective.value_of_parts(*parts, self.measurement, self.weights)
         return self.objective.value(self._stiffness(theta), self.measurement, self.weights)
 
     def _stiffness(self, theta: Real) -> Complex:

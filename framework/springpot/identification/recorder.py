@@ -52,6 +52,8 @@ class Ledger:
         What the optimiser has to say of its run.
     start : ndarray, shape (d,), or None
         The race's common first point.
+    limit : int
+        Evaluations at which the run ends: of the budget, or those made when the target is met.
     """
 
     problem: Searched
@@ -67,14 +69,14 @@ class Ledger:
     trace: list[tuple[int, float]] = field(default_factory=list, init=False)
     remarks: list[str] = field(default_factory=list, init=False)
     start: Real | None = field(default=None, init=False)
+    limit: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
         # Looked up once: it is called at every evaluation of most optimisers.
         self._evaluate = self.problem.evaluate
-        # Falls to the evaluations made when the target is met, so that one comparison guards the
-        # hot path.
-        self._limit = self.budget
+        # One comparison guards the hot path.
+        self.limit = self.budget
 
     @property
     def spent(self) -> bool:
@@ -89,11 +91,11 @@ class Ledger:
     @property
     def left(self) -> int:
         """Evaluations still allowed."""
-        return self._limit - self.evaluations
+        return self.limit - self.evaluations
 
     def value(self, x: Real) -> float:
         """Objective at one point, shape (d,)."""
-        if self.evaluations >= self._limit:
+        if self.evaluations >= self.limit:
             raise BudgetSpent
         # Not by `np.clip`, which takes more than twice as long, at every evaluation of a search.
         point = np.minimum(np.maximum(x, self._lowest), self._highest)
@@ -169,7 +171,7 @@ class Ledger:
         )
 
     def _admitted(self, x: Real) -> Real:
-        if self.evaluations >= self._limit:
+        if self.evaluations >= self.limit:
             raise BudgetSpent
         return np.minimum(np.maximum(x, self._lowest), self._highest)
 
@@ -192,7 +194,7 @@ class Ledger:
         """Take `point` (d,) for the place of the last improvement in the trace."""
         self.best, self.best_x, self.best_factor = self.trace[-1][1], point.copy(), factor
         if self.best <= self.target:
-            self._limit = self.evaluations
+            self.limit = self.evaluations
 
 
 class LedgerGroup:
@@ -229,7 +231,8 @@ class LedgerGroup:
             If every run has ended.
         """
         m = x.shape[1]
-        left = [ledger.left for ledger in self.ledgers]
+        # Not by `left`, whose call takes twice as long, fifty times a step.
+        left = [ledger.limit - ledger.evaluations for ledger in self.ledgers]
         allowed = [m] * len(left)
         if min(left) < m:  # in all calls but the last ones every run may evaluate all its points
             allowed = [min(m, count) for count in left]

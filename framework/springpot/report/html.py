@@ -9,7 +9,7 @@ from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
-from springpot.diagnosis.ladder import Case, Ladder, Step
+from springpot.diagnosis.ladder import Ladder, Step
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
@@ -34,9 +34,9 @@ from .answers import (
 from .canvas import require_matplotlib
 from .fit_text import parameters_table
 from .interactive.answers import drawn, rungs
-from .interactive.in_time import TimeScene, drawn_in_time
+from .interactive.in_time import DrawnTests, TimeScene
 from .interactive.scene import PageScene
-from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
+from .ladder_text import accepted_name, data_of, draw_ladder, remarks, steps_table
 from .network import network_svg
 from .page import PageParts, bench_of, page
 from .residuals import (
@@ -149,7 +149,7 @@ def _drawn_tests(ladder: Ladder, tests: Sequence[Test]) -> Iterator[Html]:
     """Each test in time with the first and the last model, which may be one."""
     yield tag("h2", "Data and model")
     ends = dict.fromkeys((ladder.steps[0], ladder.steps[-1]))
-    fits = fits_in_time(step.examined for step in ends)
+    fits = fits_in_time(step.examined.base for step in ends if step.examined is not None)
     figure = figure_tests(fits, tests)
     # Without a path it is the figure itself.
     assert not isinstance(figure, Path)
@@ -157,10 +157,8 @@ def _drawn_tests(ladder: Ladder, tests: Sequence[Test]) -> Iterator[Html]:
 
 
 def _diagnosed(ladder: Ladder) -> dict[Step, Diagnosis]:
-    """The steps that were judged, with what was said of them: of tests in time the last alone."""
-    judged = {
-        step: step.examined.diagnosis for step in ladder.steps if isinstance(step.examined, Case)
-    }
+    """The steps that were judged, with what was said of them: of one from a file the last alone."""
+    judged = {step: step.diagnosis for step in ladder.steps if step.examined is not None}
     return judged or {ladder.steps[-1]: ladder.diagnosis}
 
 
@@ -181,13 +179,13 @@ READING = (
 def _bench(ladder: Ladder, data: Measurement | Sequence[Test]) -> PageParts:
     """The panels of the workbench, with every step of the ladder."""
     # The same scene as the workbench, so that a report and the page cannot say different things.
+    scene: DrawnTests
     if isinstance(data, Measurement):
         scene, excluded = PageScene(data), excluded_rows(ladder, data)
-        steps = rungs(ladder, lambda part: drawn(part, scene))
-        return bench_of({"scene": scene.to_dict(), "rungs": steps, "excluded": excluded})
-    tests = TimeScene(data)
-    steps = rungs(ladder, lambda part: drawn_in_time(part, tests))
-    return bench_of({"scene": tests.to_dict(), "rungs": steps, "excluded": []})
+    else:
+        scene, excluded = TimeScene(data), []
+    steps = rungs(ladder, lambda part: drawn(part, scene))
+    return bench_of({"scene": scene.to_dict(), "rungs": steps, "excluded": excluded})
 
 
 def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:
@@ -234,8 +232,7 @@ def _head(ladder: Ladder) -> Iterator[Html]:
     ]
     yield tag("h1", f"What is missing from {first.model.name}?")
     points, size = sum(test.points for test in last.tests), "the signal"
-    if isinstance(first.examined, Case):
-        measured = first.case.search.base.data.raw
+    if measured := data_of(first):
         points, size = len(measured), measured.units.magnitude
     yield tag("p", f"Data: {ladder.data}, {points} points", class_="quiet")
     if added:
@@ -329,9 +326,7 @@ def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     shown = worth_showing(diagnosis, LISTED)
     yield ranking(diagnosis, shown).as_html()
     yield physics(shown, LISTED).as_html()
-    if isinstance(step.examined, Case):
-        raw = step.case.search.base.data.raw
-        yield from _note(effects_note(raw, (row.effect for row in shown)))
+    yield from _note(effects_note(data_of(step), (row.effect for row in shown)))
     yield left_out(diagnosis.left_out).as_html()
     if diagnosis.verdict != "adequate":
         yield not_shown(diagnosis, shown).as_html()
@@ -400,9 +395,7 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         # Made here with every label escaped, so that it may enter the page as it is.
         yield wide(f"network of {name}", Html(network_svg(step.model.network)))
         yield parameters_table("parameter", step.parameters).as_html()
-        if isinstance(step.examined, Case):
-            raw = step.case.search.base.data.raw
-            yield from _note(reference_note(raw, [step.model.network]))
+        yield from _note(reference_note(data_of(step), [step.model.network]))
     if ladder.diagnosis.quantities:
         yield tag("h3", "Quantities of the last model")
         for passage in quantities_passages(ladder.diagnosis.quantities, verbose=True):

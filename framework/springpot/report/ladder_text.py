@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.comparison.result import Judgement, Ranking
-from springpot.diagnosis.ladder import Case, Ladder, Step
+from springpot.diagnosis.ladder import Ladder, Step
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import sweep_of
 from springpot.misfit.error import over_floor, plain
 from springpot.writing import LISTED, listed, number
 
@@ -142,9 +143,7 @@ def floor_moved(ladder: Ladder) -> str:
 
 def data_of(step: Step) -> Measurement | None:
     """The sweeps of a step; an answer from a file and one of tests in time know none."""
-    if isinstance(step.examined, Case):
-        return step.examined.search.base.data.raw
-    return None
+    return None if step.examined is None else sweep_of(step.examined.tests)
 
 
 def changes_text(step: Step) -> str:

@@ -22,7 +22,7 @@ from springpot.rheology.points import Complex, Points, Real
 
 from . import views
 from .canvas import COLOURS as LINES, QUIET, blank, check_figure_path, logarithmic
-from .interactive.in_time import PLANE, TimeScene, case_of
+from .interactive.in_time import PLANE, TimeScene
 from .ladder_text import ROOM, draw_ladder, entitled
 from .residuals import symmetric, with_noise_of
 from .views import DrawnFit, Scene
@@ -244,10 +244,10 @@ class ReplayInTime(Replay):
 
     def __init__(self, ladder: Ladder) -> None:
         super().__init__(ladder)
-        bases = [case_of(step).base for step in ladder.steps]
-        scene = TimeScene(bases[0].data)
-        told = scene.to_dict()
-        whole = [scene.curve(base.model, base.theta, base.reference, whole=True) for base in bases]
+        cases = [step.examined for step in ladder.steps if step.examined is not None]
+        scene = TimeScene(cases[0].tests)
+        told, bases = scene.to_dict(), [case.base for case in cases]
+        whole = [scene.curve(base.model, base.theta, whole=True) for base in bases]
         tests = ladder.steps[0].tests
         missed = sorted(range(len(tests)), key=lambda i: -tests[i].over_floor)[:MOST_PLAYED]
         self._played = [PlayedTest(told, whole, at) for at in sorted(missed)]

@@ -238,7 +238,8 @@ def _found(result: Ladder, path: Any) -> Any:
     if path is not None and Path(path).suffix.lower() == SUFFIX:
         return write_replay(result, path)
     # The last ones, if there are more than one picture shows.
-    fits = fits_in_time(step.examined for step in reversed(result.steps))[::-1]
+    cases = [step.examined for step in reversed(result.steps) if step.examined is not None]
+    fits = fits_in_time(case.base for case in cases)[::-1]
     if fits:
         return figure_tests(fits, fits[0].data, path)
     return figure_ladder(result, path)

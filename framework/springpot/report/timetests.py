@@ -26,7 +26,6 @@ from springpot.timetests.residuals_of_tests import (
     TestPart,
     parts_of_specimen,
 )
-from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import TestPrediction
 from springpot.writing import FEW
 
@@ -78,8 +77,7 @@ def figure_tests(
 
 def fits_in_time(behind: Iterable[object]) -> list[Identification]:
     """The first few fits of tests in time behind answers; none of an answer about sweeps."""
-    bases = [each.base if isinstance(each, TimeCase) else each for each in behind]
-    return [fit for fit in bases if isinstance(fit, Identification)][:FEW]
+    return [fit for fit in behind if isinstance(fit, Identification)][:FEW]
 
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:

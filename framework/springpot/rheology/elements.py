@@ -138,6 +138,12 @@ class FixedPower(Node):
             return Response(value, by_theta, self.exponent * value)
         return Response(value, by_theta)
 
+    def parts(self, theta: Real, at: Points) -> tuple[Real, Real]:
+        """Both; of a spring its column, and nothing."""
+        if self.exponent == 0:
+            return theta, np.zeros((1, 1))
+        return super().parts(theta, at)
+
 
 @dataclass(frozen=True)
 class Springpot(Node):
@@ -177,6 +183,14 @@ class Springpot(Node):
         if depth == FULL:
             return Response(value, by_theta, alpha * value)
         return Response(value, by_theta)
+
+    def parts(self, theta: Real, at: Points) -> tuple[Real, Real]:
+        """Both, each a product of real tables."""
+        alpha = theta[..., 1:]
+        table = table_of(alpha, at.log_omega)
+        np.exp(table, out=table)
+        phase = theta[..., :1] * np.exp(HALF_PI * alpha)
+        return table * phase.real, np.multiply(table, phase.imag, out=table)
 
 
 def spring(name: str = "k") -> FixedPower:

@@ -59,6 +59,13 @@ def repeated(column: Complex, frequencies: tuple[int, ...]) -> Complex:
     return np.broadcast_to(column, (*column.shape[:-1], frequencies[0]))
 
 
+def _whole(storage: Real, loss: Real) -> Complex:
+    """K of its parts, which may be those of a spring: a column, and nothing."""
+    whole = np.empty_like(storage, dtype=complex)
+    whole.real, whole.imag = storage, loss
+    return whole
+
+
 def _together(a: Complex, b: Complex) -> Complex:
     """Stiffness of two parts in series, a b / (a + b).
 
@@ -95,6 +102,14 @@ class Node:
             Value only, with dK/dtheta, or with dK/d ln omega as well.
         """
         raise AssertionError(f"{type(self).__name__} does not respond")
+
+    def parts(self, theta: Real, at: Points) -> tuple[Real, Real]:
+        """K' and K'' of many parameters (m, p), which broadcast with (m, n).
+
+        The same numbers as those of `respond`, apart: a search reads each by itself.
+        """
+        value = self.respond(theta, at).value
+        return value.real, value.imag
 
     @property
     def needs(self) -> frozenset[str]:
@@ -166,6 +181,10 @@ class Renamed(Node):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The inner node's response: names change nothing."""
         return self.node.respond(theta, at, depth)
+
+    def parts(self, theta: Real, at: Points) -> tuple[Real, Real]:
+        """Those of the inner node."""
+        return self.node.parts(theta, at)
 
 
 @dataclass(frozen=True)
@@ -254,6 +273,10 @@ class Composition(Node):
         parts = zip(self.children, self.cuts, strict=True)
         return [child.respond(theta[..., cut], at, depth) for child, cut in parts]
 
+    def _parts_each(self, theta: Real, at: Points) -> list[tuple[Real, Real]]:
+        each = zip(self.children, self.cuts, strict=True)
+        return [child.parts(theta[..., cut], at) for child, cut in each]
+
 
 def _joined(parts: Sequence[Response], factors: Sequence[Complex] | None) -> Complex:
     """dK/dtheta of the whole: each part's own, times its factor dK/dK_part."""
@@ -309,6 +332,13 @@ class Parallel(Composition):
         value = sum((part.value for part in parts[1:]), parts[0].value)
         return _combine(value, parts, None, depth)
 
+    def parts(self, theta: Real, at: Points) -> tuple[Real, Real]:
+        """Sums of K_i' and of K_i''."""
+        (storage, loss), *others = self._parts_each(theta, at)
+        for more, lost in others:
+            storage, loss = storage + more, loss + lost
+        return storage, loss
+
 
 class Series(Composition):
     """Compliances add: all children carry the same force.
@@ -343,6 +373,11 @@ class Series(Composition):
         value = 1.0 / sum((1.0 / part.value for part in parts[1:]), 1.0 / parts[0].value)
         factors = [(value / part.value) ** 2 for part in parts]
         return _combine(value, parts, factors, depth)
+
+    def parts(self, theta: Real, at: Points) -> tuple[Real, Real]:
+        """Of two by two, whose quotients are of complex numbers."""
+        value = reduce(_together, (_whole(*each) for each in self._parts_each(theta, at)))
+        return value.real, value.imag
 
 
 class Chain(Composition):

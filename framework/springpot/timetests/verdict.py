@@ -1,14 +1,11 @@
 """What the effects that were tried on tests in time say together: verdict, classes, chances.
 
-A diagnosis says its error, its sentence, and which effect to add. A sum of log-likelihoods grows
-with every sample, so that of two laws, neither of them exact, one always wins beyond doubt in the
-end. What speaks against that is the scatter of its own terms: if the lead comes and goes along the
-record, another record may give it to the other law.
+A diagnosis says its error, its sentence, and which effect to add.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,6 +13,7 @@ import numpy as np
 
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
+from springpot.diagnosis.ladder import GrownBy
 from springpot.diagnosis.result import (
     AsTold,
     Candidate,
@@ -27,66 +25,26 @@ from springpot.diagnosis.result import (
     turning,
 )
 from springpot.diagnosis.verdict import Facts, rule_for
+from springpot.errors import ModelError
 from springpot.identification.result import Identification
+from springpot.identification.uncertainty import correlation_of
 from springpot.identification.value import PartResult, Value
 from springpot.measurement.mixed_up import said_of_sign, turned
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
 from springpot.misfit.where import Where
-from springpot.numerics import SMALLEST, TWO_DEVIATIONS
-from springpot.rheology.effect import Layer
+from springpot.numerics import SMALLEST
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import TWINS, AskedTests, Left, Promise, Tried
-from .residuals_of_tests import InTimePart, SweepPart, TestPart
+from .left import TWINS, AskedTests, Left, Promise, Tried, told_apart
+from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
-
-
-def told_apart(residuals: Iterable[tuple[Real, Real]]) -> bool:
-    """Whether one explanation is better than another beyond the scatter of its lead.
-
-    The test of Vuong (1989, doi:10.2307/1912557) at 5 %: the sum of the differences of the samples'
-    log-likelihoods against its own standard deviation. That is of terms with a memory, and about
-    zero, as the two are as good as each other where it is asked: about their mean few samples
-    would tell apart too often.
-
-    Parameters
-    ----------
-    residuals : iterable of tuple of ndarray
-        Of each test what the one and the other leave (n,), over the noise and free of its memory.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.timetests.verdict import told_apart
-    >>> noise, wave = np.random.default_rng(1).normal(size=200), np.sin(0.1 * np.arange(200))
-    >>> told_apart([(noise, noise + wave)]), told_apart([(noise, noise + 0.2 * wave)])
-    (True, False)
-    """
-    lead = varied = 0.0
-    for one, other in residuals:
-        terms = other**2 - one**2
-        lead += float(terms.sum())
-        varied += variance_of_sum(terms)
-    return lead**2 > TWO_DEVIATIONS * varied
-
-
-def variance_of_sum(terms: Real) -> float:
-    """Variance of the sum of terms (n,) of mean zero, of which neighbours may be alike.
-
-    By Newey and West (1987, doi:10.2307/1913610), up to the lag of their rule of 1994
-    (doi:10.2307/2297912).
-    """
-    n = len(terms)
-    variance, most = float(terms @ terms), int(4.0 * (n / 100.0) ** (2.0 / 9.0))
-    for lag in range(1, min(most, n - 1) + 1):
-        variance += 2.0 * (1.0 - lag / (most + 1.0)) * float(terms[lag:] @ terms[:-lag])
-    return variance
-
 
 NAN = float("nan")
 
@@ -211,6 +169,33 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     tried: tuple[Tried, ...]
     asked: AskedTests
+
+    @property
+    def tests(self) -> Sequence[Test]:
+        """What the model was fitted to, in the units of the fit."""
+        return self.base.data
+
+    @property
+    def correlated(self) -> tuple[Model, Real]:
+        """The model, and the correlations (p, p) of its parameters."""
+        return self.base.model, correlation_of(self.base.covariance)
+
+    @property
+    def untold(self) -> None:
+        """What is nonlinear shows in a record: no amplitude is untold."""
+
+    def grown_with(self, effect: Effect) -> GrownBy:
+        """The model as accepting one effect would make it, without a new fit.
+
+        Raises
+        ------
+        ModelError
+            If the effect was not fitted.
+        """
+        for each in self.tried:
+            if each.effect.name == effect.name:
+                return GrownBy(each.model, each.theta, each.fit is not None)
+        raise ModelError(f"{effect.name} was not fitted beside {self.base.model.name}")
 
 
 def answer_of(

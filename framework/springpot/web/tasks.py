@@ -25,12 +25,12 @@ from springpot.diagnosis.result import Fitted, silent, unseen
 from springpot.errors import DataError, SpringpotError, blamed, described
 from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import sweep_of
 from springpot.measurement.reader import OpenQuestion, Part, Question
 from springpot.measurement.units import FILE_UNITS, MODULUS_UNITS
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
-from springpot.report.interactive.in_time import TimeScene, drawn_in_time
 from springpot.report.interactive.scene import rounded
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER, effect as effect_card, model as model_card
@@ -61,6 +61,7 @@ from .trying import (
     hand_of,
     invented,
     leveled,
+    looked_at,
     ranked,
     scene_of,
     telling,
@@ -68,7 +69,7 @@ from .trying import (
     tried,
     with_law,
 )
-from .understanding import leave_in_time, understood_in_time, understood_sweeps
+from .understanding import curves_in_time, understood
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
@@ -125,8 +126,7 @@ def answer(state: State, ladder: Ladder, measurement: Opened) -> dict[str, Any]:
     dict
         ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
     """
-    scene = scene_of(state, measurement)
-    shown = drawn_in_time(ladder, scene) if isinstance(scene, TimeScene) else drawn(ladder, scene)
+    shown = drawn(ladder, scene_of(state, measurement))
     return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **shown}
 
 
@@ -347,9 +347,7 @@ def _understood(
 ) -> dict[str, Any]:
     text = text_of(data)
     whole = {"digest": digest_of(text), "text": text, "source": source, "joined": joined}
-    if isinstance(data, Specimen):
-        return {**whole, **understood_in_time(data)}
-    return {**whole, **understood_sweeps(data, parts)}
+    return {**whole, **understood(data, parts)}
 
 
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -363,7 +361,10 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.trying.first_look`."""
-    return first_look(State.of(state), _opened(text))
+    asked, data = State.of(state), _opened(text)
+    model, tests = looked_at(asked, data)
+    (judged,) = compare(tests, [model], seed=asked.seed).judgements
+    return first_look(asked, data, judged)
 
 
 def curve(
@@ -445,38 +446,71 @@ def smoothed(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     return {**drawn, "seen": list(spectrum.seen), "unit": unit, "says": in_words(spectrum, unit)}
 
 
+ENDS = {
+    "command": ".txt",
+    "script": ".py",
+    "data": "-used.csv",
+    "curves": "-curves.csv",
+    "plan": "-plan.csv",
+    "report": "-report.html",
+    "replay": "-replay.gif",
+}
+"""What a user leaves with, and how the names of the files end."""
+LACKS = {
+    "data": "tests in time leave as the files that were opened, which the session holds too",
+    "plan": "a further test in time is told in words; a table is made of frequencies",
+}
+"""Why something that leaves with sweeps does not leave with tests in time."""
+
+
 def leave(
     told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool
 ) -> dict[str, Any]:
-    """One of the things that a user leaves with: its name, and its text or its bytes."""
+    """One of the things that a user leaves with: its name, and its text or its bytes.
+
+    Raises
+    ------
+    DataError
+        If there is no such thing of these tests.
+    """
     asked, data = State.of(state), _opened(text)
+    sources = [leaving.source_of(source, asked, joined)]
     if isinstance(data, Specimen):
-        used = leveled(asked, kept(data, asked.excluded).tests)
-        return leave_in_time(kind, asked, data, used, lambda: _ladder(asked, text, told))
-    stem = Path(safe_name(source)).stem
-    shown = leaving.source_of(source, asked, joined)
+        source, *_ = sources = data.sources
+        _require_sayable(kind, asked, data)
+    if kind not in ENDS:
+        raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
+    name, command = Path(safe_name(source)).stem + ENDS[kind], leaving.command(asked, sources[0])
     if kind == "command":
-        return {"name": f"{stem}.txt", "text": leaving.command(asked, shown) + "\n"}
+        return {"name": name, "text": command + "\n"}
     if kind == "script":
-        return {"name": f"{stem}.py", "text": leaving.script(asked, shown)}
+        return {"name": name, "text": leaving.script(asked, *sources)}
     if kind == "data":
-        return {"name": f"{stem}-used.csv", "text": text_of(kept(data, asked.excluded))}
+        return {"name": name, "text": text_of(kept(data, asked.excluded))}
     # What comes below needs the fits; command, script and data do not, and come at once.
-    ladder, [seen] = _ladder(asked, text, told), leveled(asked, [data])
-    assert isinstance(seen, Measurement)
-    if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, seen)}
-    if kind == "plan":
-        return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, seen)}
-    if kind == "report":
-        return {"name": f"{stem}-report.html", "text": _report(ladder, seen, asked, shown)}
+    ladder = _ladder(asked, text, told)
     if kind == "replay":
-        return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder)}
-    raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
+        return {"name": name, "base64": leaving.replay(ladder)}
+    # Of sweeps all rows, what is left out among them.
+    shown = kept(data, asked.excluded) if isinstance(data, Specimen) else data
+    tests = leveled(asked, tests_in(shown))
+    if kind == "report":
+        return {"name": name, "text": leaving.report(ladder, tests, shlex.split(command))}
+    sweep = sweep_of(tests)
+    if sweep is None:
+        return {"name": name, "text": curves_in_time(ladder, tests)}
+    table = leaving.curves_csv if kind == "curves" else leaving.plan_csv
+    return {"name": name, "text": table(ladder, sweep)}
 
 
-def _report(ladder: Ladder, measurement: Measurement, state: State, source: str) -> str:
-    return leaving.report(ladder, measurement, shlex.split(leaving.command(state, source)))
+def _require_sayable(kind: str, state: State, data: Specimen) -> None:
+    """Refuse what cannot be said of tests in time."""
+    if kind in LACKS:
+        raise DataError(LACKS[kind])
+    if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
+        raise DataError("rows of several tests were left out, which only the session can say")
+    if kind == "command" and len(data.sources) > 1:
+        raise DataError("one command takes one file: the Python script takes all of them")
 
 
 def look(

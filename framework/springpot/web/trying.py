@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from springpot.comparison.comparing import compare
 from springpot.comparison.result import Comparison, Judgement
 from springpot.constraints import constrained, owning
 from springpot.diagnosis.grown import size_of
@@ -28,20 +27,15 @@ from springpot.misfit.error import percent
 from springpot.misfit.refit import Refit
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import Preview, drawn_at_once, preview
-from springpot.report.interactive.in_time import (
-    TimeScene,
-    drawn_effect,
-    drawn_in_time_at_once,
-)
+from springpot.report.interactive.in_time import DrawnTests, TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
-from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.residuals_of_tests import units_of
-from springpot.timetests.specimen import as_had_by, reference_of
+from springpot.timetests.specimen import as_had_by
 from springpot.writing import LISTED
 
 from .sessions import LONGEST_NAME, State, kept
@@ -67,23 +61,24 @@ def leveled(state: State, tests: Sequence[Test]) -> Sequence[Test]:
     return model_and_tests(state, tests)[1] if state.options else tests
 
 
-def scene_of(state: State, data: Opened) -> PageScene | TimeScene:
+def scene_of(state: State, data: Opened) -> DrawnTests:
     """The data as the page draws them, all rows with the levels that a fit of those used has."""
     if isinstance(data, Specimen):
-        there = {test.name for test in kept(data, state.excluded).tests}
+        used = kept(data, state.excluded).tests
+        there = {test.name for test in used}
         # Numbered in their order, those first that the fit has.
         order = sorted(range(len(data.tests)), key=lambda i: data.tests[i].name not in there)
         first = leveled(state, [data.tests[i] for i in order])
-        return TimeScene([first[order.index(i)] for i in range(len(order))])
+        return TimeScene([first[order.index(i)] for i in range(len(order))], used)
     if not state.options:
         return PageScene(data)
-    [used], [seen] = leveled(state, [kept(data, state.excluded)]), leveled(state, [data])
+    [few], [seen] = leveled(state, [kept(data, state.excluded)]), leveled(state, [data])
     assert isinstance(seen, Measurement)
     stays = np.ones(len(data), dtype=bool)
     stays[list(state.excluded)] = False
     conditions = dict(seen.conditions)
     for name in conditions.keys() - data.conditions.keys():
-        number = dict(zip(conditions[name][stays].tolist(), used.conditions[name], strict=True))
+        number = dict(zip(conditions[name][stays].tolist(), few.conditions[name], strict=True))
         # Of a level that is left out wholly there are no parameters: it is drawn as the last.
         conditions[name] = np.array([number.get(n, len(seen)) for n in conditions[name].tolist()])
     return PageScene(data, replace(seen, conditions=conditions))
@@ -94,28 +89,19 @@ def bound(state: State, data: Opened) -> Model:
     return as_had_by(*model_and_tests(state, tests_in(kept(data, state.excluded))))
 
 
-def first_look(state: State, data: Opened) -> dict[str, Any]:
-    """An answer as `springpot.web.tasks.answer`, without a single cause."""
-    scene = scene_of(state, data)
-    if isinstance(data, Specimen):
-        assert isinstance(scene, TimeScene)
-        model, tests = model_and_tests(state, kept(data, state.excluded).tests)
-        [judged] = compare_in_time(tests, [model]).judgements
-        assert isinstance(judged.fitted, Identification)
-        return _sought(state, judged, drawn_in_time_at_once(judged.fitted, scene))
-    assert isinstance(scene, PageScene)
+def looked_at(state: State, data: Opened) -> tuple[Model, list[Test]]:
+    """The model of a state, and what a first look is at: of a large sweep some rows."""
     used = kept(data, state.excluded)
-    if len(used) > FEW:
+    if isinstance(used, Measurement) and len(used) > FEW:
         rows = np.zeros(len(used), dtype=bool)
         rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
         used = used.subset(rows)
-    model, [few] = model_and_tests(state, [used])
-    assert isinstance(few, Measurement)
-    [judged] = compare(few, [model], np.random.default_rng(state.seed)).judgements
-    return _sought(state, judged, drawn_at_once(judged.refit, scene))
+    return model_and_tests(state, tests_in(used))
 
 
-def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str, Any]:
+def first_look(state: State, data: Opened, judged: Judgement) -> dict[str, Any]:
+    """A judged model as `springpot.web.tasks.answer`, without a single cause."""
+    assert isinstance(judged.fitted, Identification | Refit)
     error, model = judged.error.to_dict(), judged.model
     rung = {"model": model.name, "accepted": None, "class": [], **error}
     diagnosis = {
@@ -132,7 +118,7 @@ def _sought(state: State, judged: Judgement, drawn: dict[str, Any]) -> dict[str,
         "state": state.to_dict(),
         "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
         "spots": [place.spot for place in judged.where],
-        **drawn,
+        **drawn_at_once(judged.fitted, scene_of(state, data)),
     }
 
 
@@ -192,14 +178,9 @@ def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -
 
 def drawing(state: State, data: Opened) -> Callable[[Model, Real], dict[str, Any]]:
     """How fitted models are drawn, with their relative error over the rows that are used."""
-    scene, tests = scene_of(state, data), tests_in(kept(data, state.excluded))
-    used = leveled(state, tests)
-    if isinstance(scene, TimeScene):
-        stays, reference = TimeScene(used), reference_of(used)
-        return lambda model, theta: drawn_effect(scene, stays, model, theta, reference)
-    [rows], name = used, state.expression
-    assert isinstance(rows, Measurement)
-    return lambda model, theta: preview(scene, rows, Preview(name, model, theta, True))
+    scene, name = scene_of(state, data), state.expression
+    used = leveled(state, tests_in(kept(data, state.excluded)))
+    return lambda model, theta: preview(scene, used, Preview(name, model, theta, True))
 
 
 def telling(told: Told, state: State, data: Opened) -> Fitted:
@@ -273,7 +254,7 @@ def invented(state: State, measurement: Measurement, found: Invention) -> dict[s
     scene, texts = PageScene(measurement), [f"{name} = {each.text}" for each in found.laws]
     fits = [one.grown.refit for one in found.ranked]
     previews = {
-        text: preview(scene, used, Preview(name, fit.model, fit.theta, True))
+        text: preview(scene, [used], Preview(name, fit.model, fit.theta, True))
         for text, fit in zip(texts, fits, strict=False)
     }
     return {"invention": found.to_dict(), "laws": texts, "previews": previews}

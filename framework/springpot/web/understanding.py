@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
-from springpot.errors import DataError
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.opening import Test
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import Part, parts_as_opened
-from springpot.report.interactive.in_time import TimeScene, case_of
+from springpot.report.interactive.in_time import TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.specimen import reference_of
 from springpot.writing import csv_text
 
-from . import leaving
-from .sessions import State
-from .specimen import Specimen
+from .specimen import Opened, Specimen, tests_in
 
 MOST_LEVELS = 40
 """Levels of a condition that are offered for a choice of rows.
@@ -34,24 +30,16 @@ MOST_RUNS = 200
 """Sweeps that are listed of one measurement."""
 
 
-def understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict[str, Any]:
-    """What was understood of sweeps, as `springpot.web.tasks.understand` tells it."""
-    columns = [("frequency", "Hz", measurement.frequency)]
-    columns += [("storage", measurement.units.stiffness, measurement.storage)]
-    columns += [("loss", measurement.units.stiffness, measurement.loss)]
-    units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
-    columns += [
-        (name, units.get(name, ""), column) for name, column in measurement.conditions.items()
-    ]
-    runs = list(runs_of(measurement))
-    # A single sweep is all of the data: there is nothing to choose.
-    if len(runs) == 1:
-        runs = []
-    repeats = 0
-    if measurement.repeat is not None:
-        repeats = len(np.unique(measurement.repeat))
-    return {
-        "scene": PageScene(measurement).to_dict(),
+def understood(data: Opened, parts: tuple[Part, ...] = ()) -> dict[str, Any]:
+    """What was understood of data, as `springpot.web.tasks.understand` tells it."""
+    tests = tests_in(data)
+    columns = [column for test in tests for column in _columns(test, len(tests) > 1)]
+    notes = {
+        key if len(tests) == 1 else f"{test.name}: {key}": str(value)
+        for test in tests
+        for key, value in test.provenance.items()
+    }
+    whole = {
         "columns": [
             {
                 "name": name,
@@ -61,6 +49,26 @@ def understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict
             }
             for name, unit, column in columns
         ],
+        "provenance": notes,
+    }
+    if isinstance(data, Specimen):
+        nothing: dict[str, list[Any]] = {"runs": [], "levels": [], "parts": []}
+        scene = TimeScene(tests).to_dict()
+        return {**whole, **nothing, "scene": scene, "repeats": 0, "deviations": False}
+    return {**whole, **_of_sweeps(data, parts)}
+
+
+def _of_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict[str, Any]:
+    """What only sweeps have."""
+    runs = list(runs_of(measurement))
+    # A single sweep is all of the data: there is nothing to choose.
+    if len(runs) == 1:
+        runs = []
+    repeats = 0
+    if measurement.repeat is not None:
+        repeats = len(np.unique(measurement.repeat))
+    return {
+        "scene": PageScene(measurement).to_dict(),
         "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]],
         "levels": _levels(measurement),
         "repeats": repeats,
@@ -69,7 +77,6 @@ def understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict
             {"number": i, "name": part.name, "usable": part.usable}
             for i, part in enumerate(parts_as_opened(parts, measurement), 1)
         ],
-        "provenance": {key: str(value) for key, value in measurement.provenance.items()},
     }
 
 
@@ -90,42 +97,15 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
     return levels
 
 
-LACKS = {
-    "data": "tests in time leave as the files that were opened, which the session holds too",
-    "plan": "a further test in time is told in words; a table is made of frequencies",
-}
-"""Why something that leaves with sweeps does not leave with tests in time."""
-
-
-def understood_in_time(data: Specimen) -> dict[str, Any]:
-    """What was understood of tests in time, as `springpot.web.tasks.understand` tells it."""
-    columns = [column for test in data.tests for column in _columns(test, len(data.tests) > 1)]
-    notes = {
-        key if len(data.tests) == 1 else f"{test.name}: {key}": str(value)
-        for test in data.tests
-        for key, value in test.provenance.items()
-    }
-    return {
-        "scene": TimeScene(data.tests).to_dict(),
-        "columns": [
-            {"name": name, "unit": unit, "from": float(np.min(values)), "to": float(np.max(values))}
-            for name, unit, values in columns
-        ],
-        "runs": [],
-        "levels": [],
-        "repeats": 0,
-        "deviations": False,
-        "parts": [],
-        "provenance": notes,
-    }
-
-
 def _columns(test: Test, several: bool) -> list[tuple[str, str, Any]]:
     of = f"{test.name}: " if several else ""
     if isinstance(test, Measurement):
         unit = test.units.stiffness
         columns = [("frequency", "Hz", test.frequency)]
         columns += [("storage", unit, test.storage), ("loss", unit, test.loss)]
+        units = {"temperature": "°C", "amplitude": test.units.amplitude}
+        held = test.conditions.items() if not several else ()
+        columns += [(name, units.get(name, ""), column) for name, column in held]
         return [(f"{of}{name}", unit, values) for name, unit, values in columns]
     if isinstance(test, OtherTest):
         return [(f"{of}{test.quantity}", test.unit, test.measured)]
@@ -137,49 +117,14 @@ def _columns(test: Test, several: bool) -> list[tuple[str, str, Any]]:
     ]
 
 
-def leave_in_time(
-    kind: str, state: State, data: Specimen, used: Sequence[Test], ladder: Callable[[], Ladder]
-) -> dict[str, str]:
-    """One of the things that a user leaves with; `ladder` is asked only where it is needed.
-
-    `used` are the tests as the model sees them, without what is left out.
-
-    Raises
-    ------
-    DataError
-        If there is no such thing of tests in time.
-    """
-    if kind in LACKS:
-        raise DataError(LACKS[kind])
-
-    sources, stem = data.sources, Path(data.sources[0]).stem
-    if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
-        raise DataError("rows of several tests were left out, which only the session can say")
-    if kind == "script":
-        return {"name": f"{stem}.py", "text": leaving.script(state, *sources)}
-    # The command takes one file.
-    command = leaving.command(state, sources[0])
-    if kind == "command":
-        if len(sources) > 1:
-            raise DataError("one command takes one file: the Python script takes all of them")
-        return {"name": f"{stem}.txt", "text": command + "\n"}
-    if kind == "curves":
-        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), used)}
-    if kind == "replay":
-        return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder())}
-    if kind == "report":
-        text = leaving.report(ladder(), used, shlex.split(command))
-        return {"name": f"{stem}-report.html", "text": text}
-    raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
-
-
-def _curves(ladder: Ladder, tests: Sequence[Test]) -> str:
+def curves_in_time(ladder: Ladder, tests: Sequence[Test]) -> str:
     """What each test measured and what the model computes there, number by number."""
-    base = case_of(ladder.steps[-1]).base
+    case, reference = ladder.steps[-1].examined, reference_of(tests)
+    assert case is not None
     table: list[list[Any]] = [["test", "at [s, or Hz of a sweep]", "measured", "model", "unit"]]
     for part in parts_of_specimen(tests):
         rows = np.arange(len(part.measured))
-        model = part.answer(base.model, base.theta, base.reference, rows).value
+        model = part.answer(case.base.model, case.base.theta, reference, rows).value
         unit = part.unit
         table += [
             [part.test.name, float(at), float(measured), float(computed), unit]

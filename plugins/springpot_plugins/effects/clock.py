@@ -79,6 +79,10 @@ def _transients(test: TimeTest) -> list[tuple[float, float]]:
     return [(s, float(tau)) for s in (-3.0, -0.5, 0.5, 3.0) for tau in times]
 
 
+def _paces(_: TimeTest) -> list[tuple[float]]:
+    return [(s,) for s in (-3.0, -1.0, -0.3, 0.3, 1.0, 3.0)]
+
+
 def _long(test: TimeTest) -> bool:
     """Whether there are two decades of time, or the clock is but a factor."""
     return test.seen[1] / test.seen[0] > 100.0
@@ -122,7 +126,7 @@ EFFECTS = (
         StageLaw(
             at_another_pace,
             (Parameter("s", "s", PURE, -12.0, 12.0, "linear", 1.0),),
-            lambda _: [(s,) for s in (-3.0, -1.0, -0.3, 0.3, 1.0, 3.0)],
+            _paces,
         ),
         "this test was made at another temperature or age than the others of the specimen: all its"
         " times by one factor, ln a_T = s",

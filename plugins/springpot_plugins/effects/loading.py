@@ -152,6 +152,10 @@ def _ruptures(test: TimeTest) -> list[tuple[float, float]]:
     return [(beyond * last, exponent) for beyond in (1.05, 1.5) for exponent in (0.1, 0.4)]
 
 
+def _sooner(_: TimeTest) -> list[tuple[float]]:
+    return [(share,) for share in (0.5, 0.99)]
+
+
 def _is_presumed(test: TimeTest) -> bool:
     """Whether it is held from its first sample on, and nothing tells how it came there."""
     load = test.loading
@@ -206,7 +210,7 @@ EFFECTS = (
         StageLaw(
             sooner,
             (Parameter("share", "e", PURE, 0.0, 1.0 - LEAST_LEFT, "linear", 0.9),),
-            lambda _: [(share,) for share in (0.5, 0.99)],
+            _sooner,
         ),
         "the step was over sooner than the first sample, until which it is taken to have risen in a"
         " straight line: '?ramp=0[s]' behind the file says that it took no time",

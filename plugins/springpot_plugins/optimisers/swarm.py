@@ -120,23 +120,26 @@ class PaperSwarm(BatchedOptimiser):
         # Zero vectors are what the paper begins with.
         velocity, fastest = np.zeros_like(x), self.clamp * limits.expected
         own, own_value = x.copy(), self._evaluate(problems, limits, x).copy()
-        known = _ring(self.particles, self.neighbourhood)
+        known = _places(_ring(self.particles, self.neighbourhood), len(own_value))
         weights = np.array([self.individuality, self.sociality])
         for instance, (r1, r2) in enumerate(_numbers(rngs, self._drawn(d), instances, weights)):
-            pull = r1 * (own - x)
-            pull += r2 * (_best_known(own, own_value, known) - x)
+            # In place wherever that can be: tables of fifty swarms fill the processor's cache.
+            pull, social = own - x, _best_known(own, own_value, known)
+            pull *= r1
+            social -= x
+            social *= r2
+            pull += social
             velocity *= self._inertia(instance, instances)
             velocity += pull
             _clamp(velocity, fastest)
-            limits.turn_back(x, velocity, pull, fastest)
-            x += velocity
+            x = limits.moved(x, velocity, pull, fastest)
             limits.repair(x)
             value = self._evaluate(problems, limits, x)
             # All particles have moved by now: they follow the bests of the instance before, in no
             # order.
             better = value < own_value
-            np.copyto(own, x, where=better)
-            np.copyto(own_value, value, where=better)
+            own = np.where(better, x, own)
+            np.minimum(own_value, value, out=own_value)
 
     def _drawn(self, dimension: int) -> tuple[int, int]:
         """Particles, and random numbers of each for one term: R1 and R2 are diagonal matrices."""
@@ -151,7 +154,7 @@ class PaperSwarm(BatchedOptimiser):
 
     def _evaluate(self, problems: RecorderGroup, limits: Limits, x: Real) -> Real:
         violated = limits.violated(x)
-        if not violated.any():
+        if violated is None:
             return problems.batch(x.transpose(PARAMETERS_LAST))
         # A negative time has no real power: its absolute value is evaluated, and penalised.
         points = limits.mirrored(x).transpose(PARAMETERS_LAST)
@@ -196,6 +199,8 @@ class Limits:
         What makes the velocity of a bounded component turn back once it is reached.
     least : ndarray
         What breaks a constraint once it is reached; so does the ceiling.
+    held : slice
+        From the first bounded component to the last.
     upright : tuple of int
         Components that are evaluated at their absolute value: bounded ones that cannot be negative.
     """
@@ -206,6 +211,7 @@ class Limits:
     floor: Real
     ceiling: Real
     least: Real
+    held: slice
     upright: tuple[int, ...]
 
     @classmethod
@@ -227,7 +233,9 @@ class Limits:
         rows = np.array([space.expected, birthplace, floor, ceiling, least])
         expected, birthplace, floor, ceiling, least = rows[:, :, None, None]
         upright = tuple(np.flatnonzero(boxed & positive).tolist())
-        return cls(space, expected, birthplace, floor, ceiling, least, upright)
+        bounded = np.flatnonzero(boxed).tolist() or [0]
+        held = slice(bounded[0], bounded[-1] + 1)
+        return cls(space, expected, birthplace, floor, ceiling, least, held, upright)
 
     def birth(self, numbers: Real) -> Real:
         """Initial positions (d, runs, particles) from numbers (runs, particles, d).
@@ -239,21 +247,23 @@ class Limits:
         )
         return self.birthplace + spread
 
-    def turn_back(self, x: Real, velocity: Real, pull: Real, fastest: Real) -> None:
-        """Where a bounded component would leave its interval, give it half the pull, clamped."""
+    def moved(self, x: Real, velocity: Real, pull: Real, fastest: Real) -> Real:
+        """Where to; what would leave its interval goes by half the pull, clamped, from now on."""
         ahead = x + velocity
-        leaving = ahead <= self.floor
-        leaving |= ahead >= self.ceiling
+        held = ahead[self.held]
+        leaving = held <= self.floor[self.held]
+        leaving |= held >= self.ceiling[self.held]
         if not leaving.any():
-            return
+            return ahead
         # The pull of this step with its random numbers, halved and then clamped: the paper leaves
         # open whether they are drawn anew. Late in a run only a few turn back: they are picked out
         # of the flat arrays.
-        places = np.flatnonzero(leaving)
+        places = np.flatnonzero(leaving) + self.held.start * x[0].size
         limit = fastest.ravel().take(places // x[0].size)
-        velocity.ravel()[places] = np.minimum(
-            np.maximum(pull.ravel().take(places) / 2.0, -limit), limit
-        )
+        back = np.minimum(np.maximum(pull.ravel().take(places) / 2.0, -limit), limit)
+        velocity.ravel()[places] = back
+        ahead.ravel()[places] = x.ravel().take(places) + back
+        return ahead
 
     def repair(self, x: Real) -> None:
         """Restore the order kinf > k0, in place."""
@@ -264,12 +274,14 @@ class Limits:
         if repaired is not points:
             x[...] = repaired.transpose(PARAMETERS_FIRST)
 
-    def violated(self, x: Real) -> Mask:
-        """Which points violate any constraint, shape (runs, particles)."""
+    def violated(self, x: Real) -> Mask | None:
+        """Which points violate any constraint, shape (runs, particles); nothing if none does."""
         # A limit that is reached is broken: the paper's section 4 has 0 < alpha < 1, without the
         # ends.
         broken = x <= self.least
-        broken |= x >= self.ceiling
+        broken[self.held] |= x[self.held] >= self.ceiling[self.held]
+        if not broken.any():
+            return None
         any_broken: Mask = np.logical_or.reduce(broken, axis=0)
         return any_broken
 
@@ -324,14 +336,19 @@ def _ring(particles: int, neighbourhood: int | Literal["global"]) -> Indices:
     return known
 
 
+def _places(ring: Indices, runs: int) -> Indices:
+    """The same of many runs (size, runs, particles), as places in flat tables."""
+    places: Indices = ring[:, None] + ring.shape[1] * np.arange(runs)[:, None]
+    return places
+
+
 def _best_known(own: Real, value: Real, known: Indices) -> Real:
     """Best position (d, runs, particles) in each particle's neighbourhood."""
-    runs, particles = value.shape
-    rows = particles * np.arange(runs)[:, None]
-    best, where = value, known[0] + rows
+    best, where = value, known[0]
     for others in known[1:]:
-        rival = value.take(others, axis=1)
-        closer = rival < best
-        best, where = np.where(closer, rival, best), np.where(closer, others + rows, where)
+        rival = value.take(others)
+        # Added and not chosen: whose value is less is anybody's guess, also the processor's.
+        where = where + (rival < best) * (others - where)
+        best = np.minimum(rival, best)
     guides: Real = own.reshape(len(own), -1).take(where.ravel(), axis=1).reshape(own.shape)
     return guides

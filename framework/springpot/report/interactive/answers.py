@@ -7,23 +7,26 @@ done with the data themselves.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from springpot.diagnosis.ladder import Case, Ladder
+from springpot.diagnosis.ladder import Examined, Ladder
 from springpot.errors import SpringpotError
-from springpot.identification.uncertainty import Uncertainty
+from springpot.identification.fitted import FittedModel
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test, sweep_of
 from springpot.misfit.refit import Refit, refit
 from springpot.registry import of_each
 from springpot.rheology.model import Model
-from springpot.rheology.points import Complex, Points, Real
+from springpot.rheology.points import Points, Real
+from springpot.timetests.residuals_of_tests import units_of
 
 from ..answers import reference_note
-from .scene import PageScene, in_parts, parameters_of, proposed_points, relative_error, rounded
+from .in_time import DrawnTests
+from .scene import parameters_of, proposed_points, rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +51,7 @@ class Preview:
     refitted: bool
 
 
-def grown_by_each(case: Case, only: Container[str] | None = None) -> Iterator[Preview]:
+def grown_by_each(case: Examined, only: Container[str] | None = None) -> Iterator[Preview]:
     """For each candidate of a diagnosis, the model that has accepted it alone, as far as known.
 
     Of all, or of the effects `only`.
@@ -75,7 +78,7 @@ class Act:
     preview : Preview
         The model as it would then be.
     used : Measurement
-        The rows that would then be used.
+        The sweep that would then be used.
     accept : tuple of str
         Effects that are accepted by it.
     exclude : tuple of int
@@ -86,7 +89,7 @@ class Act:
     label: str
     says: str
     preview: Preview
-    used: Measurement
+    used: Test
     accept: tuple[str, ...] = ()
     exclude: tuple[int, ...] = ()
 
@@ -96,12 +99,13 @@ class Act:
         return {name: getattr(self, name) for name in names}
 
 
-def acted(case: Case, used: Measurement) -> Iterator[Act]:
-    """What can be done with the data of an answer, which was found from the rows `used`."""
-    base = case.search.base
+def acted(case: Examined) -> Iterator[Act]:
+    """What can be done with the data of an answer, all of it found in sweeps."""
+    base, (used, *_) = case.base, case.tests
     for step in case.diagnosis.steps:
         if step.split:
             effect = of_each(step.split)
+            assert isinstance(base, Refit)
             grown = refit(base.model + effect, base.data, base.noise)
             one = Preview(effect.name, grown.model, grown.theta, True)
             label = f"split by {step.split}"
@@ -130,14 +134,14 @@ ON_A_RIVAL = 160
 """Points of a rival's curve: as many as the picture has columns of three pixels."""
 
 
-def drawn(ladder: Ladder, scene: PageScene) -> dict[str, Any]:
+def drawn(ladder: Ladder, scene: DrawnTests) -> dict[str, Any]:
     """The last rung of a ladder as a page shows it.
 
     Parameters
     ----------
     ladder : Ladder
         The answer.
-    scene : PageScene
+    scene : PageScene or TimeScene
         Its data.
 
     Returns
@@ -156,44 +160,30 @@ def drawn(ladder: Ladder, scene: PageScene) -> dict[str, Any]:
         to measure next;
         ``next``: the rivals at the proposed points.
     """
-    case, units = ladder.steps[-1].case, scene.measurement.units
-    base = case.search.base
-    used, fit = base.data.raw, base.identified
+    step = ladder.steps[-1]
+    case = step.examined
+    assert case is not None
+    (model, correlation), units = case.correlated, units_of(case.tests)
     # Once, for previews and rivals alike: each is a model with its parameters.
-    grown = list(grown_by_each(case))
-    noise, acts = _noise(scene, base), list(acted(case, used))
-    acted_on = {act.name: preview(scene, act.used, act.preview) for act in acts}
+    grown, acts = list(grown_by_each(case)), list(acted(case))
+    acted_on = {act.name: preview(scene, [act.used], act.preview) for act in acts}
     return {
+        **scene.whole(case.base),
         "discovery": ladder.to_dict(),
-        "of": units.magnitude,
-        "parameters": parameters_of(
-            fit.model, ladder.steps[-1].parameters, used.units, Uncertainty.of(fit).correlation
-        ),
+        "parameters": parameters_of(model, step.parameters, units, correlation),
         "spots": [place.spot for place in case.diagnosis.where],
-        "noise": in_parts(noise),
-        "reference": reference_note(used, [base.model.network]),
-        "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
+        "reference": reference_note(sweep_of(case.tests), [case.base.model.network]),
         "actions": [act.to_dict() for act in acts],
-        "previews": acted_on | {one.effect: preview(scene, used, one) for one in grown},
+        "previews": acted_on | {one.effect: preview(scene, case.tests, one) for one in grown},
         "proposed": ladder.proposed,
         "next": _next(ladder, {one.effect: one for one in grown}, scene.seen),
     }
 
 
-def drawn_at_once(base: Refit, scene: PageScene) -> dict[str, Any]:
+def drawn_at_once(base: FittedModel, scene: DrawnTests) -> dict[str, Any]:
     """A fitted model as `drawn`, without anything that it may lack."""
-    noise = _noise(scene, base)
-    return {
-        "of": scene.measurement.units.magnitude,
-        "parameters": [],
-        "noise": in_parts(noise),
-        "reference": "",
-        "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
-        "actions": [],
-        "previews": {},
-        "proposed": None,
-        "next": None,
-    }
+    nothing = {"parameters": [], "reference": "", "actions": [], "previews": {}}
+    return {**scene.whole(base), **nothing, "proposed": None, "next": None}
 
 
 def rungs(ladder: Ladder, draw: Callable[[Ladder], dict[str, Any]]) -> list[dict[str, Any]]:
@@ -206,35 +196,24 @@ def rungs(ladder: Ladder, draw: Callable[[Ladder], dict[str, Any]]) -> list[dict
     return answers
 
 
-def _noise(scene: PageScene, base: Refit) -> Complex:
-    """Standard deviations at the drawn points.
-
-    Those of the fitted point of nearest |K|, as a share of it.
-    """
-    fitted, drawn = base.fit.measurement.magnitude, scene.measurement.magnitude[scene.rows]
-    # Points that are drawn need not be those that were fitted: repeats are fitted as their mean.
-    order = np.argsort(fitted)
-    nearest = order[np.clip(np.searchsorted(fitted[order], drawn), 0, len(fitted) - 1)]
-    share = base.noise.sd[nearest] / fitted[nearest]
-    return np.asarray(share * drawn)
-
-
-def preview(scene: PageScene, used: Measurement, one: Preview) -> dict[str, Any]:
+def preview(scene: DrawnTests, used: Sequence[Test], one: Preview) -> dict[str, Any]:
     """A grown model as the page draws it, with its relative error over the rows that are used."""
     # Where a scan begins may be no model at all at some points; they are not drawn.
     with np.errstate(all="ignore"):
-        error = relative_error(used, one.model, one.theta)
+        error = scene.error(used, one.model, one.theta)
         curve = scene.curve(one.model, one.theta)
     return {"model": one.model.name, "error": error, "refitted": one.refitted, **curve}
 
 
 def _next(
-    ladder: Ladder, grown: dict[str, Preview], measurement: Measurement
+    ladder: Ladder, grown: dict[str, Preview], measurement: Measurement | None
 ) -> dict[str, Any] | None:
     """The proposed experiment, and what the two rivals predict along it.
 
-    None where nothing is proposed.
+    None where nothing is proposed, or a test in time is.
     """
+    if measurement is None:
+        return None
     case = ladder.undecided.case
     proposed = case.diagnosis.next_experiment
     if proposed is None or not proposed.action.get("omega"):

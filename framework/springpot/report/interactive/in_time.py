@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.diagnosis.ladder import Ladder, Step
-from springpot.identification.result import Identification
-from springpot.identification.uncertainty import correlation_of
+from springpot.identification.fitted import FittedModel
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
@@ -23,11 +21,11 @@ from springpot.numerics import rms
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen, units_of
-from springpot.timetests.verdict import TimeCase
+from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen
+from springpot.timetests.specimen import reference_of
 from springpot.writing import DIGITS as OF_RESIDUALS
 
-from .scene import MOST_ON_CURVES, MOST_POINTS, parameters_of, rounded
+from .scene import MOST_ON_CURVES, MOST_POINTS, PageScene, rounded
 
 PLANE = "signal"
 """The one plane of residuals: what was measured less what was computed."""
@@ -43,9 +41,19 @@ class TimeScene:
     ----------
     tests : sequence of TimeTest or Measurement
         All rows, those that are left out among them.
+    fitted : sequence of TimeTest or Measurement, optional
+        Those that models are fitted to, where some are left out: they tell the temperature to which
+        parameters belong.
     """
 
     tests: Sequence[Test]
+    fitted: Sequence[Test] = ()
+    seen = None
+
+    @cached_property
+    def reference(self) -> float:
+        """Temperature in kelvin to which parameters belong."""
+        return reference_of(self.fitted or self.tests)
 
     @cached_property
     def parts(self) -> list[TestPart]:
@@ -106,16 +114,20 @@ class TimeScene:
             "views": dict(views),
         }
 
-    def error(self, model: Model, theta: Real, reference: float) -> float:
+    def error(self, tests: Sequence[Test], model: Model, theta: Real) -> float:
         """Relative error of the test that is missed most, as `Identification.relative_rms`."""
         return max(
-            rms(part.residual(model, theta, reference).value * part.relative_sd)
-            for part in self.parts
+            rms(part.residual(model, theta, self.reference).value * part.relative_sd)
+            for part in parts_of_specimen(tests)
         )
 
-    def curve(
-        self, model: Model, theta: Real, reference: float, whole: bool = False
-    ) -> dict[str, Any]:
+    def whole(self, base: FittedModel) -> dict[str, Any]:
+        """What a fit computes at all drawn rows, the noise there, what errors are shares of."""
+        whole = self.curve(base.model, base.theta, whole=True)
+        width = whole["planes"][PLANE]["width"]
+        return {"of": "the signal", "noise": {"storage": width, "loss": width}, "model": whole}
+
+    def curve(self, model: Model, theta: Real, whole: bool = False) -> dict[str, Any]:
         """What is computed of each test, and the residuals.
 
         Parameters
@@ -124,8 +136,6 @@ class TimeScene:
             The model.
         theta : ndarray, shape (p,)
             Its parameters.
-        reference : float
-            Temperature in kelvin to which they belong.
         whole : bool
             Whether residuals are told at all drawn rows, with the width of their noise, and what is
             computed there.
@@ -133,8 +143,9 @@ class TimeScene:
         curves, points, missed, widths = [], [], [], []
         for part, rows, grid in zip(self.parts, self.rows, self.grids, strict=True):
             with np.errstate(all="ignore"):
-                answer = part.answer(model, theta, reference, np.arange(len(part.measured))).value
-                curves.append(_curve(part, model, theta, reference, grid, answer))
+                every = np.arange(len(part.measured))
+                answer = part.answer(model, theta, self.reference, every).value
+                curves.append(_curve(part, model, theta, self.reference, grid, answer))
             points.append(_both(answer, part, rows))
             missed.append(_both(part.measured - answer, part, rows))
             widths.append(_both(part.sd, part, rows)[0])
@@ -147,6 +158,10 @@ class TimeScene:
             planes = {name: [values[i] for i in self.thin] for name, values in planes.items()}
         told = [{"storage": rounded(k[0]), "loss": rounded(k[1])} for k in curves]
         return {**drawn, "curves": told, "planes": {PLANE: planes}}
+
+
+DrawnTests: TypeAlias = PageScene | TimeScene
+"""Tests of whatever kind as the page draws them."""
 
 
 def _evenly(count: int, most: int) -> NDArray[np.int64]:
@@ -252,63 +267,3 @@ def _views(part: TestPart, number: int, count: int) -> list[tuple[str, dict[str,
         loop = {"name": f"{named}{answered} over {imposed}", "x": x, "y": y}
         views.append((f"loop-{number}", {**of, **loop}))
     return views
-
-
-def drawn_in_time(ladder: Ladder, scene: TimeScene) -> dict[str, Any]:
-    """The last rung of a ladder of tests in time, as `springpot.report.interactive.answers.drawn`.
-
-    There is no preview of what would be measured next, and nothing that can be done with the data.
-    """
-    case = case_of(ladder.steps[-1])
-    base, diagnosis = case.base, case.diagnosis
-    after = {row.effect: row.after for row in diagnosis.candidates}
-    return {
-        **drawn_in_time_at_once(base, scene),
-        "discovery": ladder.to_dict(),
-        "parameters": parameters_of(
-            base.model, base.parameters, units_of(scene.tests), correlation_of(base.covariance)
-        ),
-        "spots": [place.spot for place in diagnosis.where],
-        "previews": {
-            each.effect.name: {
-                "model": each.model.name,
-                "error": after[each.effect.name],
-                "refitted": each.fit is not None,
-                **scene.curve(each.model, each.theta, base.reference),
-            }
-            for each in case.tried
-            if each.effect.name in after
-        },
-        "proposed": ladder.proposed,
-    }
-
-
-def drawn_effect(
-    scene: TimeScene, used: TimeScene, model: Model, theta: Real, reference: float
-) -> dict[str, Any]:
-    """A grown model as the page draws it, with its relative error over the rows that are used."""
-    told = {"model": model.name, "error": used.error(model, theta, reference), "refitted": True}
-    return {**told, **scene.curve(model, theta, reference)}
-
-
-def drawn_in_time_at_once(base: Identification, scene: TimeScene) -> dict[str, Any]:
-    """A fitted model as `drawn_in_time`, without anything that it may lack."""
-    whole = scene.curve(base.model, base.theta, base.reference, whole=True)
-    width = whole["planes"][PLANE]["width"]
-    return {
-        "of": "the signal",
-        "parameters": [],
-        "noise": {"storage": width, "loss": width},
-        "reference": "",
-        "model": whole,
-        "actions": [],
-        "previews": {},
-        "proposed": None,
-        "next": None,
-    }
-
-
-def case_of(step: Step) -> TimeCase:
-    """What a rung of tests in time was judged by."""
-    assert isinstance(step.examined, TimeCase)
-    return step.examined

@@ -5,7 +5,7 @@ At the measured points and on smooth curves between them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -13,11 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.fitted import FittedModel
 from springpot.identification.value import Value
 from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import settings_of, told_apart
+from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
+from springpot.misfit.refit import Refit
 from springpot.numerics import rms
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
@@ -192,6 +195,24 @@ class PageScene:
             for name, column in zip(names, columns, strict=True)
         }
         return {**cloud, "sweep": sweep_of[rest].tolist()}
+
+    def whole(self, base: FittedModel) -> dict[str, Any]:
+        """K of a fit at all drawn rows, the noise there, and what errors are shares of."""
+        assert isinstance(base, Refit)
+        fitted, drawn = base.fit.measurement.magnitude, self.measurement.magnitude[self.rows]
+        # The noise is that of the fitted point of nearest |K|, as a share of it: points that are
+        # drawn need not be those that were fitted, as repeats are fitted as their mean.
+        order = np.argsort(fitted)
+        nearest = order[np.clip(np.searchsorted(fitted[order], drawn), 0, len(fitted) - 1)]
+        noise = base.noise.sd[nearest] / fitted[nearest] * drawn
+        whole = self.curve(base.model, base.theta, np.maximum(noise.real, noise.imag))
+        return {"of": self.measurement.units.magnitude, "noise": in_parts(noise), "model": whole}
+
+    def error(self, tests: Sequence[Test], model: Model, theta: Real) -> float:
+        """Relative error of a model over the rows of a sweep."""
+        (sweep,) = tests
+        assert isinstance(sweep, Measurement)
+        return relative_error(sweep, model, theta)
 
     def curve(self, model: Model, theta: Real, sd: Real | None = None) -> dict[str, Any]:
         """K of a model on the smooth curves, and its residuals in each plane.
