@@ -106,7 +106,7 @@ def table(race: Trials, more: Trials) -> Table:
         f"Expected running time over that of the virtual best. {ALONE} has the run to itself for so"
         " many evaluations, and then this share of it beside the second. Learnt: the best on the"
         f" {len(half)} problems that rules are learnt from, where each is judged by the schedule of"
-        f" the others; hindsight: the best of all {len(schedules)} on the {len(unseen)} unseen ones,"
+        f" the others; hindsight: the best of {len(schedules)} on the {len(unseen)} unseen ones,"
         f" which nobody could know. There the schedule takes {np.exp(ahead.mean()):.2f} times what"
         f" {CHOICE} does, with a standard error of {100 * error:.0f} %."
     )
