@@ -279,6 +279,7 @@ def test_what_never_rises_as_the_square_has_no_mean_relaxation_time():
     assert "mean relaxation time" not in names
 
 
+@pytest.mark.soak
 def test_a_place_far_outside_of_a_sweep_overflows_nothing():
     """On the way from scatter, or from far jumps, the power of the amplitude grows without end."""
     rng = np.random.default_rng(1)

@@ -56,6 +56,7 @@ def test_one_of_few_values_may_lie_beyond_it():
     assert not Accuracy(0.01).holds([Misfit(off, np.zeros(0))])
 
 
+@pytest.mark.soak
 def test_the_last_digits_of_computed_data_are_no_misfit():
     found = springpot.diagnose(sweep(0.002), "fractional-kelvin-voigt", only=["inertia"])
     exact = replace(found, error=replace(found.error, relative_rms=1e-9))

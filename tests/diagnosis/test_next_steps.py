@@ -224,6 +224,7 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
     assert diagnosed(shuffled(save, (1.0, 1.2, 0.9, 1.5))).error.noise_floor < 0.02
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("0.0")
 @pytest.mark.parametrize("gain", [0.08, 0.0])
 def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
@@ -385,6 +386,7 @@ def test_different_materials_are_no_noise_of_repeats(save):
     assert one.error.noise_source == "repeats"
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("fractional-maxwell")
 @pytest.mark.parametrize("model", [None, "fractional-maxwell"])
 def test_specimens_that_are_the_repeats_tell_the_noise(save, model):

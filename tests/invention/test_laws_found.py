@@ -14,6 +14,7 @@ from springpot.errors import ModelError, OptionError
 from springpot.invention import grammar, inventing
 
 
+@pytest.mark.soak
 def test_the_class_holds_the_law_its_exponent_and_what_would_tell_it_apart(found: Invention):
     assert found.verdict == "class"
     best = found.best

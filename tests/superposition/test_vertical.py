@@ -193,6 +193,7 @@ def few(points):
     )
 
 
+@pytest.mark.soak_cases("5")
 @pytest.mark.suite_cases("5")
 @pytest.mark.parametrize(
     "data",

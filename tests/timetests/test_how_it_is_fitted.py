@@ -41,6 +41,7 @@ def test_a_profile_ends_at_the_bound_of_a_user():
     assert fit["k"].low == pytest.approx(396.0)
 
 
+@pytest.mark.soak
 def test_an_objective_weighs_samples_among_each_other():
     # One plain fault where the response is small: relative differences feel it, plain ones do not.
     fault = np.where(T > 20.0, 0.2, 0.0) * MODEL.relaxation(THETA, T)
