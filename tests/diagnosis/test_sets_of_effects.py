@@ -1,5 +1,6 @@
 """Effects that are missing together are found as a set, and what stays is the likeliest set."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -95,6 +96,17 @@ def test_three_effects_of_which_no_two_explain_the_data_are_found_together(three
 
 def test_where_a_pair_explains_the_data_no_further_set_is_sought(delayed):
     assert rungs().complete_set([rung(delayed)]) is None
+
+
+def test_beside_a_set_that_leaves_noise_alone_no_larger_one_is_sought(delayed):
+    """Beside one that leaves more than noise a further effect, or two in the place of one, are."""
+    sizes = {}
+    for grown in delayed.grown:
+        search = replace(delayed, grown=list(delayed.grown))
+        asked = discovery._neighbours(search, grown, LIBRARY)
+        sizes[grown.key] = {len(each.effects) for each in asked}
+    assert sizes["inertia", "time-delay"] == {2}
+    assert sizes["series-spring",] == {1, 2}
 
 
 def test_one_rung_is_exchanged_for_the_effect_that_belongs_there(delayed):
