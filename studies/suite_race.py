@@ -1,8 +1,8 @@
 """Forty-three optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
-a trial of them costs are COBYQA, Py-BOBYQA, SHGO and NGOpt; NL-SHADE-RSP and LSRTDE have no name
-here, as minionpy 1.9.1 ends the whole process in them. A trial ends at the target, beyond which
+a trial of them costs are COBYQA, Py-BOBYQA, SHGO and NGOpt; NL-SHADE-RSP and LSRTDE had no name
+when they were raced. A trial ends at the target, beyond which
 nothing counts.
 """
 

@@ -1,6 +1,7 @@
 """More trials of those that came near the best on springpot-60, so that others judge than chose.
 
     python studies/suite_repeated.py
+    python studies/suite_repeated.py auto      where `auto` has other rules than before
 
 Runs what its archive lacks, beside that of suite_race, and writes archive, tables and the
 figures of docs/optimisers.md.
@@ -129,16 +130,16 @@ def wanted(who: Mapping[str, list[str]]) -> Plan:
     return replace(plan, cells=tuple(replace(cell, index=i) for i, cell in enumerate(chosen)))
 
 
-def run(workers: int | None = None) -> None:
-    """Run what is missing, and write the archive."""
+def run(anew: list[str]) -> None:
+    """Run what is missing, and some optimisers anew, and write the archive."""
     plan, raced = wanted(near(archived(RACE))), set(range(RACED))
     with Store(FOLDER / f"{study.name}.sqlite", write=True) as store:
         numbers = store.register(plan, provenance(plan))
         if PUBLISHED.exists():
-            take_over(store, Archive.read(PUBLISHED))
+            take_over(store, Archive.read(PUBLISHED), anew)
         # The first two of each are those of the race.
         tasks = plan.tasks(lambda cell: store.finished(numbers[cell.index]) | raced)
-        with closing(make_engine(plan, None, workers, None).run(tasks)) as results:  # type: ignore[type-var]
+        with closing(make_engine(plan, None, None, None).run(tasks)) as results:  # type: ignore[type-var]
             for each in results:
                 store.add(each, numbers)
         write_archive(store, PUBLISHED, thin=True)
@@ -281,7 +282,7 @@ def page(text: str, table: Table) -> str:
 
 def main() -> None:
     """Run, and tell."""
-    run(int(sys.argv[1]) if sys.argv[1:] else None)
+    run(sys.argv[1:])
     more = archived(PUBLISHED)
     race = archived(RACE)
     table = judged(race, more)

@@ -134,6 +134,7 @@ def test_a_test_in_time_is_read_fitted_judged_and_compared_as_a_sweep_is(tmp_pat
     assert compared.best.model.name == "fractional-maxwell"
 
 
+@pytest.mark.soak
 def test_another_test_of_any_kind_is_predicted_from_a_fit(tmp_path):
     import json
 

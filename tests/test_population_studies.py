@@ -58,6 +58,7 @@ def test_a_thousand_specimens_take_less_than_a_minute():
         assert spent < 60.0 * max(int(row["specimens"]) / 1000, 1)
 
 
+@pytest.mark.soak
 def test_certificates_cover_and_decide_as_they_say(tmp_path):
     for row in rows("certificates/covered"):
         assert float(row["covers"]) == pytest.approx(0.95, abs=0.02)

@@ -270,6 +270,7 @@ def test_springpot_s_own_plugins_come_first_and_have_no_faults():
     assert next(iter(plugins().shelves["reader"].owners.values())).startswith("builtin")
 
 
+@pytest.mark.soak
 def test_plugins_are_asked_for_the_kinds_that_are_wanted_alone():
     code = (
         "import sys; from springpot.registry import plugins; plugins().names('reader')\n"

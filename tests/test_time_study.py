@@ -83,6 +83,7 @@ def test_without_the_data_it_says_where_they_should_be(study, monkeypatch):
         study.tests_at(160)
 
 
+@pytest.mark.soak
 def test_a_building_drifts_right_with_the_right_damper_only(tmp_path, monkeypatch, capsys):
     spec = importlib.util.spec_from_file_location(
         "structure_drift", ROOT / "studies" / "structure_drift.py"

@@ -89,13 +89,13 @@ def test_tables_beside_an_archive_are_those_of_one_study(folder):
 
 def test_a_study_takes_over_what_its_archive_holds(folder, tmp_path):
     """And runs the others alone."""
-    plan = a_study([Walk(), *RIVALS]).plan()
+    plan, archive = a_study([Walk(), *RIVALS]).plan(), Archive.read(folder / "rivals.zip")
     with Store(tmp_path / "small.sqlite", write=True) as store:
         numbers = store.register(plan, {})
-        take_over(store, Archive.read(folder / "rivals.zip"))
+        take_over(store, archive, anew=["native"])
         tasks = list(plan.tasks(lambda cell: store.finished(numbers[cell.index])))
     missing = {plan.entrants[plan.cells[task.cell].entrant].label for task in tasks}
-    assert missing == {"walk"}
+    assert missing == {"walk", "native"}
 
 
 def test_what_a_study_ran_itself_is_not_shown_twice(folder):
@@ -207,6 +207,7 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
     assert sorted(cell.label for cell in cells) == sorted(["native", "cma-es", "nlopt-bobyqa"] * 2)
 
 
+@pytest.mark.soak
 def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):
     changes = {"budget": 900, "repetitions": 1, "noise": []}
     path = run_in(tmp_path, a_study([Walk(shrink=0.97), "native"], **changes))

@@ -232,6 +232,7 @@ def test_a_problem_that_somebody_has_not_tried_is_left_out():
     assert [r.problem.id for r in races_of([*full.cells, half.cells[0]])] == [0]
 
 
+@pytest.mark.soak
 def test_only_common_repetitions_race(tmp_path):
     outcome = run_study(small_study(), engine="serial", out=tmp_path, quiet=True)
     with Store(outcome.store) as store:

@@ -51,6 +51,7 @@ def test_without_the_factor_the_level_is_kept(rng):
     assert 0.01 < np.mean(alarms) < 0.1
 
 
+@pytest.mark.soak
 def test_three_times_the_cost_is_found_and_named_alone(rng):
     found = 0
     for _ in range(20):

@@ -54,6 +54,7 @@ def test_a_digest_knows_nothing_of_what_ran_before(fresh):
     assert digests(Study("race", **STUDY)) == fresh
 
 
+@pytest.mark.soak
 def test_a_digest_knows_nothing_of_order_and_name(fresh):
     turned = {
         key: value[::-1] if isinstance(value, list) else value for key, value in STUDY.items()

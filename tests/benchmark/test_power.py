@@ -73,6 +73,7 @@ def test_the_documents_say_what_was_measured():
     )
 
 
+@pytest.mark.soak
 def test_a_row_is_drawn_as_the_gate_judges(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "studies"))
     from gate_power import Scene, share_seen

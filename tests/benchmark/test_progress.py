@@ -26,6 +26,7 @@ def test_lines_are_few_and_the_last_one_is_complete():
     assert told[-1].startswith("small: 1000 of 1000 trials, 2 failed, ")
 
 
+@pytest.mark.soak
 def test_a_run_that_resumes_starts_from_what_is_there(tmp_path, capsys):
     run_study(small_study(repetitions=2), engine="serial", out=tmp_path)
     run_study(small_study(repetitions=3), engine="serial", out=tmp_path)

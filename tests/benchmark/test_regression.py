@@ -94,6 +94,7 @@ def test_costs_are_those_of_the_trials(baseline, tmp_path):
             assert list(sample.values) == sorted(hits)
 
 
+@pytest.mark.soak_cases("pso-paper-worse0")
 @pytest.mark.parametrize(
     ("name", "worse"),
     [

@@ -218,6 +218,7 @@ def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path,
             program.join()
 
 
+@pytest.mark.soak
 def test_a_reader_is_not_disturbed_by_a_study_that_starts_meanwhile(path):
     """It sees the store as it was, although the writer folds its log into the file repeatedly."""
     with Store(path, write=True) as store:

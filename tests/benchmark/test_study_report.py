@@ -133,6 +133,7 @@ def test_one_optimiser_and_one_problem(tmp_path):
     assert "too few trials to tell" in page or "alone" in page
 
 
+@pytest.mark.soak
 def test_the_same_store_gives_the_same_report(tmp_path):
     first = report_of(tmp_path, [Walk(), Lazy()])
     with Store(tmp_path / "small" / "small.sqlite") as store:
@@ -197,6 +198,7 @@ def test_headline_diagram_and_tables_say_the_same_of_few_problems(page):
     assert "certain" not in headline
 
 
+@pytest.mark.soak
 def test_headline_diagram_and_tables_say_the_same_of_one_problem(tmp_path):
     entrants = [("twin", Walk()), ("slow", Walk(shrink=0.8)), Moody(mood="throw")]
     page = report_of(tmp_path, entrants, datasets=[artificial()], models=["own"], repetitions=12)

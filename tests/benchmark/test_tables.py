@@ -264,6 +264,7 @@ def test_progress_is_measured_from_a_scale_of_the_data_however_large_the_box():
     assert np.isfinite(logarithmic.reference)
 
 
+@pytest.mark.soak
 def test_a_study_may_add_files_of_its_own(tmp_path):
     def finish(path, folder):
         with Store(path) as store:

@@ -143,6 +143,7 @@ def test_no_reason_is_given_where_nothing_moved():
     assert floor_moved(steps(0.010, 0.005)).startswith("the noise floor moved from 1.0 % to 0.50 %")
 
 
+@pytest.mark.soak
 def test_comparisons_fit_the_window_and_name_the_next_command(springpot, rheometer, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     models = ("-m", "fractional-maxwell", "-m", "fractional-maxwell + inertia")

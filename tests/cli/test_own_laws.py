@@ -9,6 +9,7 @@ MASS = "my-mass = parallel: -m*omega^2"
 HIDDEN = ("diagnose", "artificial-hidden", "--model", "fractional-maxwell")
 
 
+@pytest.mark.soak
 def test_a_typed_effect_is_named_with_its_formula_and_loaded_again(springpot, tmp_path):
     only = ("--effects", "my-mass,inertia,time-delay", "--without", "inertia")
     said = springpot(*HIDDEN, "--effect", MASS, *only, "--json")

@@ -65,6 +65,7 @@ def test_a_population_has_every_parameter_for_itself(springpot, specimens, write
     assert found.json["specimens"][specimens[1].stem]["k"] == pytest.approx(110.0, rel=1e-5)
 
 
+@pytest.mark.soak
 def test_files_that_are_specimens_need_no_further_word(springpot, specimens):
     one = springpot("identify", *specimens, "--joint", "-m", "kelvin", "--own", "k", "--json").json
     for words in (("--own", "k"), ("--population", "file", "--share", "c"), ("--share", "c")):

@@ -83,6 +83,7 @@ def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way
     assert any("wrong sign" in note for note in kept["notes"])
 
 
+@pytest.mark.soak_cases("identify {data} --model material --figure {figure}")
 @pytest.mark.parametrize(
     "arguments",
     [

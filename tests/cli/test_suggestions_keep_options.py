@@ -40,6 +40,7 @@ def test_so_do_held_parameters_and_effects_left_out(springpot, bent):
         assert words[words.index(option) + 1] == value
 
 
+@pytest.mark.soak
 def test_outputs_stay_behind(springpot, bent, tmp_path):
     figure = str(tmp_path / "fit.svg")
     words = following(springpot("identify", bent, "--model", "kelvin", "--figure", figure))

@@ -35,6 +35,7 @@ def test_a_kept_comparison_names_it_too(nearly):
     assert kept.handy.model.name == "zener"
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("extra", [0.0, 0.5])
 def test_none_is_named_where_the_best_is_it_or_simpler_ones_are_far_off(extra):
     compared = springpot.compare(sweep(extra), ["zener", "prony-2"])

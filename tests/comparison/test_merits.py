@@ -130,6 +130,7 @@ def at_one_frequency(names, library=(), celsius=None):
 ONE_FREQUENCY = "at one frequency any two parameters do the same"
 
 
+@pytest.mark.soak
 def test_at_one_frequency_a_linear_model_of_two_parameters_is_fitted_and_of_three_is_not():
     names = ("kelvin", "zener", "kelvin + gain-error", "kelvin + payne")
     ranking = at_one_frequency(names)

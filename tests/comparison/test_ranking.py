@@ -116,6 +116,7 @@ def test_models_that_need_what_was_not_measured_are_named_and_left_out(heavy):
     assert reasons["prony-6"] == "13 parameters for 6 points"
 
 
+@pytest.mark.soak
 def test_a_passive_material_needs_no_effect():
     ranking = ranked(measured("fractional-zener", [300.0, 200.0, 30.0, 0.4]))
     assert [step.accepted for step in ranking.ladder.steps] == [None]
@@ -190,6 +191,7 @@ def test_the_text_tells_both_floors_and_the_first_model(heavy):
     assert "  inertia.m = " in text
 
 
+@pytest.mark.soak
 def test_the_error_of_a_model_far_off_is_searched_for_where_it_is_asked_for():
     found = ranked(measured("fractional-maxwell", [400.0, 60.0, 0.55]))
     far = found.judgements[-1]
@@ -240,6 +242,7 @@ def mixed():
     return ranked(switched())
 
 
+@pytest.mark.soak
 def test_what_no_material_follows_to_the_noise_makes_no_model_adequate(mixed):
     """It read: the simplest model is kelvin, adequate, 16 x the noise floor."""
     assert mixed.adequate == ()
@@ -271,6 +274,7 @@ def test_rows_of_several_tests_are_compared_one_by_one(mixed):
     assert not alone.best.fails
 
 
+@pytest.mark.soak
 def test_why_one_test_is_chosen_is_said_where_no_column_is_to_blame(monkeypatch):
     """The ladder has told only how."""
     monkeypatch.setattr(ranking, "column_behind", lambda frame: None)

@@ -245,6 +245,7 @@ def test_a_condition_that_the_model_needs_is_asked_for():
     assert "amplitude=" in fit.quantities.notes[0]
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("2.4")
 @pytest.mark.parametrize("power", [0.8, 2.4])
 def test_the_error_of_a_linear_limit_is_what_it_scatters_by(power):
@@ -278,6 +279,7 @@ def test_what_never_rises_as_the_square_has_no_mean_relaxation_time():
     assert "mean relaxation time" not in names
 
 
+@pytest.mark.soak
 def test_a_place_far_outside_of_a_sweep_overflows_nothing():
     """On the way from scatter, or from far jumps, the power of the amplitude grows without end."""
     rng = np.random.default_rng(1)

@@ -33,6 +33,7 @@ def apart():
     return springpot.diagnose(two_currents(), "springpot", only=FEW)
 
 
+@pytest.mark.soak
 def test_a_column_with_which_the_misfit_goes_is_split_with_the_error_foretold(apart):
     (step,) = apart.steps
     assert step.command == "springpot discover DATA --split current"

@@ -36,6 +36,7 @@ def found():
     return springpot.diagnose(table(setting_gel(OMEGA, MINUTES)), only=some)
 
 
+@pytest.mark.soak
 def test_the_age_is_named_as_what_the_misfit_goes_with(found):
     assert found.verdict == "unexplained"
     assert "it goes with time, the specimen is another in each sweep" in found.says

@@ -66,6 +66,7 @@ def test_friction_shows_at_one_frequency_over_amplitudes():
     assert "friction" in diagnosis.best.alike
 
 
+@pytest.mark.soak
 def test_negative_loss_is_data_like_any_other():
     """Late force makes the loss of a stiff specimen negative: a delay of the wrong sign."""
     at = SWEEP
@@ -131,6 +132,7 @@ def test_effects_that_cannot_be_accepted_are_told_in_one_line(effect, says):
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.soak
 def test_effects_whose_columns_are_missing_are_not_proposed():
     diagnosis = springpot.diagnose(
         measured(SWEEP, exact(KELVIN, SWEEP, "hysteretic-loss", 15.0)), KELVIN.name

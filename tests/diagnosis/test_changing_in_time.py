@@ -227,6 +227,7 @@ def test_an_effect_that_is_there_at_all_times_is_named():
     assert "inertia" in found.best.alike
 
 
+@pytest.mark.soak
 def test_sweeps_that_are_numbered_as_repeats_are_no_noise_where_they_go_with_time():
     hertz, time = np.tile(np.geomspace(0.1, 10.0, 13), 6), 20.0 * np.arange(78.0)
     data = measured(hertz, network(hertz) * (1.0 + time / 1000.0), time)

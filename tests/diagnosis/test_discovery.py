@@ -165,6 +165,7 @@ def test_accepting_by_hand_follows_the_order_given():
     )
 
 
+@pytest.mark.soak
 def test_an_empty_list_accepts_nothing_and_still_judges():
     ladder = springpot.discover(hidden(KELVIN, SWEEP, "inertia", 1000.0), KELVIN.name, accept=[])
     assert len(ladder.steps) == 1

@@ -83,6 +83,7 @@ def test_what_no_linear_material_can_do_is_not(name, temperatures):
     assert "it is not causal" in says(NOT_CAUSAL[name], temperatures)
 
 
+@pytest.mark.soak
 def test_a_resonance_too_narrow_for_the_points_is_not_called_a_breach():
     said = says(lambda s, r: 0.02 / (1 + 0.02 * s / 75 + (s / 75) ** 2))
     assert said
@@ -186,6 +187,7 @@ def test_two_shifts_of_one_name_have_their_own_parameters():
     np.testing.assert_allclose(log_shift_of(fitted), sum(wanted), rtol=1e-9)
 
 
+@pytest.mark.soak
 def test_what_is_not_causal_may_be_an_ideal_hysteretic_loss():
     assert "ideal hysteretic damping) is not causal either" in says(
         lambda s, r: 3j / (100.0 + 40.0 * r**0.4)

@@ -347,6 +347,7 @@ def test_crosstalk_at_one_amplitude_is_friction(phase, level, seed):
     one_class(springpot.diagnose(data, KELVIN.name), "friction", "hysteretic-loss", "crosstalk")
 
 
+@pytest.mark.soak_cases("friction-spring-0.01")
 @pytest.mark.soak_cases("phase-error-spring-0.01")
 @crossed("base", [SPRING, STIFF_KELVIN], noises=[(0.01, 1), (0.02, 3)], rare=[STIFF_KELVIN])
 @pytest.mark.parametrize("turned", [True, False], ids=["phase-error", "friction"])

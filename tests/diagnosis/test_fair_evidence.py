@@ -28,6 +28,7 @@ def examined(data, model=KELVIN.name):
     return examine(data, springpot.parse_model(model), library, np.random.default_rng(0))
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("wlf-shift")
 @pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
 def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect):

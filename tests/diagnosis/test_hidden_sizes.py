@@ -186,6 +186,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
+@pytest.mark.soak_cases("inertia")
 @pytest.mark.suite_cases("inertia")
 @pytest.mark.parametrize(
     "effect",

@@ -27,6 +27,7 @@ def diagnosed(effect, mass, hertz=HERTZ, unit="Pa"):
     return springpot.diagnose(data, springpot.parse_model("zener"), only=few)
 
 
+@pytest.mark.soak_cases("specimen-inertia-fixed-MPa")
 @pytest.mark.soak_cases("specimen-inertia-Pa")
 @pytest.mark.suite_cases("specimen-inertia-Pa", "specimen-inertia-fixed-MPa")
 @pytest.mark.parametrize("unit", ["Pa", "MPa"])
@@ -40,6 +41,7 @@ def test_a_specimen_a_metre_thick_is_not_named(effect, unit):
     )
 
 
+@pytest.mark.soak
 def test_a_specimen_of_a_few_centimetres_is():
     found = diagnosed("specimen-inertia", 1000.0 * 0.05**2, hertz=10.0 * HERTZ)
     assert "specimen-inertia" in found.leading

@@ -56,6 +56,7 @@ def test_one_of_few_values_may_lie_beyond_it():
     assert not Accuracy(0.01).holds([Misfit(off, np.zeros(0))])
 
 
+@pytest.mark.soak
 def test_the_last_digits_of_computed_data_are_no_misfit():
     found = springpot.diagnose(sweep(0.002), "fractional-kelvin-voigt", only=["inertia"])
     exact = replace(found, error=replace(found.error, relative_rms=1e-9))
@@ -80,6 +81,7 @@ def test_modulus_and_phase_are_told_apart():
     assert not Accuracy(0.03, 0.001).holds([turn])
 
 
+@pytest.mark.soak
 def test_a_certain_misfit_within_what_is_promised_is_adequate():
     data, few = sweep(0.002), ["inertia", "series-spring", "time-delay"]
     plain = springpot.diagnose(data, "fractional-kelvin-voigt", only=few)

@@ -21,6 +21,7 @@ def test_a_ladder_of_a_sweep_goes_on_to_the_bit():
     assert second.steps[0] is first.steps[0]
 
 
+@pytest.mark.soak
 def test_a_ladder_of_a_test_in_time_goes_on_too():
     time = [0.1 * 1.3**i for i in range(16)]
     force = [300.0 * t**-0.2 + (-1.0) ** i for i, t in enumerate(time)]

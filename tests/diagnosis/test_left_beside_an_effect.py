@@ -29,6 +29,7 @@ def test_no_effect_of_the_amplitude_is_named_for_the_gains_of_sweeps(gains_of_sw
     assert "what is left looks like a gain of its own at each amplitude" in gains_of_sweeps.says
 
 
+@pytest.mark.soak
 def test_the_gains_of_sweeps_beside_an_effect_can_be_split_off(gains_of_sweeps):
     (step,) = gains_of_sweeps.steps
     assert step.split == "amplitude"

@@ -78,6 +78,7 @@ def test_a_model_that_holds_another_follows_it_everywhere():
         assert Clash(friction, power, action).fitted() < 1.5
 
 
+@pytest.mark.soak
 def test_where_no_measurement_tells_more_none_is_asked_for():
     """A measurement that leaves the odds as they are is no advice, and no number of it either."""
     _, best = explained("friction", AMPLITUDES, 3000.0)

@@ -185,6 +185,7 @@ def test_its_selector_opens_one_test_alone(apart, name):
     assert springpot.diagnose(part, "fractional-maxwell").verdict == "adequate"
 
 
+@pytest.mark.soak_cases("batch")
 @pytest.mark.soak_cases("current")
 @pytest.mark.parametrize("name", ["current", "batch"])
 def test_the_last_line_is_a_command_that_runs(apart, tells, name):
@@ -223,6 +224,7 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
     assert diagnosed(shuffled(save, (1.0, 1.2, 0.9, 1.5))).error.noise_floor < 0.02
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("0.0")
 @pytest.mark.parametrize("gain", [0.08, 0.0])
 def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
@@ -384,6 +386,7 @@ def test_different_materials_are_no_noise_of_repeats(save):
     assert one.error.noise_source == "repeats"
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("fractional-maxwell")
 @pytest.mark.parametrize("model", [None, "fractional-maxwell"])
 def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
@@ -397,6 +400,7 @@ def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     assert not found.one_test
 
 
+@pytest.mark.soak
 def test_three_materials_that_were_numbered_as_repeats_are_not_adequate(save):
     """An error of 90 % of |K| is no noise of any of them; it is 1.8 times the so-called floor."""
     stiffness = noisy(np.concatenate([damper(SWEEP, k) for k in (400.0, 900.0, 100.0)]), SCATTER)

@@ -40,6 +40,7 @@ def test_equal_specimens_are_told_of_nothing():
     assert not any("same conditions" in note for note in found.notes)
 
 
+@pytest.mark.soak
 def test_a_misfit_that_all_specimens_share_is_not_laid_to_them():
     found = springpot.diagnose(swept([1.0, 1.0, 1.0]), "spring")
     assert "same conditions" not in found.says

@@ -41,6 +41,7 @@ def mass_in(stiffness):
     return next(each for each in diagnosis.candidates if each.effect == "inertia").parameters["m"]
 
 
+@pytest.mark.soak
 def test_an_interval_is_as_wide_as_the_misfit_that_its_model_leaves():
     """Alone the mass is fitted to data that a delay has bent.
 
@@ -69,6 +70,7 @@ def test_a_harmonic_that_nothing_makes_is_not_passed_over():
     assert any("harmonic 2 is 8" in note for note in diagnosis.notes)
 
 
+@pytest.mark.soak
 def test_harmonics_of_noise_are_passed_over():
     diagnosis = springpot.diagnose(with_harmonics(0.0, 0.0), KELVIN.name)
     assert "harmonics" not in diagnosis.says
@@ -137,10 +139,11 @@ def test_a_floor_below_that_of_the_model_alone_is_explained(monkeypatch):
     from types import SimpleNamespace
 
     from springpot.diagnosis import notes
+    from springpot.misfit.floor import ScatterAbout
 
     def told(variance, source="estimated"):
-        monkeypatch.setattr(notes, "scatter_about", lambda frame: (variance, 10.0))
-        noise = SimpleNamespace(source=source)
+        monkeypatch.setattr(notes, "scatter_about", lambda frame: ScatterAbout(variance, 10.0))
+        noise = SimpleNamespace(source=source, memory=0.0)
         base = SimpleNamespace(noise=noise, floor=0.01, frame=lambda: None, model="kelvin")
         return list(notes._of_floor(SimpleNamespace(base=base)))
 

@@ -66,6 +66,7 @@ def test_diagnosis_of(case, stays):
     stays(examined(case).diagnosis.to_dict(), within=1e-3)
 
 
+@pytest.mark.soak
 def test_ladder_of_two(stays):
     both = made((EXACT - 0.02 * OMEGA**2) * np.exp(-3e-3j * OMEGA))
     found = springpot.discover(both, MODEL, only=FEW[:3])

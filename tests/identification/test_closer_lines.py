@@ -37,6 +37,7 @@ def test_shifts_are_those_of_the_material_and_not_of_the_lattice(seed):
     assert result.relative_rms < float(np.sqrt(np.mean(np.abs(noise(0.004, seed)) ** 2)))
 
 
+@pytest.mark.soak
 def test_more_freedom_never_comes_out_worse():
     data = measured(0.004)
     one = springpot.identify(data, "material + free-shift:water")

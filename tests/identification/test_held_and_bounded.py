@@ -32,6 +32,7 @@ def made(name, seed, share=0.01):
     return model, theta, Measurement(OMEGA, exact + noise[0] + 1j * noise[1])
 
 
+@pytest.mark.soak
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.sampled_from(NAMES), st.integers(0, 10**6), st.data())
 def test_a_search_at_its_optimum_has_come_to_rest(name, seed, data):

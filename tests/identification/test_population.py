@@ -76,6 +76,7 @@ def test_a_fit_tells_its_population(rng: np.random.Generator) -> None:
     assert "k_1" not in str(fit)
 
 
+@pytest.mark.soak
 def test_two_specimens_are_no_population() -> None:
     omega, batch = np.tile(np.geomspace(1.0, 100.0, 10), 2), np.repeat([1.0, 2.0], 10)
     data = springpot.Measurement(omega, batch + 0.1j * omega, conditions={"batch": batch})
@@ -153,6 +154,7 @@ def test_parameters_named_one_after_the_other_are_all_each_level_s_own() -> None
     assert model.own == {"k": "pad", "c": "pad", "inertia.m": "pad"}
 
 
+@pytest.mark.soak
 def test_a_figure_has_a_row_for_each_specimen(tmp_path, rng: np.random.Generator) -> None:
     omega, pad = np.tile(np.geomspace(1.0, 100.0, 6), 4), np.repeat(list("abcd"), 6)
     k = np.repeat([100.0, 104.0, 98.0, 101.0], 6)

@@ -42,6 +42,7 @@ def coverage(count, cases, rng):
     return float(np.mean(held))
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("count", [3, 5, 10])
 def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):

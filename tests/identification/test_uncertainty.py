@@ -16,6 +16,7 @@ from springpot.registry import parse_model
 TRIALS = 300
 
 
+@pytest.mark.soak_cases("fractional-kelvin-given-sd")
 @pytest.mark.suite_cases("fractional-kelvin-given-sd")
 @pytest.mark.parametrize(
     ("name", "given"),

@@ -14,6 +14,7 @@ from springpot.errors import ModelError, OptionError
 from springpot.invention import grammar, inventing
 
 
+@pytest.mark.soak
 def test_the_class_holds_the_law_its_exponent_and_what_would_tell_it_apart(found: Invention):
     assert found.verdict == "class"
     best = found.best
@@ -81,6 +82,7 @@ def test_exact_data_give_the_exponent_exactly():
     assert best.parameters["n"].value == pytest.approx(0.6, abs=1e-4)
 
 
+@pytest.mark.soak_cases("0")
 @pytest.mark.soak_cases("1", "2")
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_is_invented_from_noise(seed: int):

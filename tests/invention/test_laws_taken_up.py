@@ -48,6 +48,7 @@ def test_another_answer_is_no_law(tmp_path: Path):
         accepted(str(tmp_path / "ladder.json"), 1)
 
 
+@pytest.mark.soak
 def test_its_plugin_keeps_the_contract(files: Path, tmp_path: Path):
     arguments = ["plugin", "--from", str(files / "law.json"), "--folder", str(tmp_path)]
     answer = CliRunner().invoke(init, arguments, catch_exceptions=False)

@@ -104,6 +104,7 @@ def test_uneven_samples_and_what_was_not_measured_stay():
     assert gone_on(Loading(T, x, sampled=True), np.zeros(len(T))).before == 0
 
 
+@pytest.mark.soak
 def test_a_motion_before_a_record_that_does_not_repeat_is_an_effect_of_it():
     model = springpot.parse_model("zener")
     theta = model.theta(k1=15.0, k2=20.0, c=30.0)
@@ -124,6 +125,7 @@ def test_a_motion_before_a_record_that_does_not_repeat_is_an_effect_of_it():
     )
 
 
+@pytest.mark.soak
 def test_so_is_a_load_before_a_record_under_an_imposed_force():
     """A material that flows could not have stood under that load: others are followed."""
     long = np.concatenate([-np.arange(1, 1001)[::-1] / HERTZ, T])

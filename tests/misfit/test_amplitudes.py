@@ -45,6 +45,7 @@ def test_a_gel_that_stiffens_and_loses_more_is_told_both():
     assert float(high) > 1.5 * float(low)
 
 
+@pytest.mark.soak
 def test_where_the_amplitude_does_nothing_that_is_said():
     (note,) = notes(measured(GEL - 0.02 * OMEGA**2))
     assert note.endswith("the amplitude does not matter")
@@ -57,6 +58,7 @@ def test_a_loss_that_is_largest_between_is_told_with_its_place():
     assert "(most at 0.2)" in note
 
 
+@pytest.mark.soak
 def test_several_temperatures_are_no_question_of_the_amplitude():
     temperature = np.tile(np.repeat([10.0, 40.0, 70.0], 5), len(AMPLITUDES))
     assert notes(measured(GEL / (1.0 + AMPLITUDE), temperature=temperature)) == []

@@ -55,5 +55,6 @@ def test_white_noise_of_many_short_sweeps_holds_no_ripple(seed):
     assert found.dof > 0.6 * found.left.size
 
 
+@pytest.mark.soak
 def test_a_ripple_in_many_sweeps_is_no_noise():
     assert trimmed(framed(NOISE, 4)).variance == pytest.approx(1.0, abs=0.15)

@@ -10,7 +10,9 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
+from paper_problems import artificial
 from springpot.errors import ModelError
+from springpot.identification import run
 from springpot.registry import plugins
 from springpot.testing import check_optimiser
 from springpot_plugins.optimisers import (
@@ -59,6 +61,28 @@ def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, ex
         monkeypatch.setattr(module, "find_spec", lambda _: None)
     with pytest.raises(ModelError, match=rf"optimisers {prefix}.*springpot\[{extra}\]"):
         of.FAMILY.members()
+
+
+@pytest.mark.parametrize(("name", "told"), [("jso", 5), ("nl-shade-rsp", 120), ("lsrtde", 120)])
+def test_minionpy_is_told_of_enough_evaluations_where_fewer_end_the_process(
+    monkeypatch, name, told
+):
+    """The recorder ends the run at its budget, whatever the library would go on with."""
+    asked = []
+
+    class Minimizer:
+        def __init__(self, function, box, x0, algorithm, budget, *more):
+            asked.append(budget)
+            self.function, self.points = function, np.full((budget, len(box)), 0.3)
+
+        def optimize(self):
+            self.function(self.points)
+
+    monkeypatch.setitem(sys.modules, "minionpy", SimpleNamespace(Minimizer=Minimizer))
+    kind = minion.MEMBERS[f"minion-{name}"]
+    found = run(kind(), artificial("springpot"), 5, np.random.default_rng(1))
+    assert asked == [told]
+    assert found.evaluations == 5
 
 
 class Candidates:

@@ -41,6 +41,7 @@ def test_a_wrong_derivative_is_found():
     assert any("derivative by offset.size is wrong" in says for says in check_effect(BROKEN))
 
 
+@pytest.mark.soak
 def test_an_effect_that_does_not_vanish_is_found():
     def never(record, response, size):
         return Answered(response + size + 1.0, (np.ones_like(response),), np.ones_like(response))
@@ -49,6 +50,7 @@ def test_an_effect_that_does_not_vanish_is_found():
     assert any("still changes when size" in each for each in says)
 
 
+@pytest.mark.soak
 def test_words_without_a_signature_are_found():
     assert any("signature" in each for each in check_effect(replace(BROKEN, signature="")))
 

@@ -102,6 +102,7 @@ def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
     assert process.returncode == 130 or (process.returncode == -signal.SIGINT and not told)
 
 
+@pytest.mark.soak
 def test_ctrl_c_while_a_string_is_run_ends_with_the_same_code(tmp_path):
     """As while a dataclass is made: CPython then ends by the signal, whatever the exit code."""
     path = tmp_path / "study.py"

@@ -28,6 +28,7 @@ def dense(tmp_path_factory):
     return hostile.dense_workbook(tmp_path_factory.mktemp("dense"), 0.08)
 
 
+@pytest.mark.soak
 def test_a_command_ends_what_takes_too_long(dense):
     done = python(f"from springpot.cli import main; main(['inspect', {str(dense)!r}])")
     assert (done.returncode, done.stdout) == (2, "")

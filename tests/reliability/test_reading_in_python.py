@@ -42,6 +42,7 @@ print("goes on")
 """As profilers, coverage tools and debuggers do."""
 
 
+@pytest.mark.soak
 def test_a_tool_that_watches_works_after_a_read(table):
     # Before, it turned for ever: longer than any import on a busy machine.
     done = subprocess.run(

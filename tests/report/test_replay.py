@@ -44,6 +44,7 @@ def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, m
     assert played.info["loop"] == 0
 
 
+@pytest.mark.soak
 def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     """Where it begins it is the fit before, where it ends the fit itself."""
     stage = replay.ReplayOfSweeps(ladder)

@@ -239,6 +239,7 @@ def test_a_fit_has_parameters_and_units_of_its_own(springpot, fitted, given):
     refused.is_one_line(f"leave out {given[0]}")
 
 
+@pytest.mark.soak
 def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_path):
     """Where shifts are one is where the data were, not 20 degC.
 

@@ -60,6 +60,7 @@ def test_the_interval_of_a_sweep_that_does_not_overlap_goes_from_where_it_would(
     assert [level.reason for level in parted.levels[2:]] == ["", "", ""]
 
 
+@pytest.mark.soak
 def test_every_row_of_the_table_of_the_curve_is_marked(parted, tmp_path):
     springpot.write_measurement(parted.reduced, tmp_path / "curve.csv")
     again = springpot.read(tmp_path / "curve.csv")

@@ -16,6 +16,7 @@ def found(asked_once):
     return springpot.mastercurve(measured(simple))
 
 
+@pytest.mark.soak
 def test_exact_data_give_exact_factors():
     curve = springpot.mastercurve(measured(simple, noise=0.0))
     np.testing.assert_allclose(curve.factors.log_a, LOG_A, atol=2e-3)

@@ -190,6 +190,7 @@ def frozen(i, omega):
     return material(omega * np.exp([9.0, 9.0, 8.9, 5.0, -4.0][i]))
 
 
+@pytest.mark.soak
 def test_a_law_that_no_material_could_follow_is_refused_in_all_commands():
     data = measured(frozen, seed=1)
     curve = springpot.mastercurve(data, vertical=False)

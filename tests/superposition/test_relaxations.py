@@ -57,6 +57,7 @@ def test_a_relaxation_is_that_of_the_network_with_exact_slopes():
     )
 
 
+@pytest.mark.soak
 def test_factors_of_relaxations_lie_in_their_intervals(springpot, tmp_path):
     path = file_of(tmp_path / "steps.csv", rows([55, 60, 65, 70], np.geomspace(0.1, 300, 10), 0.01))
     out = tmp_path / "curve.csv"

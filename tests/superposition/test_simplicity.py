@@ -95,6 +95,7 @@ def test_too_few_points_are_not_judged():
     assert rest.verdict == "not-judged"
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("8-1.0")
 @pytest.mark.parametrize(("points", "decades"), [(13, 2.0), (8, 1.0)])
 def test_a_material_of_each_level_leaves_as_much_as_its_degrees_of_freedom_say(points, decades):

@@ -44,6 +44,7 @@ def curve(request):
     return springpot.mastercurve(straight(*request.param))
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("curve0", "curve1")
 def test_where_a_and_b_are_one_b_stays_what_physics_expects(curve):
     """Free factors would range from 0.75 to 1.4 here, and a be determined at one level of six."""
@@ -192,6 +193,7 @@ def few(points):
     )
 
 
+@pytest.mark.soak_cases("5")
 @pytest.mark.suite_cases("5")
 @pytest.mark.parametrize(
     "data",

@@ -85,6 +85,7 @@ def test_tests_that_are_as_asked_conform(springpot, tests, tmp_path):
     assert row["lines"][1]["standard"] == pytest.approx(row["value"] * 0.005 / 1.96, rel=1e-3)
 
 
+@pytest.mark.soak
 def test_where_a_test_fails_its_hidden_effect_is_named(springpot, tests):
     record(tests / "design-2.csv", loose)
     told = springpot("certify", tests, "--code", CODES / "viscous-damper.toml", "--json")

@@ -52,6 +52,7 @@ def test_loops_without_time_give_what_needs_none(springpot, bare):
     assert any("no time" in note for note in test["notes"])
 
 
+@pytest.mark.soak
 def test_files_have_a_row_for_each_cycle_and_run_nothing(springpot, record, bare, tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     path, text = tmp_path / "report.xlsx", tmp_path / "report.csv"

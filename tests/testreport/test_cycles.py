@@ -58,6 +58,7 @@ def test_slow_drift_moves_no_stiffness_and_no_energy(kind, drift, rng):
         assert abs(told.value - truth[name]) <= max(1e-3 * size, told.high - told.value), name
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("coulomb")
 @pytest.mark.parametrize("kind", KINDS)
 def test_intervals_hold_the_truth_as_often_as_they_say(kind):

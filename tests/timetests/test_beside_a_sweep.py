@@ -98,6 +98,7 @@ def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
     assert effect in diagnosis.leading
 
 
+@pytest.mark.soak_cases("zener + inertia")
 @pytest.mark.soak_cases("zener")
 @pytest.mark.parametrize("there", ["zener", "zener + inertia"])
 def test_a_mass_is_found_whether_or_not_the_creep_is_of_the_same_rig(there):

@@ -86,6 +86,7 @@ def test_of_two_missing_effects_neither_is_called_absent_nor_one_of_them_all():
     no_evidence_is_called_absent(found)
 
 
+@pytest.mark.soak
 def test_a_drift_in_a_relaxation_leaves_no_rival_absent_and_makes_no_fit_worse_than_none():
     t = np.geomspace(0.01, 100.0, 80)
     model = parse_model("fractional-maxwell")

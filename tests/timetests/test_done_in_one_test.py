@@ -72,12 +72,14 @@ def test_a_slow_step_is_said_of_the_test_that_had_it():
     assert (diagnosis.verdict, diagnosis.leading) == ("effect-missing", ("finite-ramp:relax",))
 
 
+@pytest.mark.soak
 def test_a_test_at_another_temperature_is_named_with_its_shift():
     diagnosis = found(relaxed(MODEL.relaxation(THETA, TIME)), crept(np.exp(0.9)), swept())
     assert (diagnosis.verdict, diagnosis.leading) == ("effect-missing", ("test-shift:creep",))
     assert diagnosis.best.parameters["s"].value == pytest.approx(-0.9, abs=0.05)
 
 
+@pytest.mark.soak
 def test_a_zero_that_is_off_in_a_step_is_seen_beside_a_sweep():
     diagnosis = found(relaxed(MODEL.relaxation(THETA, TIME) + 150.0), swept())
     assert diagnosis.verdict == "effect-missing"

@@ -36,6 +36,7 @@ def open_question() -> springpot.Diagnosis:
     return springpot.diagnose(relaxed(1.0, 1), MODEL, effects=RIVALS)
 
 
+@pytest.mark.soak
 def test_a_larger_step_tells_what_grows_with_the_load(open_question) -> None:
     asked = open_question.next_experiment
     assert set(asked.separates) == {"thermal-transient", "thermal-force"}
@@ -88,6 +89,7 @@ def test_what_an_explanation_cannot_say_is_no_promise(fits) -> None:
         assert contest.linear == contest.fitted() == 0.0
 
 
+@pytest.mark.soak
 def test_a_clock_without_a_time_to_begin_from_is_no_promise(fits) -> None:
     test, heated, _ = fits
     aged = springpot.parse_model("fractional-zener + ageing")

@@ -32,6 +32,7 @@ def test_intervals_by_profiles_and_by_simulation_are_those_of_the_slopes(kind):
             assert apart != 0.0
 
 
+@pytest.mark.soak
 def test_a_profile_ends_at_the_bound_of_a_user():
     scatter = 0.01 * np.random.default_rng(0).normal(size=len(T)) * MODEL.relaxation(THETA, T)
     fit = springpot.identify(
@@ -40,6 +41,7 @@ def test_a_profile_ends_at_the_bound_of_a_user():
     assert fit["k"].low == pytest.approx(396.0)
 
 
+@pytest.mark.soak
 def test_an_objective_weighs_samples_among_each_other():
     # One plain fault where the response is small: relative differences feel it, plain ones do not.
     fault = np.where(T > 20.0, 0.2, 0.0) * MODEL.relaxation(THETA, T)

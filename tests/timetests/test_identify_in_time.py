@@ -103,6 +103,7 @@ def test_together_tests_tell_more_and_agree():
     assert both.theta == pytest.approx(TRUE, rel=0.03)
 
 
+@pytest.mark.soak
 def test_tests_of_two_specimens_do_not_agree():
     t = np.geomspace(0.01, 100.0, 200)
     other = TimeTest.of_compliance(

@@ -42,6 +42,7 @@ def test_the_law_by_which_times_move_by_decades_is_what_is_missing():
     assert answer.data == "specimen (6 tests)"
 
 
+@pytest.mark.soak
 def test_a_law_of_temperature_is_identified_from_any_material_alone():
     fit = springpot.identify(relaxations(0.001, 2), "material + wlf-shift")
     found = dict(zip(fit.model.names, fit.theta.tolist(), strict=True))

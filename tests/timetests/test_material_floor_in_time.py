@@ -140,6 +140,7 @@ def followed(model, theta, share, rng):
     return [TimeTest.of_history(t, moved, noisy(force, share, rng), "mm", "N")]
 
 
+@pytest.mark.soak
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     st.sampled_from(["relaxation", "creep", "record"]),
@@ -244,6 +245,7 @@ def test_every_answer_tells_the_floor(relaxed):
         assert one.error.material_floor <= one.error.relative_rms
 
 
+@pytest.mark.soak
 def test_each_rung_has_the_floor_of_its_own_effects(relaxed):
     ladder = springpot.discover(relaxed, "maxwell", accept=["force-drift"], only=["force-drift"])
     first, last = ladder.steps

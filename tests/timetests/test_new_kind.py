@@ -110,6 +110,7 @@ def test_it_takes_sixty_lines():
     assert len(lines) - lines.index("def parts(values):") <= 60
 
 
+@pytest.mark.soak
 def test_it_is_identified_diagnosed_and_accepted(file):
     told = springpot.diagnose(file, MODEL)
     assert (told.verdict, told.best.effect) == ("effect-missing", "inertia")

@@ -54,6 +54,7 @@ def test_nor_in_coarse_digits_of_the_displacement():
     assert "inertia" not in judged(0.0, 1e-9, digit=0.05).leading
 
 
+@pytest.mark.soak
 def test_a_mass_is_found_all_the_same():
     # Under a sweep: at one frequency a mass is no more than a softer spring.
     found = judged(0.001, 2.5e-4, rate=0.2)

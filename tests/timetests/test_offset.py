@@ -68,6 +68,7 @@ def test_of_a_force_that_was_imposed_the_displacement_has_it():
     assert found.leading[0] == "displacement-offset"
 
 
+@pytest.mark.soak
 @pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_fixture_warms_within_some_samples(seed):

@@ -1,6 +1,7 @@
 """One ramp passes each place once: a stop and a specimen that stiffens are the same to it."""
 
 import numpy as np
+import pytest
 
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import parse_model, plugins
@@ -19,6 +20,7 @@ def pulled(rate):
     return TimeTest(TIME, stress, ramp, force_unit="kPa")
 
 
+@pytest.mark.soak
 def test_a_stop_in_one_ramp_may_be_a_specimen_that_is_not_linear():
     found = diagnose(pulled(0.1), parse_model("maxwell"), LIBRARY)
     assert found.leading == ("dead-zone",)

@@ -64,6 +64,7 @@ def test_what_harmonics_hide_is_named_with_its_size(name):
     assert answer.best.over_floor == pytest.approx(1.0, abs=0.2)
 
 
+@pytest.mark.soak_cases("force-clipping")
 @pytest.mark.suite_cases("force-clipping")
 @pytest.mark.parametrize("name", HIDDEN)
 def test_it_is_located_in_the_loop(name):

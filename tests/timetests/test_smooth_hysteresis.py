@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import springpot
 from springpot import TimeTest
@@ -12,6 +13,7 @@ from springpot.timetests import diagnose
 NAMES = ("friction", "elasto-sliding", "yielding", "smooth-hysteresis", "power-law-damper")
 
 
+@pytest.mark.soak
 def test_smooth_hysteresis_is_named():
     model = springpot.parse_model("zener + smooth-hysteresis")
     t = np.linspace(0.0, 6.0, 361)

@@ -75,6 +75,7 @@ def test_a_test_at_one_temperature_is_missed_alone_as_by_any_material():
         assert missed == pytest.approx(alone.over_floor_alone * alone.noise_floor, rel=0.05)
 
 
+@pytest.mark.soak
 def test_what_any_material_follows_to_its_noise_is_not_searched_once_more(monkeypatch):
     searched = []
     monkeypatch.setattr(fitting, "spectral", lambda *a: searched.append(a[1]) or spectral(*a))

@@ -76,6 +76,7 @@ def test_a_model_is_not_adequate_where_a_material_is_plainly_nearer():
     assert Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([test])).misfit
 
 
+@pytest.mark.soak_cases("C0224_NVT_450K_1atm.gt")
 @pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")
 @pytest.mark.parametrize(
     "spec", ["C0224_NVT_450K_1atm.gt", "stressrelaxation_pp_data.csv?time=s,relaxation=Pa"]

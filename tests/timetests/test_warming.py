@@ -172,6 +172,7 @@ def test_what_cannot_follow_it_is_refused_by_name():
         TimeTest.of_relaxation([1.0, 2.0], [1.0, 1.0], temperature=[20.0, np.nan])
 
 
+@pytest.mark.soak
 @pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")
 def test_a_ramp_that_ends_at_a_sample_can_be_followed_by_a_clock_that_turns():
     [test] = open_in_time(f"{UNSEEN}/rel_lapo_1200.csv?time=s,relaxation=Pa")

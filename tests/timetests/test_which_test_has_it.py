@@ -90,6 +90,7 @@ def test_what_yields_in_the_rig_of_the_sweep_alone_is_found():
     assert best.parameters["series-spring.k"].value == pytest.approx(900.0, rel=0.05)
 
 
+@pytest.mark.soak
 def test_the_error_of_a_sweep_is_a_share_of_its_stiffness():
     diagnosis = diagnose(three_tests(1, "sweep")[:2], parse_model("zener"), some_effects()[-1:])
     assert diagnosis.error.noise_floor < 0.05

@@ -56,6 +56,7 @@ def working(bench: Workbench) -> Any:
     return busy._process
 
 
+@pytest.mark.soak
 def test_two_who_ask_the_same_share_one_computation(bench: Workbench, data: dict[str, Any]):
     state = {"data": data["digest"], "model": "fractional-maxwell"}
     key = f"answer {State.of(state).key}"

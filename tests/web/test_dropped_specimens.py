@@ -53,6 +53,7 @@ def ends(told):
     return np.array([curve[[0, -1]] for curve in curves])
 
 
+@pytest.mark.soak
 def test_each_sweep_has_a_stiffness_of_its_own_and_is_drawn_with_it():
     """At frequencies that nearly agree, as instruments have them: no repeats are told."""
     data, state = sweeps(jitter=0.001), State("x", "kelvin", options="--own k")

@@ -222,6 +222,7 @@ def test_hostile_words_in_a_file_come_as_plain_text(bench: Workbench):
     assert b"\x1b" not in answer
 
 
+@pytest.mark.soak
 def test_an_archive_that_unpacks_without_end_is_ended_in_one_line(bench: Workbench):
     import io
     import zipfile
@@ -327,6 +328,7 @@ def test_half_a_head_behind_a_whole_request_is_not_waited_for_either(impatient: 
         assert time.monotonic() - begun < 15.0
 
 
+@pytest.mark.soak
 def test_many_half_heads_keep_nobody_out(impatient: Workbench, capfd: pytest.CaptureFixture[str]):
     lines = [
         socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) for _ in range(40)

@@ -30,6 +30,7 @@ BARE = "import numpy"
 WHOLE = "from springpot.web import Workbench; import numpy; Workbench()"
 
 
+@pytest.mark.soak
 def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Path):
     command = [sys.executable, "-m", "springpot", "workbench", "--no-browser"]
     running = subprocess.Popen(

@@ -145,6 +145,7 @@ def test_taking_one_of_two_rivals_leaves_the_question(damper_data: Measurement):
     assert both["proposed"] is None
 
 
+@pytest.mark.soak
 def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
     stiffness = damper_data.stiffness.copy()
     stiffness[7] *= 1.3

@@ -95,6 +95,7 @@ def cell(browser: Any, damper: bytes, monkeypatch: pytest.MonkeyPatch) -> Iterat
     assert faults == []
 
 
+@pytest.mark.soak
 @IN_A_BROWSER
 def test_the_loop_goes_through_the_kernel_and_python_reads_what_the_page_shows(cell: Cell) -> None:
     """What the page gives up is told to the kernel; what is accepted stands in the widget."""

@@ -69,6 +69,7 @@ def answer(relaxed: dict[str, Any]) -> dict[str, Any]:
     return json.loads(to_json(answered(silent, state, relaxed["text"])))
 
 
+@pytest.mark.soak
 def test_the_answer_is_that_of_discover(answer: dict[str, Any]):
     test = Specimen.of_file("relax.csv", relaxation(), "").tests[0]
     same = springpot.discover([test], "maxwell", accept=[])

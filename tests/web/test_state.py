@@ -167,6 +167,7 @@ def test_an_answer_is_that_of_discover(first: dict, state: State, data: Measurem
     assert first["key"] == state.key
 
 
+@pytest.mark.soak
 def test_every_candidate_comes_with_its_curve(first: dict, data: Measurement):
     candidates = first["discovery"]["diagnosis"]["candidates"]
     assert {row["effect"] for row in candidates} == set(first["previews"])

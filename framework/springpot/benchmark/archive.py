@@ -13,7 +13,7 @@ import csv
 import json
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -461,9 +461,19 @@ def _enter(store: Store, archive: Archive, rivals: Mapping[int, str]) -> None:
     _add(store, archive, store.adopt(columns, rivals, {"beside": _told(archive)}))
 
 
-def take_over(store: Store, archive: Archive) -> None:
-    """Enter the trials of an archive whose cells are a study's own: they need not be run again."""
-    own = {cell.digest: cell.id for cell in store.cells()}
+def take_over(store: Store, archive: Archive, anew: Collection[str] = ()) -> None:
+    """Enter the trials of an archive whose cells are a study's own: they need not be run again.
+
+    Parameters
+    ----------
+    store : Store
+        The study's.
+    archive : Archive
+        The published trials.
+    anew : collection of str
+        Labels of optimisers that are run again, as they are not what they were.
+    """
+    own = {cell.digest: cell.id for cell in store.cells() if cell.label not in anew}
     cells = enumerate(archive.cells)
     _add(store, archive, {i: own[cell.digest] for i, cell in cells if cell.digest in own})
 

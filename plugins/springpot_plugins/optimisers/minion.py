@@ -31,11 +31,15 @@ ALGORITHMS = {
     "dms-pso": ("DMSPSO", "Liang and Suganthan 2005, doi:10.1109/SIS.2005.1501611"),
     "bipop-acma-es": ("BIPOP_aCMAES", "Hansen and Ros 2010, doi:10.1145/1830761.1830788"),
     "spso-2011": ("SPSO2011", "Zambrano-Bigiarini et al. 2013, doi:10.1109/CEC.2013.6557848"),
+    "nl-shade-rsp": ("NLSHADE_RSP", "Stanovov et al. 2021, doi:10.1109/CEC45853.2021.9504959"),
+    "lsrtde": ("LSRTDE", "Stanovov and Semenkin 2024, doi:10.1109/CEC60901.2024.10611907"),
 }
-"""The library's name of an algorithm and the source of the method.
+"""The library's name of an algorithm and the source of the method."""
+ENDED_BY_FEW = ("NLSHADE_RSP", "LSRTDE")
+"""Algorithms that end the process where they are told of few evaluations.
 
-Not among them, although it offers them: NL-SHADE-RSP and LSRTDE, by which version 1.9.1 ends the
-whole process at some small budgets.
+With up to 7 a parameter the first, and with 20 to 40 the second, reads beyond its own tables in
+version 1.9.1.
 """
 
 
@@ -68,6 +72,10 @@ class Minion(Optimiser):
             return [inf] * len(points)
 
         box = [(0.0, 1.0)] * cube.dimension
+        if self.algorithm in ENDED_BY_FEW:
+            # Fewer are no schedule beside populations of 30 and 20 a parameter; the recorder ends
+            # the run.
+            budget = max(budget, 60 * cube.dimension)
         Minimizer(values, box, None, self.algorithm, budget, None, integer(rng)).optimize()
         if ended:
             raise ended[0]

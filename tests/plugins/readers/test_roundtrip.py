@@ -49,6 +49,7 @@ def measurements(draw):
     )
 
 
+@pytest.mark.soak
 @given(measurements())
 @settings(max_examples=60, deadline=None)
 def test_reading_writing_and_reading_gives_the_same_bits(tmp_path_factory, measured):
