@@ -170,13 +170,10 @@ def bent(known: Uncertainty) -> list[int]:
 
 
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
-    """Standard deviation of parameter i in plain coordinates, or a small step if there is none."""
+    """Standard deviation of parameter i in plain coordinates."""
     sd = float(printed_spread(known.fit, known.covariance)[i])
     if not plain.log[i]:
         sd /= float(plain.size[0, i])
-    # Any step will do where the Jacobian knows none: the search along the profile doubles it.
-    if not np.isfinite(sd) or sd <= 0:
-        return 1e-3
     return sd
 
 
@@ -224,7 +221,8 @@ class Path:
 
         The verdicts are those of Raue et al. 2009, doi:10.1093/bioinformatics/btp358.
         """
-        low, high = self.interval(step, cost + rise)
+        # Any step will do where the slopes know none: the search along the profile doubles it.
+        low, high = self.interval(step if 0.0 < step < np.inf else 1e-3, cost + rise)
         told = np.isfinite([low, high])
         if log := bool(self.coordinates.log[self.i]):
             told &= np.array([low, high]) > 0.0
