@@ -323,7 +323,7 @@ TWICE = 0
 """Names of classes that stand for two things or more; may only fall."""
 MODULES = 312
 """Files of the framework; may only fall."""
-NUMBERS, WITH_PLUGINS = 751, 909
+NUMBERS, WITH_PLUGINS = 749, 907
 """Constants of modules that hold a number, those of the framework and all; may only fall (826 and
 1,000 before what rooms said alike had one name).
 

@@ -20,7 +20,7 @@ STUDIES = str(Path(__file__).parents[1] / "studies")
 def beside(monkeypatch):
     monkeypatch.syspath_prepend(STUDIES)
     yield
-    others = ("budgets", "tuned", "swarm", "choice", "repeated", "race")
+    others = ("budgets", "tuned", "swarm", "choice", "repeated", "portfolio", "race")
     for name in ("suite", *(f"suite_{each}" for each in others)):
         sys.modules.pop(name, None)
 
@@ -97,6 +97,17 @@ def test_whoever_begins_anew_in_each_turn_arrives_within_one_or_not():
     assert cost(np.array([20.0]), np.array([80.0]), 0.1, budget) == 20.0
     # Descents go on in every second turn.
     assert cost(np.array([60.0]), np.array([np.inf]), 0.1, budget) == 160.0
+
+
+def test_two_share_a_budget_as_each_alone_would_have_gone_on():
+    from suite_portfolio import Schedule
+
+    never, both = np.array([np.inf]), Schedule(100, 0.8, "b")
+    assert both.time(np.array([60.0]), np.array([1.0])) == 60.0
+    # Beyond its hundred the first goes on at four fifths of the pace, the second at one fifth.
+    assert both.time(np.array([180.0]), never) == pytest.approx(200.0)
+    assert both.time(np.array([180.0]), np.array([10.0])) == pytest.approx(150.0)
+    assert both.time(never, np.array([1600.0])) == 80_000.0
 
 
 def test_the_page_tells_what_the_table_says():

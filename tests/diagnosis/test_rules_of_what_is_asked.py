@@ -122,7 +122,7 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
 @pytest.mark.parametrize(("left", "explained"), [(60.0, 40.0), (100.0, 0.0), (130.0, 0.0)])
 def test_evidence_is_half_of_what_is_explained_less_what_it_costs(left, explained):
     """Of known noise: three parameters, each as the logarithm of one and what is explained."""
-    noise = SimpleNamespace(dof=inf, source="given")
+    noise = SimpleNamespace(dof=inf, source="given", worth=1.0)
     base = SimpleNamespace(noise=noise, log_likelihood=-50.0, fair_rss=100.0)
     found = marginal._discounted(SimpleNamespace(base=base), left, 3, 2)
     price = 2.0 * EVIDENCE.unknown_size
@@ -132,7 +132,7 @@ def test_evidence_is_half_of_what_is_explained_less_what_it_costs(left, explaine
 
 def test_evidence_of_unknown_noise_counts_what_parameters_leave_free():
     """Twelve numbers less four are eight; a half is left by three: g is 5 of ratio 2."""
-    noise = SimpleNamespace(dof=8, source="estimated")
+    noise = SimpleNamespace(dof=8, source="estimated", worth=1.0)
     base = SimpleNamespace(
         noise=noise,
         log_likelihood=-50.0,

@@ -1,5 +1,6 @@
 """Effects that are missing together are found as a set, and what stays is the likeliest set."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -95,6 +96,17 @@ def test_three_effects_of_which_no_two_explain_the_data_are_found_together(three
 
 def test_where_a_pair_explains_the_data_no_further_set_is_sought(delayed):
     assert rungs().complete_set([rung(delayed)]) is None
+
+
+def test_beside_a_set_that_leaves_noise_alone_no_larger_one_is_sought(delayed):
+    """Beside one that leaves more than noise a further effect, or two in the place of one, are."""
+    wanted = {("inertia", "time-delay"): {2}, ("series-spring",): {1, 2}}
+    found = [each for each in delayed.grown if each.key in wanted]
+    assert {each.key for each in found} == wanted.keys()
+    for grown in found:
+        search = replace(delayed, grown=list(delayed.grown))
+        asked = discovery._neighbours(search, grown, LIBRARY)
+        assert {len(each.effects) for each in asked} == wanted[grown.key]
 
 
 @pytest.mark.soak

@@ -139,10 +139,11 @@ def test_a_floor_below_that_of_the_model_alone_is_explained(monkeypatch):
     from types import SimpleNamespace
 
     from springpot.diagnosis import notes
+    from springpot.misfit.floor import ScatterAbout
 
     def told(variance, source="estimated"):
-        monkeypatch.setattr(notes, "scatter_about", lambda frame: (variance, 10.0))
-        noise = SimpleNamespace(source=source)
+        monkeypatch.setattr(notes, "scatter_about", lambda frame: ScatterAbout(variance, 10.0))
+        noise = SimpleNamespace(source=source, memory=0.0)
         base = SimpleNamespace(noise=noise, floor=0.01, frame=lambda: None, model="kelvin")
         return list(notes._of_floor(SimpleNamespace(base=base)))
 

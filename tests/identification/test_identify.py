@@ -158,7 +158,7 @@ def test_a_rigid_element_is_named():
 
 def test_weak_and_correlated_parameters_are_named():
     data = noisy_data("fractional-zener", 0.03, 5)
-    assert said(springpot.identify(data, "fractional-zener"), "c is weakly identified")
+    assert said(springpot.identify(data, "fractional-zener"), "k1 is weakly identified")
     low = Measurement(
         OMEGA[:4],
         parse_model("fractional-zener").stiffness(setup("fractional-zener")[1], OMEGA[:4]),

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from soaked import soaked
 from springpot.distributions import student
-from springpot.identification import Uncertainty, bootstrap, fit, fitting, profile
+from springpot.identification import Uncertainty, bootstrap, fit, fitting, identify, profile
 from springpot.measurement import Measurement
 from springpot.registry import parse_model
 
@@ -172,3 +172,16 @@ def test_draws_of_a_parameter_that_is_as_good_as_zero_reach_down_to_its_bound(mo
     low, high, _ = fitting._interval(known, "bootstrap", 0)
     assert low == pytest.approx([parameters[0].lower, 2.7, 0.5e12])
     assert high == pytest.approx([3e-12, 3.3, parameters[2].upper])
+
+
+def test_where_slopes_say_little_the_interval_is_that_of_the_profile():
+    """Of a peak of which half was measured, slopes know the shape at the fit alone."""
+    rng = np.random.default_rng(2)
+    omega = np.geomspace(0.05, 3.0, 17)
+    model = parse_model("havriliak-negami")
+    truth = model.picked({"k0": 2.0, "k1": 9.0, "tau": 1.4, "alpha": 0.6, "gamma": 0.65})
+    noise = 1.0 + 0.005 * (rng.normal(size=17) + 1j * rng.normal(size=17))
+    found = identify(Measurement(omega, model.stiffness(truth, omega) * noise), model)
+    gamma = model.names.index("gamma")
+    assert found.uncertainty.interval()[1][gamma] < truth[gamma] < found.high[gamma]
+    assert found.high[gamma] == pytest.approx(profile(found.uncertainty.fit, "gamma")[1])

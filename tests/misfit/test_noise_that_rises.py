@@ -5,6 +5,7 @@ import pytest
 
 from springpot import Measurement
 from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.residual_tests import battery
 from springpot.registry import parse_model
 
 
@@ -59,3 +60,29 @@ def test_a_point_far_from_the_others_is_not_taken_for_the_surest(seed):
     fitted = fitted_to_floor(parse_model("maxwell"), data)
     shares = np.abs(fitted.noise.parts) / data.magnitude
     assert shares[0] > 5.0 * np.median(shares)
+
+
+def _swept(memory, misfit=0.0):
+    """Four amplitudes of a Zener body of which the errors go on from point to point."""
+    rng = np.random.default_rng(3)
+    omega = np.tile(np.geomspace(0.1, 100.0, 20), 4)
+    scatter = rng.normal(size=(80, 2)) @ [1.0, 1j]
+    for row in range(1, 80):
+        scatter[row] = memory * scatter[row - 1] + np.sqrt(1.0 - memory**2) * scatter[row]
+    s = 1j * omega
+    exact = 50.0 + 90.0 * s / (1.0 + s)
+    data = exact * (1.0 + 0.01 * scatter + misfit * np.sin(3.0 * np.log(omega)))
+    levels = {"amplitude": np.repeat([0.1, 0.2, 0.4, 0.8], 20)}
+    return fitted_to_floor(parse_model("zener"), Measurement(omega, data, conditions=levels))
+
+
+def test_errors_that_go_on_from_point_to_point_are_noise():
+    fitted = _swept(0.6)
+    assert fitted.noise.memory == pytest.approx(0.6, abs=0.2)
+    assert fitted.floor == pytest.approx(0.014, rel=0.2)
+    assert not battery(fitted.frame(), np.random.default_rng(0)).alarm
+
+
+def test_noise_with_a_memory_excuses_no_misfit():
+    assert _swept(0.0).noise.memory == 0.0
+    assert battery(_swept(0.6, 0.03).frame(), np.random.default_rng(0)).alarm

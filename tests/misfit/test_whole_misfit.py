@@ -148,7 +148,7 @@ def of_residual(frame, raw):
         "course": drift_search.course_behind(frame),
         "outliers": outliers.described(frame, rows),
         "scatter": [kept.variance, kept.dof, np.flatnonzero(kept.kept)],
-        "about": floor.scatter_about(frame),
+        "about": floor.scatter_about(frame)[:2],
         "step": residual_causes.step_of(frame),
         "pulling": outliers.pulling([frame]),
         "neighbours": outliers.side_by_side(frame.measurement, rows),

@@ -98,9 +98,15 @@ class GrownSets:
 
 
 def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
-    """Sets that differ from one by an effect, or by two in the place of one."""
-    yield from _extended(grown, effects)
-    yield from one_or_two_for_one(search, grown, effects)
+    """Sets that differ from one by an effect, or by two in the place of one.
+
+    Of more effects only beside one that leaves something to be explained: else they follow noise.
+    """
+    # Noise of its own, so that nothing else hangs on which sets were asked.
+    left = battery(grown.refit.frame(), np.random.default_rng(0)).p_value < SEARCH.left_over
+    if left:
+        yield from _extended(grown, effects)
+    yield from one_or_two_for_one(search, grown, effects, left)
 
 
 def _extended(grown: Grown, effects: Sequence[Effect]) -> list[AskedSet]:

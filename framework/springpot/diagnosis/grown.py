@@ -486,13 +486,15 @@ def in_each_place(search: Search, grown: Grown, effects: Sequence[Effect]) -> It
 
 
 def one_or_two_for_one(
-    search: Search, grown: Grown, effects: Sequence[Effect]
+    search: Search, grown: Grown, effects: Sequence[Effect], two_too: bool = True
 ) -> Iterator[AskedSet]:
     """Sets with another effect or two in the place of one, the best at first sight; see above."""
     for place in _places(search, grown, effects):
+        both = (place.standing, place.near), (place.fitted, place.afar)
         two = [
             asked
-            for fitted, scores in ((place.standing, place.near), (place.fitted, place.afar))
+            for fitted, scores in both
+            if two_too
             for asked in two_more(place.rest, fitted, fitted.frame(), scores)
         ]
         yield from _from_there(grown, [*one_more(place.rest, place.scores), *two])

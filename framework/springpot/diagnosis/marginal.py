@@ -539,7 +539,7 @@ def _discounted(search: Search, rss: float, spent: int, effects: int) -> float:
 def _drop(search: Search, rss: float, spent: int) -> float:
     """By how much further parameters lower chi-square, in units of the noise that they leave."""
     if search.base.noise.dof == inf:
-        return max(search.base.fair_rss - rss, 0.0)
+        return search.base.noise.worth * max(search.base.fair_rss - rss, 0.0)
     return max(_freedom(search) - spent, 0.0) * (_ratio(search, rss) - 1.0)
 
 
@@ -556,7 +556,8 @@ def _freedom(search: Search) -> float:
     # Without what the lines of a free spectrum follow: of few points they leave little by which to
     # judge a shape.
     followed = len(search.base.own) + search.base.lines
-    return _known(search) + 2 * len(search.base.fit.measurement) - followed
+    free = 2 * len(search.base.fit.measurement) - followed
+    return _known(search) + search.base.noise.worth * free
 
 
 def _known(search: Search) -> float:

@@ -273,10 +273,15 @@ def _of_floor(search: Search) -> Iterator[str]:
     That one holds part of its misfit.
     """
     base = search.base
+    if base.noise.memory:
+        yield (
+            "the errors of neighbouring points of a sweep go together (correlation"
+            f" {base.noise.memory:.2f}): the floor and all chances count that; measured again,"
+            " noise comes otherwise and a misfit does not"
+        )
     if base.noise.source != "estimated":
         return
-    variance, _ = scatter_about(base.frame())
-    alone = base.floor * float(np.sqrt(variance))
+    alone = base.floor * float(np.sqrt(scatter_about(base.frame()).variance))
     # By the very share at which the noise was estimated anew: else the note would come without a
     # cause.
     if alone > base.floor / SCATTER.sharper:

@@ -26,7 +26,7 @@ from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
 from .fitted import Fit
-from .intervals import Path, allowed_cost, beside_endless
+from .intervals import Path, allowed_cost, bent, beside_endless, profiled
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
 from .material import SpectrumSearch, is_material, own_parameters
 from .normal import RANK
@@ -298,6 +298,8 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
         return low, high
     rise = allowed_cost(known) - fit.cost
     if not is_material(fit.model):
+        for i in bent(known):
+            low[i], high[i], _ = profiled(known, i)
         return beside_endless((Path.of(fit, i) for i in range(len(low))), rise, low, high)
     own = own_parameters(fit.model)
     if len(own) > MOST_PROFILED:

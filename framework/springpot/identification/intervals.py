@@ -20,7 +20,7 @@ from springpot.thresholds import INTERVAL
 from .fitted import Fit
 from .leastsquares import WHOLE, Rows, Solution, levenberg_marquardt
 from .native import CONFIRMED, NEAR, within_bounds
-from .normal import Equations
+from .normal import Equations, matrix_of
 from .task import Task
 from .uncertainty import Uncertainty, ends, printed_spread
 from .value import LOST
@@ -143,14 +143,37 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
     return path.costs(places)
 
 
+def bent(known: Uncertainty) -> list[int]:
+    """Parameters along whose valley the objective goes otherwise than by its slopes at the fit.
+
+    To the ends of an interval by slopes it rises by what these foretell where they hold (Bates and
+    Watts 1980, doi:10.1111/j.2517-6161.1980.tb01094.x); where it has risen to twice that, or half
+    of it, the interval is not what they say.
+    """
+    fit, covariance = known.fit, known.covariance
+    # Blocks of levels and the scatter of specimens have rules of their own; on its way a search is
+    # in no valley.
+    if fit.by_level is not None or known.specimens is not None or not fit.converged:
+        return []
+    rows = np.flatnonzero(known.at_bound == 0)
+    spread = np.sqrt(np.diag(matrix_of(covariance)))
+    rows = rows[np.isfinite(spread[rows]) & (spread[rows] > 0.0)]
+    step = known.quantile * matrix_of(covariance)[rows] / spread[rows, None]
+    ends = fit.u + np.concatenate([step, -step])
+    evaluate = fit.task.evaluator(np.zeros(len(ends), dtype=np.intp))
+    low, high = (bound[0] for bound in fit.task.coordinates.bounds)
+    with np.errstate(all="ignore"):
+        residual, _ = evaluate(np.clip(ends, low, high), np.arange(len(ends)))
+        risen = (np.sum(residual**2, axis=1) - fit.cost) / (allowed_cost(known) - fit.cost)
+    off = np.reshape(~((risen > 0.5) & (risen < 2.0)), (2, -1))
+    return [int(i) for i in rows[off.any(axis=0)]]
+
+
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
-    """Standard deviation of parameter i in plain coordinates, or a small step if there is none."""
+    """Standard deviation of parameter i in plain coordinates."""
     sd = float(printed_spread(known.fit, known.covariance)[i])
     if not plain.log[i]:
         sd /= float(plain.size[0, i])
-    # Any step will do where the Jacobian knows none: the search along the profile doubles it.
-    if not np.isfinite(sd) or sd <= 0:
-        return 1e-3
     return sd
 
 
@@ -198,7 +221,8 @@ class Path:
 
         The verdicts are those of Raue et al. 2009, doi:10.1093/bioinformatics/btp358.
         """
-        low, high = self.interval(step, cost + rise)
+        # Any step will do where the slopes know none: the search along the profile doubles it.
+        low, high = self.interval(step if 0.0 < step < np.inf else 1e-3, cost + rise)
         told = np.isfinite([low, high])
         if log := bool(self.coordinates.log[self.i]):
             told &= np.array([low, high]) > 0.0

@@ -78,6 +78,14 @@ def turned_sd(sd: Complex, turn: Complex) -> Complex:
     return np.asarray(real + 1j * imag, dtype=np.complex128)
 
 
+def worth_of(memory: float) -> float:
+    """Independent numbers that each point of a noise with a memory is worth, seen by slow curves.
+
+    By so much less than the mean power of such noise is its power at slow waves.
+    """
+    return (1.0 - memory) / (1.0 + memory)
+
+
 @dataclass(frozen=True, eq=False)
 class Noise:
     """Standard deviations of the measured points, and how well they are known.
@@ -94,6 +102,8 @@ class Noise:
         One sentence where the given ones disagree with the data's own scatter.
     along : Along, optional
         Where the noise along K is of another size than that across it: by these it is weighed.
+    memory : float
+        Correlation of the errors of neighbouring points of a sweep.
 
     Examples
     --------
@@ -109,6 +119,7 @@ class Noise:
     source: Source
     doubt: str = ""
     along: Along | None = None
+    memory: float = 0.0
 
     @classmethod
     def shaped(cls, sd: Complex, turn: Complex | None, dof: float, source: Source) -> Noise:
@@ -144,11 +155,17 @@ class Noise:
         """Unit numbers (n,) by which differences are multiplied before they are weighed."""
         return None if self.along is None else self.along.turn
 
-    def log_likelihood(self, rss: float, size: int) -> float:
+    @property
+    def worth(self) -> float:
+        """Independent numbers that each point is worth where the misfit is slow."""
+        return worth_of(self.memory)
+
+    def log_likelihood(self, rss: float, size: float) -> float:
         """Log-likelihood of a whitened residual sum of squares.
 
         An unknown scale is integrated or profiled out.
         """
+        rss, size = self.worth * rss, self.worth * size
         if self.dof == inf:
             return -0.5 * rss
         # The scale integrated out: a normal whose variance is estimated with so many degrees of
@@ -171,7 +188,7 @@ class Noise:
         """The same with at least what writing values with few digits rounds away."""
         sd = at_least_rounding(self.parts, measurement, self.turn)
         told = Noise.shaped(sd, self.turn, self.dof, self.source)
-        return replace(told, doubt=self.doubt)
+        return replace(told, doubt=self.doubt, memory=self.memory)
 
 
 class Scatter(NamedTuple):

@@ -38,7 +38,7 @@ class Error:
         That noise alone leaves a residual like that material's. Both are nan where no material was
         looked for.
     noise_memory : float, optional
-        Of tests in time: correlation of neighbouring samples of the noise.
+        Correlation of neighbours in the noise: of tests in time, and of sweeps that show one.
     test : str, optional
         The test of which all of this is told, where there are several.
     """

@@ -8,12 +8,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import comb, inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from springpot.distributions import f_quantile, f_sf
 from springpot.identification.searching import STARTS as STARTS_AGAIN
+from springpot.measurement.independence import SMOOTH_DEGREE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
@@ -23,12 +26,24 @@ from springpot.measurement.scatter import (
     noise_shape_along,
     plausible_variance,
     robust_noise_shape,
+    worth_of,
 )
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import ENOUGH_NEIGHBOURS, LEAST_LEFT, NoiseFrame, chance_of_squares, phase_of
+from ..numerics import SMALLEST
+from .frame import (
+    ENOUGH_NEIGHBOURS,
+    FEWEST_OWN,
+    LEAST_LEFT,
+    NoiseFrame,
+    beyond,
+    chance_of_squares,
+    orthonormal,
+    phase_of,
+    waves,
+)
 from .outliers import MOST_TURNS, Trimmed, trimmed
 from .refit import Refit, refit
 
@@ -88,15 +103,17 @@ def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real
 def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> Refit:
     # Scatter can only be told about some fit: that in units of what was given comes first.
     first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=STARTS)
-    noise = checked_noise(first.noise, *scatter_about(first.frame()))
+    told = scatter_about(first.frame())
+    noise = checked_noise(first.noise, told.variance, told.dof)
     if noise is first.noise:
-        return first
+        return replace(first, noise=replace(noise, memory=told.memory))
     # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what was
     # given.
     free, _ = undragged(first)
-    noise = checked_noise(first.noise, *scatter_about(free.frame()))
-    if noise is first.noise:
-        return first
+    told = scatter_about(free.frame())
+    noise = replace(checked_noise(first.noise, told.variance, told.dof), memory=told.memory)
+    if noise.source == "given":
+        return replace(first, noise=noise)
     return refit(model, data, noise, [first.theta], starts=STARTS_OF_A_ROUND)
 
 
@@ -161,8 +178,8 @@ def as_given(base: Refit) -> Refit:
 
 def borne_out(best: Refit) -> bool:
     """Whether the scatter about a good model is as large as its noise says."""
-    variance, dof = scatter_about(best.frame())
-    return variance < plausible_variance(dof)[1]
+    told = scatter_about(best.frame())
+    return told.variance < plausible_variance(told.dof)[1]
 
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
@@ -237,8 +254,9 @@ def _scaled(
     # The shape first and then its size: what stands out is told beside a fit in units of the right
     # shape.
     free, inside = undragged(shaped)
-    variance, dof = scatter_about(free.frame())
-    noise = replace(shape.scaled(float(np.sqrt(variance))), dof=dof).at_least_rounding(data.mean)
+    variance, dof, memory = scatter_about(free.frame())
+    noise = replace(shape.scaled(float(np.sqrt(variance))), dof=dof, memory=memory)
+    noise = noise.at_least_rounding(data.mean)
     # Of all points again: those that stand out are left out of the noise, not of the data.
     return refit(model, data, noise, [shaped.theta], starts=STARTS_OF_A_ROUND), free, inside
 
@@ -380,32 +398,117 @@ def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     return Noise.shaped(sd, turn, scatter.dof, "estimated").at_least_rounding(data)
 
 
-def scatter_about(frame: NoiseFrame) -> tuple[float, float]:
-    """Variance of whitened scatter and its degrees of freedom.
+class ScatterAbout(NamedTuple):
+    """What the scatter about a fit tells of whitened noise.
 
-    What neither the fit nor structure can follow.
+    Attributes
+    ----------
+    variance, dof : float
+        How large it is, and by how many independent numbers that is told.
+    memory : float
+        Correlation of neighbours in a sweep.
+    """
+
+    variance: float
+    dof: float
+    memory: float = 0.0
+
+
+def scatter_about(frame: NoiseFrame) -> ScatterAbout:
+    """Noise by the scatter that neither the fit nor structure can follow.
 
     A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken
     in random order, would pass for scatter. But neighbours, along a sweep or from row to row, share
     most of it: where their differences vary by much less (von Neumann et al. 1941,
     doi:10.1214/aoms/1177731746), these tell the noise.
     """
-    variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
+    scatter = trimmed(frame)
+    if (remembering := _remembering(frame, scatter.kept)) is not None:
+        return remembering
     # Where a free spectrum has as many lines as there are numbers, all of the noise is followed:
     # none is left over.
     kept = max(1.0 - frame.absorbed.shape[1] / frame.size, 1.0 / frame.size)
-    along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
-    for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
-        parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
+    first = ScatterAbout(scatter.variance, float(max(frame.rough_dof, 1)))
+    return _by_neighbours(frame.measurement, frame.rest / np.sqrt(kept), first)
+
+
+def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) -> ScatterAbout:
+    """The same, if differences of neighbours in whitened values (2n,) do not vary by much less."""
+    along_sweeps, n = [sweep.rows for sweep in sweeps_of(measurement)], len(measurement)
+    for lines in (along_sweeps, [np.arange(n)]):
+        parts = [rest[rows + k] for rows in lines for k in (0, n)]
         for order in DIFFERENCES:
             left = np.concatenate([np.zeros(0), *(np.diff(part, order) for part in parts)])
             power = comb(2 * order, order)
             efficient = len(left) * power**2 / comb(4 * order, 2 * order)
             if efficient < ENOUGH_NEIGHBOURS:
                 continue
-            near = float(np.mean(left**2)) / power / kept
+            near = float(np.mean(left**2)) / power
             # Only where it is smaller beyond chance: the least of several estimates of white noise
             # is too small.
-            if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
-                variance, dof = near, efficient
-    return variance, dof
+            if near < about.variance * f_quantile(SCATTER.faster_alarm, efficient, about.dof):
+                about = ScatterAbout(near, efficient)
+    return about
+
+
+def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> ScatterAbout | None:
+    """Noise with a first-order memory along the sweeps; None where white noise is as likely.
+
+    Told beside slow structure, so that no slow misfit is taken for it, and held against white noise
+    beside a ripple: a number more costs what the Bayesian information criterion charges. What
+    `kept` (2n,) leaves out has a number of its own. What is new with each point is white, or it is
+    a misfit.
+    """
+    alone = np.eye(frame.size)[:, ~kept]
+    curves = orthonormal(np.concatenate([frame.absorbed, frame.structured, alone], axis=1))
+    free = frame.size - curves.shape[1]
+    if free < FEWEST_OWN:
+        return None
+    columns = np.column_stack([curves, frame.residual])
+    # What is alike over as long as slow structure is that, unless other sweeps show that it is not.
+    longest = max(len(sweep.rows) for sweep in sweeps_of(frame.measurement))
+    most = float(np.exp(-SMOOTH_DEGREE / longest))
+    found = minimize_scalar(lambda m: _cost(frame, columns, m)[0], bounds=(0.0, 1.0))
+    if found.x > most and not frame.shared.shape[1]:
+        return None
+    memory = min(float(found.x), most)
+    cost, new = _cost(frame, columns, memory)
+    beyond_white = _cost(frame, columns, 0.0)[0] - cost - float(np.log(free))
+    if beyond_white < 0.0 or beyond_white + _best_ripple(frame, curves, longest) < 0.0:
+        return None
+    about = ScatterAbout(float(new @ new) / free, float(free))
+    if _by_neighbours(frame.measurement, new, about) is not about:
+        return None
+    return ScatterAbout(about.variance, worth_of(memory**2) * free, memory)
+
+
+def _cost(frame: NoiseFrame, columns: Real, memory: float) -> tuple[float, Real]:
+    """Minus twice the log-likelihood of a memory, and what is new with each point (2n,).
+
+    Of what curves leave of the last of some columns (2n, q + 1), the others being these curves
+    (Harville 1977, doi:10.1080/01621459.1977.10480998).
+    """
+    basis, sizes = np.linalg.qr(frame.forgetting(columns, memory))
+    size = np.abs(np.diag(sizes)) + SMALLEST
+    free = len(columns) - len(size) + 1
+    logs = 2.0 * (free * np.log(size[-1]) + np.sum(np.log(size[:-1])))
+    return float(logs + frame.links * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
+
+
+def _best_ripple(frame: NoiseFrame, curves: Real, longest: int) -> float:
+    """By how much the best ripple, of gain or phase or both, changes twice the log-likelihood.
+
+    With the price of its numbers and of its period, in sweeps of at most so many points.
+    """
+    rest = frame.residual - curves @ (curves.T @ frame.residual)
+    free, best = frame.size - curves.shape[1], 0.0
+    # In half waves along a sweep, and twice as fine as these are independent.
+    tried = range(4, 2 * longest + 1)
+    for halves in tried:
+        ripple = frame.relative(waves(frame.measurement, 4.0 * longest / halves))
+        for columns in (*np.split(ripple, 2, axis=1), ripple):
+            basis = beyond(columns, curves)
+            left = 1.0 - float(np.sum((basis.T @ rest) ** 2) / (rest @ rest))
+            gain = free * float(np.log(max(left, SMALLEST)))
+            best = min(best, gain + basis.shape[1] * float(np.log(free)))
+    return best + 2.0 * float(np.log(2 * len(tried)))

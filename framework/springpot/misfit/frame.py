@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from springpot.identification.problem import weighted
 from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
+from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps, worth_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, VERDICT
 
@@ -255,6 +255,8 @@ class NoiseFrame:
         Whether the noise was estimated from the scatter of these very data.
     turn : ndarray of complex, shape (n,), optional
         Unit numbers by which differences of K are multiplied before they are weighed.
+    memory : float
+        Correlation of the noise of neighbouring points of a sweep.
     """
 
     measurement: Measurement
@@ -264,6 +266,7 @@ class NoiseFrame:
     scale_dof: float = inf
     estimated: bool = False
     turn: Complex | None = None
+    memory: float = 0.0
 
     def whiten(self, values: Complex) -> Real:
         """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
@@ -278,6 +281,11 @@ class NoiseFrame:
     def absorbed(self) -> Real:
         """Orthonormal basis (2n, q) of all that the fitted parameters can follow."""
         return orthonormal(self.whiten(self.jacobian).T)
+
+    @property
+    def worth(self) -> float:
+        """Independent numbers that each point is worth to slow curves."""
+        return worth_of(self.memory)
 
     @property
     def size(self) -> int:
@@ -305,13 +313,15 @@ class NoiseFrame:
         if self._steps is not None:
             noise = self._as_written(self._steps, count, rng)
         elif not self._deals_out:
-            noise = rng.standard_normal((count, self.size), dtype=DRAWN)
+            parts = rng.standard_normal((count, 2, self.size // 2), dtype=DRAWN)
+            noise = self._remembered(parts).reshape(count, self.size)
         else:
             order = self._dealt(count, rng)
             sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(
                 2
             ) - np.int8(1)
-            noise = self._in_their_places(self._deviations.astype(np.complex64)[order] * sign)
+            new = self._deviations.astype(np.complex64)[order] * sign
+            noise = self._in_their_places(self._remembered(new))
         # The measured residual has lost what the parameters follow; so must the noise (no refit of
         # each draw needed).
         absorbed = self.absorbed.astype(DRAWN)
@@ -322,6 +332,47 @@ class NoiseFrame:
         # estimate of its own.
         scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
         return np.asarray(noise / scale[:, None])
+
+    def _remembered(self, new: Any) -> Any:
+        """Noise (..., n) of the same size in which a point remembers the one before it.
+
+        Of what is new with each point (..., n), over a sweep.
+        """
+        if self.memory:
+            from scipy.signal import lfilter
+
+            for rows, _ in sweeps_of(self.measurement):
+                noise = new[..., rows]
+                noise[..., 1:] *= np.sqrt(1.0 - self.memory**2)
+                new[..., rows] = lfilter([1.0], [1.0, -self.memory], noise)
+        return new
+
+    @cached_property
+    def _neighbours(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows of (2n,) that have one before them in their sweep, and the rows of these."""
+        lines = [rows for rows, _ in sweeps_of(self.measurement)]
+        pairs = [np.concatenate([rows[k:][: len(rows) - 1] for rows in lines]) for k in (1, 0)]
+        later, earlier = (np.concatenate([rows, rows + self.size // 2]) for rows in pairs)
+        return later, earlier
+
+    @property
+    def links(self) -> int:
+        """How many numbers have one before them."""
+        return len(self._neighbours[0])
+
+    def forgetting(self, values: Any, memory: float) -> Any:
+        """Values (2n, ...) or (n,) of which each has lost what it remembers of the one before it.
+
+        Noise of this memory keeps its size.
+        """
+        if not memory:
+            return values
+        later, earlier = self._neighbours
+        if len(values) < self.size:
+            later, earlier = (rows[: self.links // 2] for rows in (later, earlier))
+        new = values.copy()
+        new[later] = (values[later] - memory * values[earlier]) / np.sqrt(1.0 - memory**2)
+        return new
 
     @property
     def has_mirror(self) -> bool:
@@ -461,6 +512,7 @@ class NoiseFrame:
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
         relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
+        relative = self.forgetting(relative, self.memory)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:

@@ -205,7 +205,13 @@ def error_of(base: Refit, floor: MaterialFloor) -> Error:
     """The three lines: a model's error, the noise floor, the material floor."""
     noise = base.noise
     return Error(
-        base.error, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance
+        base.error,
+        base.floor,
+        noise.source,
+        noise.doubt,
+        floor.relative_rms,
+        floor.chance,
+        noise_memory=noise.memory or None,
     )
 
 

@@ -204,7 +204,7 @@ class Refit:
         relative = self.noise.sd / self.data.mean.magnitude
         variances = np.concatenate([relative.real, relative.imag]) ** 2
         counts = float(np.sum(variances)) ** 2 / float(np.sum(variances**2))
-        return max(self.fit.dof * counts / len(variances), 1.0)
+        return max(self.noise.worth * self.fit.dof * counts / len(variances), 1.0)
 
     def without(self, rows: NDArray[np.bool_]) -> Refit:
         """The fit of all data but some of the averaged rows, (n,), from where this one ended."""
@@ -232,6 +232,7 @@ class Refit:
             self.noise.dof,
             estimated,
             self.noise.turn,
+            self.noise.memory,
         )
 
     # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.

@@ -327,7 +327,8 @@ def column_behind(frame: NoiseFrame) -> Column | None:
         if spent == 0 or spare <= spent:
             continue
         left = max(misfit - taken, SMALLEST)
-        chance = f_sf((taken / spent) / (left / (spare - spent)), spent, spare - spent)
+        free = spare - spent
+        chance = f_sf(frame.worth * taken / spent / (left / free), spent, frame.worth * free)
         share = 1.0 - _relative_squares(frame, frame.rest - pattern) / max(relative, SMALLEST)
         # Each of the columns might have been it (Bonferroni); and what takes less than most of it
         # explains nothing.
@@ -445,7 +446,8 @@ def _size_in_words(frame: NoiseFrame, place: str) -> str:
 
 
 def _seen(frame: NoiseFrame, basis: Real) -> _Seen:
-    return _Seen(float(np.sum((basis.T @ frame.rest) ** 2)), int(basis.shape[1]), frame.scale_dof)
+    energy = frame.worth * float(np.sum((basis.T @ frame.rest) ** 2))
+    return _Seen(energy, int(basis.shape[1]), frame.scale_dof)
 
 
 def _relative_squares(frame: NoiseFrame, whitened: Real) -> float:
@@ -540,7 +542,7 @@ def _is_one(frame: NoiseFrame, curve: Real) -> bool:
     Else each sweep is judged by itself.
     """
     free = frame.size - int(frame.absorbed.shape[1]) - int(curve.shape[1])
-    left = float(frame.rest @ frame.rest) - _seen(frame, curve).energy
+    left = frame.worth * float(frame.rest @ frame.rest) - _seen(frame, curve).energy
     return _Seen(left, free, frame.scale_dof).chance > VERDICT.all_of_it
 
 

@@ -40,9 +40,6 @@ from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both
 from .specimen import at_tests
 from .verdict import TimeCase
 
-STARTS = 1
-"""Places in the parameters of an effect from which its fit beside others begins."""
-
 
 @dataclass(frozen=True, eq=False)
 class TimeSets:
@@ -105,7 +102,7 @@ class TimeSets:
         promises = TimeScan(grown, asked.quick).promises(new)
         leading = leading_of_scan(promises, one.left)[:most]
         # Beside another effect the scan's first place is near enough; others were tried alone.
-        for each in nearly_fitted(asked, grown, leading, one.left, starts=STARTS):
+        for each in nearly_fitted(asked, grown, leading, one.left, starts=1):
             self.add(replace(each, effects=(*one.effects, each.effect)))
 
     def _without(self, best: Tried, effect: Effect) -> Tried:

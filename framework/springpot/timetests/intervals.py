@@ -21,9 +21,6 @@ from .exponentials import UnfollowedError, quick_parts
 from .native import Minimum, TimeSearch
 from .residuals_of_tests import TestPart
 
-FIRST = 1e-3
-"""First step along a profile, in coordinates, where the slopes know none."""
-
 
 def with_intervals(
     result: Identification, search: TimeSearch, found: Minimum, kind: str, seed: int
@@ -142,10 +139,7 @@ class _Valley:
         low, high = self.search.coordinates.u(
             np.array([result.low, result.high]), self.search.size
         )[:, i]
-        step = 0.5 * (high - low) / quantile
-        if not 0.0 < step < np.inf:
-            return FIRST
-        return float(step)
+        return float(0.5 * (high - low) / quantile)
 
     def simulated(self, rng: np.random.Generator) -> tuple[Real, Real]:
         """Quantiles (p,) of fits to tests as the model would have given them, with their noise."""
