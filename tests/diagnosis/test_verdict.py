@@ -58,6 +58,8 @@ SEEN = {"by_battery": True, "certain": True}
         ({"by_scan": True, "certain": True, "gain": 0.5 * CLEAR, "named": True}, "effect-missing"),
         ({"by_scan": True, "gain": 0.5 * CLEAR, "named": True}, "inconclusive"),
         ({"by_scan": True, "outliers": True}, "unexplained"),
+        ({"remembers": True}, "inconclusive"),
+        (SEEN | {"remembers": True}, "unexplained"),
     ],
 )
 def test_the_first_rule_that_holds_gives_the_verdict(facts, verdict):

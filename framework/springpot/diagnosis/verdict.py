@@ -87,6 +87,8 @@ class Facts:
         The error is smaller than the noise that was told by these very data.
     by_column : bool
         Most of what the best model leaves goes with a column that no effect knows.
+    remembers : bool
+        The noise of a sweep has a memory, and no other sweep shows that it is noise.
     """
 
     repeats: bool = False
@@ -110,6 +112,7 @@ class Facts:
     exact: bool = False
     below: bool = False
     by_column: bool = False
+    remembers: bool = False
 
     @property
     def alarm(self) -> bool:
@@ -186,6 +189,12 @@ RULES = (
     VerdictRule(
         "something without a name would help, or it is noise",
         lambda f: not f.alarm and f.unknown,
+        "inconclusive",
+    ),
+    # One sweep tells such noise from a misfit that comes and goes only by being measured again.
+    VerdictRule(
+        "noise with a memory, or a misfit",
+        lambda f: not f.alarm and f.remembers,
         "inconclusive",
     ),
     # The last without an alarm: all that could be missing was asked for. Below, something is.
@@ -272,6 +281,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         exact=not beside_material and is_arithmetic(search.base),
         below=below_floor(search.base, certain),
         by_column=column_behind(search.best.frame()) is not None,
+        remembers=bool(search.base.noise.memory) and not search.base.frame().shared.shape[1],
     )
 
 
