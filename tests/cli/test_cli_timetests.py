@@ -378,3 +378,9 @@ def test_where_a_temperature_is_said_of_a_file(springpot, relaxed):
     """The hint names the file, and not the test."""
     told = springpot("identify", relaxed, "--model", "fractional-maxwell + wlf-shift")
     assert told.is_one_line("'relaxation.csv?temperature=25[degC]'")
+
+
+def test_a_view_of_a_sweep_is_refused_for_a_test_in_time(springpot, relaxed):
+    words = "--figure", relaxed.with_suffix(".png"), "--view", "residual"
+    springpot("identify", relaxed, "-m", "maxwell", *words).is_one_line("--view", "leave it out")
+    assert not relaxed.with_suffix(".png").exists()

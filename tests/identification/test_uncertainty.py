@@ -9,7 +9,15 @@ from scipy.optimize import least_squares
 
 from soaked import soaked
 from springpot.distributions import student
-from springpot.identification import Uncertainty, bootstrap, fit, fitting, identify, profile
+from springpot.identification import (
+    Uncertainty,
+    bootstrap,
+    fit,
+    fitting,
+    held_material,
+    identify,
+    profile,
+)
 from springpot.measurement import Measurement
 from springpot.registry import parse_model
 
@@ -185,3 +193,12 @@ def test_where_slopes_say_little_the_interval_is_that_of_the_profile():
     gamma = model.names.index("gamma")
     assert found.uncertainty.interval()[1][gamma] < truth[gamma] < found.high[gamma]
     assert found.high[gamma] == pytest.approx(profile(found.uncertainty.fit, "gamma")[1])
+
+
+def test_of_computed_data_no_profile_is_sought(monkeypatch):
+    """Their objective rises by rounding alone, and each profile took longer than the fit."""
+    monkeypatch.setattr(held_material, "profiled", None)
+    model, omega = parse_model("prony-3"), np.geomspace(0.1, 100.0, 15)
+    theta = model.theta(k0=10.0, k1=20.0, tau1=0.05, k2=30.0, tau2=0.5, k3=10.0, tau3=5.0)
+    found = identify(Measurement(omega, model.stiffness(theta, omega)), model)
+    assert found.relative_rms < 1e-9

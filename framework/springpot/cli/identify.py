@@ -142,6 +142,9 @@ def command(
     known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
+    if tests is not None and view is not None:
+        advice = "--view says how a sweep is drawn, and these are tests in time: leave it out"
+        raise click.UsageError(advice, click.get_current_context())
     together = tests is not None or joint or asks_for_all(known["own"], known["share"])
     if len(data) > 1 and not together:
         if figure is not None:

@@ -369,7 +369,7 @@ class _Seen:
     """Energy of a residual in some directions, in units of the noise, and their number."""
 
     energy: float
-    size: int
+    size: float
     scale_dof: float
 
     @property
@@ -543,7 +543,7 @@ def _is_one(frame: NoiseFrame, curve: Real) -> bool:
     """
     free = frame.size - int(frame.absorbed.shape[1]) - int(curve.shape[1])
     left = frame.worth * float(frame.rest @ frame.rest) - _seen(frame, curve).energy
-    return _Seen(left, free, frame.scale_dof).chance > VERDICT.all_of_it
+    return _Seen(left, frame.worth * free, frame.scale_dof).chance > VERDICT.all_of_it
 
 
 def _with_resonance(frame: NoiseFrame, x: Real) -> NoiseFrame:
