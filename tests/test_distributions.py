@@ -47,6 +47,7 @@ def test_a_diagnosis_does_without_the_slow_import():
     assert ran.stdout.strip() == "False"
 
 
+@pytest.mark.soak
 def test_a_sum_of_f_ratios_of_different_freedom_has_the_chance_that_it_has():
     """Drawn: terms of few and of many degrees of freedom, each with a variance of its own."""
     rng = np.random.default_rng(0)

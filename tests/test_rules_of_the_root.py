@@ -120,6 +120,7 @@ def test_how_a_process_ended(status, cause):
     assert processes.cause_of(status) == cause
 
 
+@pytest.mark.soak
 def test_a_copy_answers_in_time_or_is_ended():
     done = processes.elsewhere(lambda report: report(b"a" * 200_000), 20.0)
     assert (len(done.message), done.late) == (200_000, False)

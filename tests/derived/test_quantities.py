@@ -115,6 +115,7 @@ def test_lines_of_a_spectrum_make_no_plateau_by_themselves(expression, values, t
     assert ("plateau" in names) == told
 
 
+@pytest.mark.soak_cases("plateau-maxwell-2-values2")
 @pytest.mark.parametrize(
     ("name", "expression", "values"),
     [

@@ -59,6 +59,7 @@ def tens():
         yield pytest.param(names[number : number + 10], marks=pytest.mark.soak)
 
 
+@pytest.mark.soak_cases("names0")
 @pytest.mark.parametrize("names", [FEW, *tens()])
 def test_answers_need_no_threads_no_processes_and_no_library_of_optimisers(names, tmp_path):
     """Bit for bit: what runs where a browser runs Python."""

@@ -31,16 +31,19 @@ def test_the_class_holds_the_law_its_exponent_and_what_would_tell_it_apart(found
     assert found.next_experiment.separates[0] == "i*k*X^(-n)"
 
 
+@pytest.mark.soak
 def test_the_named_effect_of_which_it_is_a_special_case_is_told(found: Invention):
     assert found.best is not None
     assert "payne" in found.best.like
     assert "payne has the same curve here, with" in found.best.says
 
 
+@pytest.mark.soak
 def test_all_that_is_told_of_it(found: Invention, stays):
     stays(found.to_dict())
 
 
+@pytest.mark.soak
 def test_the_text_tells_class_floors_and_parameters(found: Invention):
     text = str(found)
     for word in ("verdict     class", "material floor", "i*k*X^(-n)", "next experiment", "payne"):

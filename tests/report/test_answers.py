@@ -274,6 +274,7 @@ def test_two_notes_are_told_and_how_many_more_there_are():
     assert "2 notes more" in told
 
 
+@pytest.mark.soak
 def test_rivals_of_an_accepted_effect_keep_what_tells_them_apart():
     omega, rng = 2.0 * np.pi * np.geomspace(1.0, 50.0, 14), np.random.default_rng(3)
     model = springpot.parse_model("fractional-maxwell + inertia")

@@ -110,6 +110,7 @@ def test_rows_and_curve_of_tests_in_time(name, stays):
     )
 
 
+@pytest.mark.soak
 def test_rungs_of_a_ladder(stays):
     data = sweep("heavy", 2, 0.02)
     ladder = springpot.discover(data, MODEL, accept="inertia", only=["inertia", "time-delay"])

@@ -183,6 +183,7 @@ def test_the_same_model_gives_the_same_unit():
     assert handed("fmu").data == handed("fmu").data
 
 
+@pytest.mark.soak
 def test_nastran_cards_are_read_and_joined(tmp_path):
     pytest.importorskip("pyNastran", reason="pyNastran is not installed (extra solvers)")
     from pyNastran.bdf.bdf import BDF

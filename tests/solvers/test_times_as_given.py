@@ -105,6 +105,7 @@ def test_a_model_has_them_on_its_band():
     assert np.abs(told.stiffness(omega) / exact - 1.0).max() < 1.05 * told.error < 0.02
 
 
+@pytest.mark.soak
 def test_a_fit_with_its_times_held_is_that_series(springpot, write):
     """One convex problem: 27 s of searching found the same, and a kelvin of given times is none."""
     _, data = wide(0.01, omega=OMEGA[::8])

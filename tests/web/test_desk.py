@@ -130,6 +130,7 @@ def test_a_fault_of_many_words_is_told_in_four_hundred_signs(monkeypatch: pytest
     assert len(perform("race", {}, print)["error"]) == 400
 
 
+@pytest.mark.soak
 def test_messages_are_those_of_the_command_line(bench: Workbench, data: dict[str, Any]):
     found = ask(
         bench, "/api/answer", {"state": {"data": data["digest"], "model": "fractional-maxwel"}}

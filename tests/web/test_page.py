@@ -332,6 +332,7 @@ def test_a_phone_in_the_dark(page: Open, damper: bytes):
     assert here.error() < 0.01
 
 
+@pytest.mark.soak
 def test_what_is_open_or_refused_is_told(page: Open):
     here = page()
     rows = b"".join(b"%d,%d,%d\n" % (i, 9 + i, i) for i in range(1, 9))

@@ -306,6 +306,7 @@ def test_what_is_empty_shows_no_picture(page: Open):
         assert here.page.locator(f"#plot-{plot}").is_hidden()
 
 
+@pytest.mark.soak
 def test_whatever_takes_room_all_stands_on_one_screen_and_choices_are_whole(
     page: Open, damper: bytes
 ):
