@@ -212,6 +212,7 @@ def figures(rows):
     return {(f.design, f.name): f for f in strata_table(rows)}
 
 
+@pytest.mark.soak
 def test_what_is_the_matter_with_a_file_is_in_it(tmp_path):
     files = {}
     for seed in range(1, 8):

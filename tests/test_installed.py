@@ -180,6 +180,7 @@ def answers(installed: Environment) -> list[str]:
     )
 
 
+@pytest.mark.soak
 def test_identify_works_outside_the_checkout(answers: list[str]):
     answer, embedded = map(json.loads, answers[:2])
     found = {name: entry["value"] for name, entry in answer["parameters"].items()}
@@ -187,6 +188,7 @@ def test_identify_works_outside_the_checkout(answers: list[str]):
     assert embedded["relative_rms"] < 0.2
 
 
+@pytest.mark.soak
 def test_every_command_of_the_page_on_plugins_works(answers: list[str]):
     called = of_the_page()
     assert len(called) >= 4
@@ -195,6 +197,7 @@ def test_every_command_of_the_page_on_plugins_works(answers: list[str]):
     assert all(answers[4:])
 
 
+@pytest.mark.soak
 def test_the_command_stands_among_springpots_own(answers: list[str]):
     listed, told = answers[2:4]
     assert re.search(r"^  peak-loss +The frequency at which", listed, re.M)

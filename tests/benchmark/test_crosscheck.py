@@ -22,6 +22,7 @@ def scores(rng):
     return rng.random((24, 5)) + 0.12 * np.arange(5)
 
 
+@pytest.mark.soak
 def test_wilcoxon_holm_is_that_of_scikit_posthocs(posthocs, scores):
     theirs = posthocs.posthoc_wilcoxon(
         list(scores.T), p_adjust="holm", zero_method="zsplit"
@@ -29,6 +30,7 @@ def test_wilcoxon_holm_is_that_of_scikit_posthocs(posthocs, scores):
     assert s.wilcoxon_holm(scores) == pytest.approx(theirs, abs=1e-12)
 
 
+@pytest.mark.soak
 def test_mann_whitney_holm_is_that_of_scikit_posthocs(posthocs, scores):
     groups = scores.T[:2]
     theirs = posthocs.posthoc_mannwhitney(list(groups), p_adjust="holm").to_numpy()[0, 1]

@@ -119,6 +119,7 @@ def test_the_clock_starts_at_the_first_value_also_after_a_worker_was_ended(tmp_p
     )
 
 
+@pytest.mark.soak
 def test_who_asks_for_no_value_is_waited_for_once_and_one_run_for_all_has_one_deadline(
     tmp_path, monkeypatch
 ):

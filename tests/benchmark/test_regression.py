@@ -246,6 +246,7 @@ def tired(share, **changes):
     return quick(optimisers=[("tired", Tired(gives_up=share))], **changes)
 
 
+@pytest.mark.soak
 def test_an_optimiser_that_gives_up_in_every_third_trial_fails(tmp_path):
     path = update(tired(0.0), tmp_path / "baseline.json")
     gate = check(tired(0.35), path)
@@ -265,6 +266,7 @@ def test_any_drop_of_success_is_noted(tmp_path):
     )
 
 
+@pytest.mark.soak
 def test_the_smallest_change_that_a_baseline_sees_is_told(baseline):
     gate = check(quick(), baseline)
     assert [line.partition(",")[0] for line in gate.seen] == ["native", "pso-paper"]

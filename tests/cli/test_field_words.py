@@ -62,6 +62,7 @@ def test_a_damper_engineer_reads_hertz_and_stiffness(springpot, write):
     assert "rad/s" not in said
 
 
+@pytest.mark.soak
 def test_json_stays_in_hertz(springpot, rheometer, write):
     """Words change with the file, numbers for programs never."""
     same = write(table(OMEGA, "frequency [Hz],storage [Pa],loss [Pa]"), "hertz.csv")

@@ -27,6 +27,7 @@ def test_each_file_has_its_own_where_no_column_is_named(springpot, specimens):
     assert "file: 1 is soft, 2 is stiff" in found.json["notes"]
 
 
+@pytest.mark.soak
 def test_a_prediction_says_of_which_level(springpot, specimens, tmp_path):
     fit = tmp_path / "fit.json"
     fit.write_text(
@@ -55,6 +56,7 @@ def test_what_is_no_parameter_or_column_is_one_line(springpot, specimens):
     )
 
 
+@pytest.mark.soak
 def test_a_population_has_every_parameter_for_itself(springpot, specimens, write):
     third = write(specimens[0].read_text().replace(",90.0,", ",100.0,"), "third.csv")
     found = springpot(

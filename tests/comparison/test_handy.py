@@ -21,6 +21,7 @@ def nearly():
     return springpot.compare(sweep(0.02), ["material", "zener", "prony-2"])
 
 
+@pytest.mark.soak
 def test_the_fewest_parameters_within_half_more_of_the_nearest_error(nearly):
     assert nearly.best.model.name != "zener"
     assert nearly.handy.model.name == "zener"

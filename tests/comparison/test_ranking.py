@@ -124,6 +124,7 @@ def test_a_passive_material_needs_no_effect():
     assert {one.model.name for one in ranking.judgements} <= {model.name for model in SMALL}
 
 
+@pytest.mark.soak
 def test_where_nothing_holds_the_nearest_comes_first_and_is_called_so():
     ranking = ranked(measured("fractional-zener", [300.0, 200.0, 30.0, 0.4]), SMALL[:2])
     assert ranking.adequate == ()
@@ -260,6 +261,7 @@ def test_what_no_material_follows_to_the_noise_makes_no_model_adequate(mixed):
     assert jsonable(mixed)["ranking"]["near"] == [one.model.name for one in mixed.near]
 
 
+@pytest.mark.soak
 def test_rows_of_several_tests_are_compared_one_by_one(mixed):
     assert mixed.one_test == "current=0"
     assert any("choose one by '@current=0'" in note for note in mixed.notes)

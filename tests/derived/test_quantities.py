@@ -307,6 +307,7 @@ def test_an_answer_has_the_quantities_of_its_material_alone(tmp_path):
     assert "model, outside" in whole
 
 
+@pytest.mark.soak
 def test_a_diagnosis_tells_quantities_of_an_adequate_model_only():
     ladder = springpot.discover("artificial-hidden", "fractional-maxwell + inertia")
     assert ladder.steps[0].diagnosis.quantities is None

@@ -68,6 +68,7 @@ def test_what_a_material_or_a_rig_can_do_is_causal(name, temperatures):
     assert "consistent with causality" in says(CAUSAL[name], temperatures)
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases(
     "gain drift over the sweep-temperatures0",
     "gain drift over the sweep-temperatures1",
@@ -90,6 +91,7 @@ def test_a_resonance_too_narrow_for_the_points_is_not_called_a_breach():
     assert "not causal" not in said
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("0.5", "2.0")
 @pytest.mark.parametrize("sd", [0.5, 1.0, 2.0])
 def test_noise_is_no_breach_even_where_its_size_is_misstated(sd):

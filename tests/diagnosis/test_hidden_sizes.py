@@ -91,6 +91,7 @@ def some(*effects):
     return [name if name in effects else soaked(name) for name in WHERE]
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("friction", "inertia", "rig-drag", "self-heating")
 @pytest.mark.parametrize("effect", some(*BARELY, *FEW_POINTS))
 def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):

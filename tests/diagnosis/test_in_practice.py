@@ -106,6 +106,7 @@ def test_a_misfit_that_is_small_is_called_so_first():
     assert "small in practice" not in large.says
 
 
+@pytest.mark.soak
 def test_discovery_ends_where_the_instrument_promises_no_more():
     few = ["inertia", "series-spring", "time-delay"]
     ladder = springpot.discover(

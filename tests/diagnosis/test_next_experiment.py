@@ -139,6 +139,7 @@ def test_what_is_said_is_the_number_that_is_given():
     assert told == plain(max(advice.expected_separation_sigma, 0.1), 2)
 
 
+@pytest.mark.soak
 def test_a_known_mass_tells_the_chain_of_measurement_from_the_specimen():
     """In place of the specimen it shows what the rig adds: a delay, but no relaxation."""
     case, best = explained("time-delay")

@@ -100,6 +100,7 @@ def of_evidence(found):
     }  # fmt: skip
 
 
+@pytest.mark.soak_cases("moved along", "a point")
 def test_what_is_weighed(case, stays):
     facts = verdict.facts_of(case.evidence, case.outliers, case.naming is not case.search)
     stays(

@@ -59,6 +59,7 @@ def test_an_error_that_all_share_moves_the_mean_and_is_no_scatter() -> None:
     assert shared.mean.high - shared.mean.low > 0.4
 
 
+@pytest.mark.soak
 def test_a_fit_tells_its_population(rng: np.random.Generator) -> None:
     omega, batch = np.tile(np.geomspace(1.0, 100.0, 10), 8), np.repeat(np.arange(1.0, 9.0), 10)
     k = 100.0 * np.exp(0.06 * rng.standard_normal(8))

@@ -81,6 +81,7 @@ def test_a_prediction_is_the_model_with_a_band_that_holds_the_truth(fit: Identif
     assert np.all(wider.high.real > found.high.real)
 
 
+@pytest.mark.soak
 def test_the_band_is_the_scatter_of_fits_to_new_noise(rng: np.random.Generator):
     omega = 2.0 * np.pi * np.geomspace(0.5, 50.0, 20)
     model = springpot.parse_model("fractional-maxwell")
@@ -147,6 +148,7 @@ def test_temperatures_are_in_celsius_and_are_not_guessed(
         warm.predict(frequency=1.0, temperature=temperature)
 
 
+@pytest.mark.soak
 def test_what_the_data_do_not_determine_is_called_so(rng: np.random.Generator):
     omega = np.geomspace(1.0, 10.0, 12)
     spring = 100.0 * (1.0 + 0.01 * (rng.normal(size=12) + 1j * rng.normal(size=12)))

@@ -17,6 +17,7 @@ from springpot.errors import DataError
 from springpot.testing import check_effect
 
 
+@pytest.mark.soak
 def test_its_file_is_loaded_as_it_was(files: Path):
     found = springpot.load(files / "law.json")
     assert isinstance(found, Invention)
@@ -26,6 +27,7 @@ def test_its_file_is_loaded_as_it_was(files: Path):
         found.search  # noqa: B018
 
 
+@pytest.mark.soak
 def test_it_is_a_rung_like_any_other(files: Path):
     law = accepted(str(files / "law.json"), 1)
     assert law.expression == "(law-1 = parallel: i*k*X^(-n))"
@@ -34,6 +36,7 @@ def test_it_is_a_rung_like_any_other(files: Path):
     assert fit.predict(frequency=[2.0], amplitude=3.0).stiffness.shape == (1,)
 
 
+@pytest.mark.soak
 def test_two_laws_without_a_name_are_two(files: Path):
     names = [accepted("series: X^n/k", i).name for i in (1, 2)]
     assert names == ["law-1", "law-2"]
@@ -67,6 +70,7 @@ def test_its_plugin_keeps_the_contract(files: Path, tmp_path: Path):
     assert diagnosed.best.effect == "my-law"
 
 
+@pytest.mark.soak
 def test_only_a_plugin_is_made_of_a_law(files: Path):
     answer = CliRunner().invoke(init, ["study", "--from", str(files / "law.json")])
     assert "only a plugin is made of a law, not a study" in str(answer.exception)

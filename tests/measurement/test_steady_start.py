@@ -54,6 +54,7 @@ def test_a_record_of_a_motion_that_had_gone_on_begins_before_its_first_sample(st
     assert (steady.start, steady.kind) == (0.0, "history")
 
 
+@pytest.mark.soak
 def test_nothing_is_missing_from_the_model_of_a_steady_record(steady):
     """From rest it would miss what the specimen remembers, by many times the noise."""
     fit = identify(steady, MODEL)

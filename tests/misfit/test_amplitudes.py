@@ -37,6 +37,7 @@ def test_a_gel_that_softens_is_told_to_soften():
     assert "the loss factor stays at" in note
 
 
+@pytest.mark.soak
 def test_a_gel_that_stiffens_and_loses_more_is_told_both():
     softer = GEL * (1.0 + 0.2 * AMPLITUDE) + 100.0 * (1j * OMEGA) ** 0.5 * AMPLITUDE
     (note,) = notes(measured(softer))

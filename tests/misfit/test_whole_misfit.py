@@ -190,6 +190,7 @@ def test_what_is_known_of_a_fit(case, stays):
     stays(of_fit(case))
 
 
+@pytest.mark.soak_cases("material + inertia")
 @pytest.mark.parametrize("name", ["kelvin + inertia", "material", "material + inertia"])
 def test_a_fit_with_an_effect_and_what_leaving_out_says_of_it(name, stays):
     data = temperatures()

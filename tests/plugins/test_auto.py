@@ -31,6 +31,7 @@ def leaves(node):
     return leaves(node["below"]) + leaves(node["above"])
 
 
+@pytest.mark.soak
 def test_what_it_looks_at_are_the_descents_of_its_rules():
     limit = int(auto.Auto().share * BUDGET)
     whole = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace

@@ -96,6 +96,7 @@ def test_an_effect_of_no_size_leaves_the_model_as_it_was(name, base_name):
     assert gone < 1e-8
 
 
+@pytest.mark.soak
 def test_every_pair_is_the_same_model_whatever_the_order_of_typing():
     for one, other in combinations(EFFECTS, 2):
         model, theta = grown("fractional-zener", one, other)

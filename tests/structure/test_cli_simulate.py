@@ -37,6 +37,7 @@ def frame(springpot, damper, write, asked_once):
     return path
 
 
+@pytest.mark.soak
 def test_drift_with_its_band_modes_and_energy(springpot, frame, write, tmp_path):
     record, picture = write(RECORD, "record.csv"), tmp_path / "motion.png"
     told = springpot("simulate", frame, "--record", record, "--draws", "5", "--figure", picture)

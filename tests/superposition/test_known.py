@@ -79,6 +79,7 @@ def test_every_row_of_the_table_of_the_curve_is_marked(parted, tmp_path):
     assert [level["reason"] for level in told["levels"]] == ["no overlap", "no overlap", "", "", ""]
 
 
+@pytest.mark.soak
 def test_no_factor_is_left_out_of_the_text(parted):
     lines = told(parted).splitlines()
     assert sum("no: no overlap" in line for line in lines) == 2

@@ -54,12 +54,14 @@ def test_where_a_and_b_are_one_b_stays_what_physics_expects(curve):
     assert curve.simplicity.error <= curve.error_without_vertical
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("curve0", "curve1")
 def test_it_is_said_in_one_line_where_a_and_b_cannot_be_told_apart(curve):
     (note,) = [note for note in curve.notes if "cannot be told apart" in note]
     assert "70 degC" in note.split(":")[0]
 
 
+@pytest.mark.soak
 @pytest.mark.soak_cases("curve0", "curve1")
 def test_there_is_a_law_of_the_shift(curve):
     assert "Arrhenius" in {law.law.name for law in curve.laws}

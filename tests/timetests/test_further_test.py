@@ -103,6 +103,7 @@ def test_a_clock_without_a_time_to_begin_from_is_no_promise(fits) -> None:
     assert contest.linear == contest.fitted() == 0.0
 
 
+@pytest.mark.soak
 def test_slopes_are_those_of_the_differences(fits) -> None:
     test, heated, clock = fits
     parts = parts_of_specimen([test])

@@ -85,6 +85,7 @@ def test_the_true_parameters_lie_in_their_intervals(test):
     assert found.tests[0].over_floor == pytest.approx(1.0, abs=0.3)
 
 
+@pytest.mark.soak
 def test_a_ramp_that_is_ignored_spoils_the_fit_and_one_that_is_told_does_not():
     slow = relaxation(rise=0.3, share=0.002)
     told = identify(slow, ZENER)
@@ -114,6 +115,7 @@ def test_tests_of_two_specimens_do_not_agree():
     assert any("does not agree" in note for note in found.notes)
 
 
+@pytest.mark.soak
 def test_units_of_the_second_test_are_converted():
     t = np.geomspace(0.01, 100.0, 200)
     in_pascal = TimeTest.of_compliance(t, noisy(1e-3 * ZENER.creep(TRUE, t), 0.01, 2), "Pa")

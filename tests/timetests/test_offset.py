@@ -40,6 +40,7 @@ def test_a_constant_force_is_named_with_its_size(constant):
     assert found.best.parameters["size"].value == pytest.approx(constant, abs=0.2)
 
 
+@pytest.mark.soak
 def test_a_stroke_counted_from_its_end_is_one_too():
     found = diagnose(dampers(0.0, middle=20.0), "kelvin", tried("force-offset", *OTHERS))
     assert found.leading[0] == "force-offset"

@@ -148,6 +148,7 @@ def test_a_slow_misfit_beneath_the_noise_is_seen():
     assert scatter_of(bump + rng.normal(size=300)).misfit
 
 
+@pytest.mark.soak
 def test_a_channel_at_its_limit_carries_no_noise_and_is_named():
     # What saturates last cuts the noise off too: half of such a record repeats one value.
     noisy = record()

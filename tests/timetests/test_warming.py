@@ -143,6 +143,7 @@ def test_a_drift_is_told_from_a_record_that_warms():
     assert found.tests[0].over_floor < 1.15
 
 
+@pytest.mark.soak
 def test_what_no_exponentials_follow_is_sought_by_the_exact_answer():
     """Also where the exact answer was followed before: no start is then endless for the others."""
     x = 0.01 * np.sin(0.5 * T)

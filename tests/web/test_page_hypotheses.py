@@ -104,6 +104,7 @@ def test_what_is_no_law_is_one_line(damper_data: Measurement, typed: object):
     assert "\n" not in str(told.value)
 
 
+@pytest.mark.soak
 def test_an_accepted_law_is_a_rung_and_stands_in_command_and_session(damper_data: Measurement):
     state = State(digest_of(text_of(damper_data)), MODEL, (LAW,))
     ladder = _ladder(state, text_of(damper_data), silent)

@@ -208,6 +208,7 @@ def test_a_plane_of_residuals_is_told_to_the_page_as_data(data: Measurement, mon
         assert not [plane for plane in PLANES if f'"{plane.plane}"' in source.decode()], name
 
 
+@pytest.mark.soak
 def test_the_rivals_part_where_the_next_experiment_measures(first: dict, data: Measurement):
     rivals = first["next"]["rivals"]
     assert {rival["effect"] for rival in rivals} == set(
