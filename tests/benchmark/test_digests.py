@@ -79,6 +79,7 @@ COMPUTED = {
 otherwise; the archive of the main study has been made with them."""
 
 
+@pytest.mark.soak
 def test_data_of_another_processor_have_the_digests_that_were_published():
     """Without fused multiplication, which the C library of Linux can be told to leave."""
     code = (

@@ -208,6 +208,7 @@ def test_an_optimiser_defined_in_a_function_is_refused_in_one_line(tmp_path):
         run_study(small_study(optimisers=[Local()]), workers=1, out=tmp_path, quiet=True)
 
 
+@pytest.mark.soak
 def test_unknown_engines_and_missing_dask_are_one_line(tmp_path, monkeypatch):
     with pytest.raises(StudyError, match="unknown engine 'slurm': use local"):
         run_study(small_study(), engine="slurm", out=tmp_path, quiet=True)

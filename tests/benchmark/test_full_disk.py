@@ -73,6 +73,7 @@ def undisturbed(plan, tmp_path_factory):
     return path, writes_of(lambda: work(path, plan, set()))
 
 
+@pytest.mark.soak_cases("True")
 @pytest.mark.parametrize("lasting", [True, soaked(False)])
 def test_whichever_write_finds_the_disk_full_the_same_command_goes_on(
     plan, undisturbed, tmp_path, capfd, lasting

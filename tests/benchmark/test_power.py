@@ -24,6 +24,7 @@ def test_the_least_fall_of_success_is_seen_as_often_as_is_said(trials, before, r
     assert np.mean(found) == pytest.approx(POWER, abs=0.04)
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("trials", [20, 50])
 def test_the_least_rise_of_costs_is_seen_as_often_as_is_said(trials, rng):
     """Averaged over baselines: one sample knows its own spread only roughly."""

@@ -255,6 +255,7 @@ def test_an_optimiser_that_gives_up_in_every_third_trial_fails(tmp_path):
     assert any("target reached in" in line for line in gate.regressions)
 
 
+@pytest.mark.soak
 def test_any_drop_of_success_is_noted(tmp_path):
     path = update(tired(0.0), tmp_path / "baseline.json")
     gate = check(tired(0.08), path)
@@ -286,6 +287,7 @@ def test_what_a_study_requires_is_held_whatever_was_before(tmp_path):
         assert f"{name} is {limit:g}" in line
 
 
+@pytest.mark.soak
 def test_identified_parameters_of_own_data_are_held(tmp_path):
     """One repetition, no known truth: the baseline's parameters are what is right."""
 

@@ -95,6 +95,7 @@ def test_a_full_disk_behind_standard_output_is_no_fault(arguments):
     assert (ended.returncode, ended.stderr) == (2, said)
 
 
+@pytest.mark.soak
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
 def test_a_full_disk_behind_standard_error_costs_no_answer():
     with open("/dev/full", "w") as full:

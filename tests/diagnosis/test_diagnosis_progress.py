@@ -29,6 +29,7 @@ def data():
     )
 
 
+@pytest.mark.soak
 def test_stages_come_in_the_order_of_the_work_and_change_no_bit(data):
     library = [plugins().effect(name) for name in EFFECTS]
     told = []

@@ -131,6 +131,7 @@ def test_a_large_effect_is_in_the_first_class(effect):
     assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
 
 
+@pytest.mark.soak_cases("inertia")
 @pytest.mark.soak_cases(
     "series-spring",
     "friction",

@@ -195,6 +195,7 @@ def test_the_last_line_is_a_command_that_runs(apart, tells, name):
     assert title.endswith((": adequate", ": inconclusive"))
 
 
+@pytest.mark.soak
 def test_a_column_behind_the_misfit_is_in_json_and_opens_again(apart, tells, tmp_path):
     kept = tmp_path / "diagnosis.json"
     kept.write_text(tells("diagnose", apart["current"], "--json"))

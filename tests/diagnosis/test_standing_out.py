@@ -151,6 +151,7 @@ def test_two_bad_points_do_not_hide_each_other():
     assert outlying(fitted_to_floor(MODEL, data).frame()).tolist() == [15, 35]
 
 
+@pytest.mark.soak
 def test_a_bad_end_does_not_hide_another_bad_point():
     data = with_bad_points({50: 1.3, 59: 0.65}, 0.012, 0.012, seed=3)
     answer = springpot.diagnose(data, MODEL, only=["inertia", "friction", "parallel-spring"])

@@ -34,6 +34,7 @@ def test_a_constant_loss_may_be_dry_friction_at_one_amplitude():
     assert "in a column amplitude" in found.next_experiment.says
 
 
+@pytest.mark.soak
 def test_a_rung_says_what_it_may_be_as_well():
     data = measured(AT, LOSS, 1, 0.01)
     ladder = springpot.discover(data, "fractional-kelvin", only=LIBRARY, accept="hysteretic-loss")

@@ -135,6 +135,7 @@ def test_specimens_beside_levels_scatter_as_all_columns_say() -> None:
     assert known.covariance.dense() == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.soak
 def test_memory_grows_with_the_specimens_and_no_faster() -> None:
     peaks = []
     springpot.identify(batch(20), "kelvin", own={"k": "specimen"})

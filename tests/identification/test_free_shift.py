@@ -78,6 +78,7 @@ def test_another_column_than_temperature():
     )
 
 
+@pytest.mark.soak
 def test_two_columns_at_once():
     """Temperature and water on a grid with a corner missing; their shifts add up."""
     omega, model, theta = (

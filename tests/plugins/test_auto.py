@@ -53,6 +53,7 @@ def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch)
         assert made.evaluations == before + 4
 
 
+@pytest.mark.soak
 def test_it_says_which_optimiser_it_goes_on_with_and_why():
     done = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3))
     (remark,) = done.remarks

@@ -59,6 +59,7 @@ def test_what_is_missing_is_named_with_its_size(effect, values):
     assert first.value == pytest.approx(values[0] * (1e3 if first.unit == "kg" else 1.0), rel=0.1)
 
 
+@pytest.mark.soak
 def test_what_no_effect_explains_is_called_unexplained():
     odd = record()
     bump = 40.0 * np.exp(-(((T - 11.0) / 0.4) ** 2))

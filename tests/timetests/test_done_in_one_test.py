@@ -91,6 +91,7 @@ def test_a_step_by_itself_asks_for_no_zero():
     assert (at_tests(offset, [step]), at_tests(offset, [step, swept()])) == ([], [offset])
 
 
+@pytest.mark.soak
 def test_a_step_that_was_over_before_the_first_sample_is_no_delay_of_the_sweep():
     time = np.geomspace(0.08, 100.0, 50)
     force = noisy(MODEL.relaxation(THETA, time), 3)

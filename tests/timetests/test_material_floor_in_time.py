@@ -227,6 +227,7 @@ def relaxed():
     return TimeTest.of_relaxation(T, noisy(drifting, 0.002, rng), "kPa", name="relaxed")
 
 
+@pytest.mark.soak
 def test_every_answer_tells_the_floor(relaxed):
     judged = springpot.diagnose(relaxed, "maxwell", only=["force-drift", "relaxation-mode"])
     floor = judged.error.material_floor

@@ -50,6 +50,7 @@ def fit():
     return springpot.identify(specimens(), "zener", own={"k2": "file"})
 
 
+@pytest.mark.soak
 def test_each_test_has_a_parameter_of_its_own():
     found = fit()
     assert list(found.parameters) == ["k1", "k2_1", "k2_2", "k2_3", "c"]
@@ -82,6 +83,7 @@ def test_it_is_taken_up_again_and_predicts_one_specimen(tmp_path):
         springpot.quantities(file)
 
 
+@pytest.mark.soak
 def test_each_temperature_has_its_own():
     warm = [
         TimeTest.of_relaxation(

@@ -165,6 +165,7 @@ def warm(test, celsius: float):
     return replace(test, conditions={"temperature": np.full(len(test), celsius)})
 
 
+@pytest.mark.soak
 def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
     """Times count as one over them; temperatures of all tests together."""
     early = T < 3.0

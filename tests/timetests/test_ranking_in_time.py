@@ -35,6 +35,7 @@ def plain():
     return rank([ramped(rise=0.0)], INSTALLED, [])
 
 
+@pytest.mark.soak
 def test_the_simplest_that_does_what_any_material_does_comes_first(plain):
     assert plain.best.model.name == "zener"
     assert [one.model.name for one in plain.adequate][1:] == ["fractional-zener", "maxwell-2"]

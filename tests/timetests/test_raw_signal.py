@@ -92,6 +92,7 @@ def test_a_record_that_is_level_at_its_top_is_told():
     assert not any("level" in place.says for place in places(test, residual))
 
 
+@pytest.mark.soak
 def test_the_answer_has_the_keys_of_one_on_a_sweep():
     path = Path(__file__).parents[2] / "docs" / "schemas" / "diagnosis.json"
     answer = found("force-clipping").to_dict()

@@ -90,6 +90,7 @@ ROWS = """async (levels) => {
 }"""
 
 
+@pytest.mark.soak
 def test_sentence_bar_and_points_light_up_together(page: Open, damper: bytes):
     here = page()
     here.open("damper.csv", damper, MODEL)

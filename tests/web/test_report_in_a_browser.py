@@ -56,6 +56,7 @@ def test_whoever_sees_hears_or_types_can_read_it(shown: Shown, width: int, schem
     assert violations_on(shown(width, color_scheme=scheme)) == []
 
 
+@pytest.mark.soak
 def test_a_claim_is_not_cut_and_a_finger_can_choose(shown: Shown):
     desk = shown(1024)
     cut = "says => says.scrollHeight > says.clientHeight"
