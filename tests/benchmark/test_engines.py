@@ -82,8 +82,7 @@ def faulty(tmp_path_factory):
     return run_study(study, workers=2, out=tmp_path_factory.mktemp("faulty"), quiet=True)
 
 
-@pytest.mark.soak_cases("eat")
-@pytest.mark.soak_cases("segfault", "vanish")
+@pytest.mark.soak_cases("eat", "segfault", "vanish")
 @pytest.mark.parametrize("mood", FAULTS)
 def test_a_fault_becomes_a_status_and_the_study_goes_on(faulty, mood):
     status, reason = FAULTS[mood]

@@ -43,8 +43,7 @@ def test_the_right_model_holds_and_the_wrong_one_fails():
     assert right.says.endswith("nothing is left but noise")
 
 
-@pytest.mark.soak_cases("24-2-True")
-@pytest.mark.suite_cases("24-2-True")
+@pytest.mark.soak
 @pytest.mark.parametrize("known", [False, True])
 @pytest.mark.parametrize(("draws", "few"), [(24, 2), pytest.param(60, 3, marks=pytest.mark.soak)])
 def test_noise_alone_rarely_alarms(known, draws, few):

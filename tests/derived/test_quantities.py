@@ -247,7 +247,6 @@ def test_a_condition_that_the_model_needs_is_asked_for():
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("2.4")
 @pytest.mark.parametrize("power", [0.8, 2.4])
 def test_the_error_of_a_linear_limit_is_what_it_scatters_by(power):
     x, rng = np.log(np.geomspace(1e-4, 1.0, 33)), np.random.default_rng(3)

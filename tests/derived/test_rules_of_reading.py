@@ -81,8 +81,7 @@ def test_what_is_not_positive_has_no_logarithm_and_no_place_on_a_curve():
     assert len(found.x) == 16
 
 
-@pytest.mark.soak_cases("3.0")
-@pytest.mark.soak_cases("1.5")
+@pytest.mark.soak_cases("3.0", "1.5")
 @pytest.mark.parametrize("power", [1.5, 3.0])
 def test_a_linear_limit_is_where_storage_has_fallen_by_a_twentieth(power):
     """ln G' = level + ln(0.95) (amplitude / limit)^power, in its own form and with its error."""

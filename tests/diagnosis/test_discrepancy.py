@@ -69,15 +69,6 @@ def test_what_a_material_or_a_rig_can_do_is_causal(name, temperatures):
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases(
-    "gain drift over the sweep-temperatures0",
-    "gain drift over the sweep-temperatures1",
-    "gain step between ranges-temperatures0",
-    "gain step between ranges-temperatures1",
-    "phase error-temperatures1",
-    "ripple of the gain-temperatures0",
-    "ripple of the gain-temperatures1",
-)
 @pytest.mark.parametrize("temperatures", [(), CELSIUS])
 @pytest.mark.parametrize("name", NOT_CAUSAL)
 def test_what_no_linear_material_can_do_is_not(name, temperatures):
@@ -92,7 +83,6 @@ def test_a_resonance_too_narrow_for_the_points_is_not_called_a_breach():
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("0.5", "2.0")
 @pytest.mark.parametrize("sd", [0.5, 1.0, 2.0])
 def test_noise_is_no_breach_even_where_its_size_is_misstated(sd):
     said = [says(lambda s, r: 0 * s, seed=seed, sd=sd) for seed in range(20)]

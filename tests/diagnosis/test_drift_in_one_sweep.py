@@ -34,8 +34,7 @@ def drifted(request):
     return request.param, diagnosed(drift=request.param)
 
 
-@pytest.mark.soak_cases("+2%")
-@pytest.mark.soak_cases("+5%", "-3%")
+@pytest.mark.soak_cases("+2%", "+5%", "-3%")
 def test_the_headline_names_the_drift_beside_the_phase(drifted):
     drift, found = drifted
     assert found.verdict == "effect-missing"

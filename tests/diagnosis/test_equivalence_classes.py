@@ -148,7 +148,6 @@ def test_a_solvent_beside_and_a_dashpot_in_series_are_one_fluid():
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("maxwell")
 @pytest.mark.parametrize("name", [soaked("fractional-maxwell"), "maxwell"])
 def test_mounting_compliance_is_absorbed_by_a_model_with_a_spring_in_series(name):
     law = {"fractional-maxwell": MAXWELL, "maxwell": CLASSICAL_MAXWELL}[name]

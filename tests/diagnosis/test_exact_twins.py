@@ -269,7 +269,6 @@ def test_a_gain_is_a_scale_of_all_moduli(base, gain, seed):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("1")
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.soak)])
 def test_a_gain_at_one_of_two_temperatures_is_a_vertical_shift(seed):
     """And no gain error, which is the same at both."""
@@ -330,7 +329,6 @@ def test_a_clock_wrong_at_one_of_two_temperatures_is_a_shift(level, seed):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("spring-0.002")
 @crossed("base", [KELVIN, SOFT_KELVIN, SPRING], rare=[KELVIN, SOFT_KELVIN])
 def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):
     """Friction, a hysteretic loss, and crosstalk whose part in phase the spring takes."""
@@ -347,8 +345,7 @@ def test_crosstalk_at_one_amplitude_is_friction(phase, level, seed):
     one_class(springpot.diagnose(data, KELVIN.name), "friction", "hysteretic-loss", "crosstalk")
 
 
-@pytest.mark.soak_cases("friction-spring-0.01")
-@pytest.mark.soak_cases("phase-error-spring-0.01")
+@pytest.mark.soak_cases("friction-spring-0.01", "phase-error-spring-0.01")
 @crossed("base", [SPRING, STIFF_KELVIN], noises=[(0.01, 1), (0.02, 3)], rare=[STIFF_KELVIN])
 @pytest.mark.parametrize("turned", [True, False], ids=["phase-error", "friction"])
 def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, seed):

@@ -29,7 +29,6 @@ def examined(data, model=KELVIN.name):
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("wlf-shift")
 @pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
 def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect):
     """Over 20 K the free volume's second constant is anyone's guess.

@@ -47,8 +47,7 @@ def test_friction_makes_a_third_of_its_force_at_three_times_the_frequency():
     )
 
 
-@pytest.mark.soak_cases("with")
-@pytest.mark.suite_cases("with")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("third", "effect", "other"),
     [

@@ -39,8 +39,7 @@ def test_an_inertia_that_agrees(measured):
     assert "agrees with it" in note
 
 
-@pytest.mark.soak_cases("0.02-of it: what a correction left")
-@pytest.mark.soak_cases("0.0001-times as much")
+@pytest.mark.soak_cases("0.02-of it: what a correction left", "0.0001-times as much")
 @pytest.mark.parametrize(
     ("said", "words"), [(0.02, "of it: what a correction left"), (1e-4, "times as much")]
 )

@@ -92,7 +92,6 @@ def some(*effects):
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("friction", "inertia", "rig-drag", "self-heating")
 @pytest.mark.parametrize("effect", some(*BARELY, *FEW_POINTS))
 def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
     diagnosis = diagnosed(effect, 30.0)
@@ -131,8 +130,8 @@ def test_a_large_effect_is_in_the_first_class(effect):
     assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
 
 
-@pytest.mark.soak_cases("inertia")
 @pytest.mark.soak_cases(
+    "inertia",
     "series-spring",
     "friction",
     "self-heating",
@@ -188,8 +187,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
-@pytest.mark.soak_cases("inertia")
-@pytest.mark.suite_cases("inertia")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "effect",
     ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],

@@ -27,8 +27,7 @@ def diagnosed(effect, mass, hertz=HERTZ, unit="Pa"):
     return springpot.diagnose(data, springpot.parse_model("zener"), only=few)
 
 
-@pytest.mark.soak_cases("specimen-inertia-fixed-MPa")
-@pytest.mark.soak_cases("specimen-inertia-Pa")
+@pytest.mark.soak_cases("specimen-inertia-fixed-MPa", "specimen-inertia-Pa")
 @pytest.mark.suite_cases("specimen-inertia-Pa", "specimen-inertia-fixed-MPa")
 @pytest.mark.parametrize("unit", ["Pa", "MPa"])
 @pytest.mark.parametrize("effect", ["specimen-inertia", "specimen-inertia-fixed"])

@@ -185,8 +185,7 @@ def test_its_selector_opens_one_test_alone(apart, name):
     assert springpot.diagnose(part, "fractional-maxwell").verdict == "adequate"
 
 
-@pytest.mark.soak_cases("batch")
-@pytest.mark.soak_cases("current")
+@pytest.mark.soak_cases("batch", "current")
 @pytest.mark.parametrize("name", ["current", "batch"])
 def test_the_last_line_is_a_command_that_runs(apart, tells, name):
     words = next_command(tells("diagnose", apart[name]))
@@ -226,7 +225,6 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("0.0")
 @pytest.mark.parametrize("gain", [0.08, 0.0])
 def test_rows_of_two_calibrations_that_take_turns_are_no_noise(gain):
     """Scatter to all that does not know which geometry a row was measured on."""
@@ -388,7 +386,6 @@ def test_different_materials_are_no_noise_of_repeats(save):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("fractional-maxwell")
 @pytest.mark.parametrize("model", [None, "fractional-maxwell"])
 def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     columns = repeated("lane", {"one": (400.0, 60.0, 0.5)})

@@ -74,7 +74,6 @@ def measured(law, **own):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("stiff")
 @pytest.mark.parametrize("own", [{}, SOFT], ids=["stiff", "soft"])
 def test_a_hardening_spring_in_series_is_no_nonlinearity_of_the_material(own):
     some = ["hardening-mount", "cubic-stiffness", "payne", "friction", "series-spring"]

@@ -10,8 +10,7 @@ from springpot import Measurement
 from springpot.measurement.scatter import rounding_steps
 
 
-@pytest.mark.soak_cases("0")
-@pytest.mark.soak_cases("1")
+@pytest.mark.soak_cases("0", "1")
 @pytest.mark.parametrize("seed", [0, 1, *map(soaked, range(2, 6))])
 def test_three_digits_of_a_plateau_are_no_structure(seed):
     """Neighbours on a plateau are all rounded the same way; the noise is a quarter of a step."""

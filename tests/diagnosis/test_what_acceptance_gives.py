@@ -22,8 +22,9 @@ CASES = [
 ]
 
 
-@pytest.mark.soak_cases("artificial-hidden-fractional-maxwell")
-@pytest.mark.soak_cases("nist-srm2491@temperature=20-fractional-maxwell")
+@pytest.mark.soak_cases(
+    "artificial-hidden-fractional-maxwell", "nist-srm2491@temperature=20-fractional-maxwell"
+)
 @pytest.mark.parametrize(("data", "model"), CASES)
 def test_the_error_after_an_effect_is_that_of_accepting_it(data, model):
     given = [] if model is None else [model]

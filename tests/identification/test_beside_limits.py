@@ -9,8 +9,7 @@ MODEL = springpot.parse_model("zener")
 TRUE = MODEL.theta(k1=200.0, k2=300.0, c=30.0)
 
 
-@pytest.mark.soak_cases("0.005")
-@pytest.mark.soak_cases("0.001")
+@pytest.mark.soak_cases("0.005", "0.001")
 @pytest.mark.parametrize("width", [0.005, 0.001])
 def test_they_hold_the_truth_where_nearly_one_frequency_was_measured(width):
     """Kelvin's limit or Maxwell's fits as well there: its slopes alone miss in every third case."""

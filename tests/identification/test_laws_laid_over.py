@@ -25,8 +25,7 @@ def sweeps(seed, c1, c2):
     return springpot.Measurement(omega, measured, conditions={"temperature": celsius})
 
 
-@pytest.mark.soak_cases("0-15.0-60.0")
-@pytest.mark.suite_cases("0-15.0-60.0")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("seed", "c1", "c2"), [(0, 15.0, 60.0), (1, 15.0, 60.0), (0, 10.0, 40.0), (2, 10.0, 40.0)]
 )

@@ -43,7 +43,6 @@ def coverage(count, cases, rng):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("count", [3, 5, 10])
 def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):
     # 180 intervals: two standard deviations of 95 % are 3.2 %.

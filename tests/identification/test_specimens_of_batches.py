@@ -17,8 +17,7 @@ LETTERS = [("A", "B", "C")[i] for i in BATCH]
 OMEGA = np.geomspace(1.0, 100.0, 8)
 
 
-@pytest.mark.soak_cases("0.01")
-@pytest.mark.suite_cases("0.01")
+@pytest.mark.soak
 @pytest.mark.parametrize("batches", [0.0, 0.01, 0.04])
 def test_of_24_specimens_in_3_batches_the_mean_is_covered(batches: float) -> None:
     """At least .93 and at most .97 in the long run, whatever batches differ by.

@@ -24,8 +24,7 @@ from springpot.registry import parse_model
 TRIALS = 300
 
 
-@pytest.mark.soak_cases("fractional-kelvin-given-sd")
-@pytest.mark.suite_cases("fractional-kelvin-given-sd")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("name", "given"),
     [

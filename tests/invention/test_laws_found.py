@@ -85,8 +85,7 @@ def test_exact_data_give_the_exponent_exactly():
     assert best.parameters["n"].value == pytest.approx(0.6, abs=1e-4)
 
 
-@pytest.mark.soak_cases("0")
-@pytest.mark.soak_cases("1", "2")
+@pytest.mark.soak_cases("0", "1", "2")
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_is_invented_from_noise(seed: int):
     found = springpot.invent(swept(lambda k, x: k, 0.01, seed))

@@ -43,8 +43,7 @@ def judged(data):
     return battery(fitted_to_floor(MODEL, data).frame(), np.random.default_rng(1))
 
 
-@pytest.mark.soak_cases("12-4-2-normal")
-@pytest.mark.suite_cases("12-4-2-normal")
+@pytest.mark.soak
 @pytest.mark.parametrize("kind", ["normal", "long tails", "one noisy sweep", soaked("gain only")])
 @pytest.mark.parametrize(("draws", "few", "rare"), [(12, 4, 2), soaked(24, 5, 2), soaked(60, 9, 4)])
 def test_chances_on_noise_alone_are_chances(kind, draws, few, rare):

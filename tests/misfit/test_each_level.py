@@ -45,8 +45,7 @@ def notes(measurement):
     return list(notes_on_levels(base, list(plugins().items("effect"))))
 
 
-@pytest.mark.soak_cases("1")
-@pytest.mark.soak_cases("2", "0", "3", "4")
+@pytest.mark.soak_cases("1", "2", "0", "3", "4")
 @pytest.mark.parametrize("seed", [*range(5), *map(soaked, range(5, 20))])
 def test_nothing_is_told_of_a_melt_that_one_shift_joins(seed):
     assert notes(melt(seed)) == []

@@ -83,8 +83,7 @@ def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(
     )
 
 
-@pytest.mark.soak_cases("inertia")
-@pytest.mark.soak_cases("series-spring")
+@pytest.mark.soak_cases("inertia", "series-spring")
 @pytest.mark.parametrize("effect", ["inertia", "series-spring"])
 def test_the_floor_lies_below_a_model_with_effects(effect):
     rng = np.random.default_rng(7)

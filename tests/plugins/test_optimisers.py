@@ -47,8 +47,7 @@ def generator(seed=1):
     return np.random.default_rng(seed)
 
 
-@pytest.mark.soak_cases("cobyqa-200")
-@pytest.mark.soak_cases("bipop-cma-es-1")
+@pytest.mark.soak_cases("cobyqa-200", "bipop-cma-es-1")
 @pytest.mark.soak_cases(
     "least-squares-alternating-200", *(f"{name}-{budget}" for name in NAMES for budget in (2, 57))
 )

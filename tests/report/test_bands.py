@@ -87,8 +87,7 @@ def test_bands_are_compared_only_where_they_overlap():
     assert alike([(x, np.ones(3))])
 
 
-@pytest.mark.soak_cases("1")
-@pytest.mark.suite_cases("1")
+@pytest.mark.soak
 @pytest.mark.parametrize("count", [1, 2])
 def test_residuals_coloured_by_temperature_come_with_a_key(monkeypatch, count):
     kept = []

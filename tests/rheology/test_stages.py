@@ -111,8 +111,7 @@ def yielding():
     return springpot.TimeTest.of_compliance(T, exact * noise, "kPa", name="b")
 
 
-@pytest.mark.soak_cases("late-time-delay")
-@pytest.mark.soak_cases("yielding-series-spring")
+@pytest.mark.soak_cases("late-time-delay", "yielding-series-spring")
 @pytest.mark.parametrize(("of", "effect"), [(late, "time-delay"), (yielding, "series-spring")])
 def test_an_effect_of_one_rig_of_three_is_found_there(of, effect):
     effects = [springpot.plugins().effect(name) for name in (effect, "parallel-dashpot")]

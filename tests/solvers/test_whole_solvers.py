@@ -125,8 +125,7 @@ def folder(tmp_path_factory):
     return folder
 
 
-@pytest.mark.soak_cases("rubber")
-@pytest.mark.soak_cases("rubber that relaxes", "damper", "rubber too hot")
+@pytest.mark.soak_cases("rubber", "rubber that relaxes", "damper", "rubber too hot")
 @pytest.mark.parametrize("card", list(CARDS))
 def test_files_of(card, folder, stays, monkeypatch):
     monkeypatch.chdir(folder)

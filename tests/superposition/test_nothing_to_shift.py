@@ -19,8 +19,7 @@ def rubber(i, omega):
     return (TEMPERATURES[i] + 273.15) / 303.15 * 1e6 * (1.0 + 0.02j) * np.ones_like(omega)
 
 
-@pytest.mark.soak_cases("3")
-@pytest.mark.soak_cases("0", "1", "2")
+@pytest.mark.soak_cases("3", "0", "1", "2")
 @pytest.mark.parametrize("seed", range(4))
 def test_flat_sweeps_have_nothing_to_shift_by(seed):
     curve = springpot.mastercurve(measured(rubber, noise=0.01, seed=seed))

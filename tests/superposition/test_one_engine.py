@@ -42,8 +42,7 @@ def off_the_law(i, omega):
     return material(omega * np.exp(LOG_A[i] + 0.3 * np.sin(2.0 * i)))
 
 
-@pytest.mark.soak_cases("simple")
-@pytest.mark.suite_cases("simple")
+@pytest.mark.soak
 @pytest.mark.parametrize("sweep", [without_lift, off_the_law, simple])
 def test_a_shift_alone_has_one_answer_in_all_commands(sweep):
     """With `simple` the missing vertical factors bend the shift; then too it is one answer."""

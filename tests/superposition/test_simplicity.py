@@ -96,7 +96,6 @@ def test_too_few_points_are_not_judged():
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("8-1.0")
 @pytest.mark.parametrize(("points", "decades"), [(13, 2.0), (8, 1.0)])
 def test_a_material_of_each_level_leaves_as_much_as_its_degrees_of_freedom_say(points, decades):
     """A line that stands alone has followed the noise by its place, too."""

@@ -45,7 +45,6 @@ def curve(request):
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("curve0", "curve1")
 def test_where_a_and_b_are_one_b_stays_what_physics_expects(curve):
     """Free factors would range from 0.75 to 1.4 here, and a be determined at one level of six."""
     assert np.all(np.abs(curve.factors.log_b) < np.log(1.12))
@@ -55,14 +54,12 @@ def test_where_a_and_b_are_one_b_stays_what_physics_expects(curve):
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("curve0", "curve1")
 def test_it_is_said_in_one_line_where_a_and_b_cannot_be_told_apart(curve):
     (note,) = [note for note in curve.notes if "cannot be told apart" in note]
     assert "70 degC" in note.split(":")[0]
 
 
 @pytest.mark.soak
-@pytest.mark.soak_cases("curve0", "curve1")
 def test_there_is_a_law_of_the_shift(curve):
     assert "Arrhenius" in {law.law.name for law in curve.laws}
 
@@ -195,8 +192,7 @@ def few(points):
     )
 
 
-@pytest.mark.soak_cases("5")
-@pytest.mark.suite_cases("5")
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "data",
     [*(power_law(seed)[0] for seed in (8, 12, 15, 25)), few(3), few(4), measured(simple)],

@@ -59,7 +59,6 @@ def test_slow_drift_moves_no_stiffness_and_no_energy(kind, drift, rng):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("coulomb")
 @pytest.mark.parametrize("kind", KINDS)
 def test_intervals_hold_the_truth_as_often_as_they_say(kind):
     rng, inside, asked = np.random.default_rng(5), 0, 0

@@ -73,7 +73,6 @@ def test_a_model_with_a_delay_is_fitted_to_a_sweep_and_a_relaxation(seed):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("1")
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_delay_of_the_sweep_is_found_beside_a_relaxation(seed):
     diagnosis = diagnose(house(seed), parse_model("fractional-maxwell + inertia"), chained())
@@ -98,8 +97,7 @@ def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
     assert effect in diagnosis.leading
 
 
-@pytest.mark.soak_cases("zener + inertia")
-@pytest.mark.soak_cases("zener")
+@pytest.mark.soak_cases("zener + inertia", "zener")
 @pytest.mark.parametrize("there", ["zener", "zener + inertia"])
 def test_a_mass_is_found_whether_or_not_the_creep_is_of_the_same_rig(there):
     tests = [sweep_of("zener + inertia", 1), step_of(there, "creep", 1)]

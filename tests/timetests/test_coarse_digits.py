@@ -27,8 +27,7 @@ def judged(digit, friction, seed=0):
     return diagnose([test], parse_model("zener"), effects)
 
 
-@pytest.mark.soak_cases("0.02")
-@pytest.mark.suite_cases("0.02")
+@pytest.mark.soak
 @pytest.mark.parametrize("digit", [0.02, 0.05])
 def test_no_effect_is_found_in_rounding(digit):
     found = judged(digit, 1e-9)

@@ -26,8 +26,7 @@ SIGNS = {
 }
 
 
-@pytest.mark.soak_cases("of differences")
-@pytest.mark.soak_cases("of the exact speed", "rounded off")
+@pytest.mark.soak_cases("of differences", "of the exact speed", "rounded off")
 @pytest.mark.parametrize("sign", SIGNS)
 def test_friction_is_named_first_whoever_knew_the_sign(sign):
     """At 1.25 Hz each turn falls upon a sample."""

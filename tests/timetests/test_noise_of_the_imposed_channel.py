@@ -29,8 +29,7 @@ def judged(noise, mass, seed=0, digit=0.0, rate=0.0):
     return diagnose([test], parse_model("zener"), [plugins().effect(name) for name in EFFECTS])
 
 
-@pytest.mark.soak_cases("1")
-@pytest.mark.suite_cases("1")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", range(3))
 def test_no_mass_is_found_in_it(seed):
     found = judged(0.004, 1e-9, seed)

@@ -70,7 +70,6 @@ def test_of_a_force_that_was_imposed_the_displacement_has_it():
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("3")
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_fixture_warms_within_some_samples(seed):
     """A preload that a filter lets through within three samples is no quick warming."""

@@ -53,7 +53,6 @@ def found(name):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("force-clipping")
 @pytest.mark.parametrize("name", HIDDEN)
 def test_what_harmonics_hide_is_named_with_its_size(name):
     answer, (values, _) = found(name), HIDDEN[name]
@@ -64,8 +63,7 @@ def test_what_harmonics_hide_is_named_with_its_size(name):
     assert answer.best.over_floor == pytest.approx(1.0, abs=0.2)
 
 
-@pytest.mark.soak_cases("force-clipping")
-@pytest.mark.suite_cases("force-clipping")
+@pytest.mark.soak
 @pytest.mark.parametrize("name", HIDDEN)
 def test_it_is_located_in_the_loop(name):
     [loop] = [place for place in found(name).where if place.plane == "loop"]

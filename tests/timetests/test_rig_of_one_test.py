@@ -25,7 +25,6 @@ def shown(expression, kind, seed, **effect):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("series-spring-size1")
 @pytest.mark.parametrize(
     ("name", "size"), [("inertia", {"m": 0.5}), ("series-spring", {"k": 1500.0})]
 )

@@ -31,7 +31,6 @@ JUMP = f"a jump in relax at {TIME[45]:.3g} s"
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("-40.0")
 @pytest.mark.parametrize("height", [-40.0, -100.0])
 def test_a_slip_is_no_effect_of_the_library(height):
     found = diagnose(relaxation(ZENER, THETA, height), ZENER, library(*LIKE_A_SLIP))

@@ -67,7 +67,6 @@ def three_tests(seed, gain=None, yields=False):
 
 
 @pytest.mark.soak
-@pytest.mark.suite_cases("creep-test-gain:creep")
 @pytest.mark.parametrize(("gain", "name"), [("creep", "test-gain:creep"), ("sweep", "gain-error")])
 def test_a_gain_is_said_of_the_test_that_has_it(gain, name):
     diagnosis = diagnose(three_tests(1, gain), parse_model("zener"), some_effects())
