@@ -108,7 +108,7 @@ class Left:
         """
         told = zip(self.residuals, self.scatters, strict=True)
         return [
-            replace(own, size=own.size if own.size == 1.0 else times_noise(value, 1.0))
+            own if own.presumed else replace(own, size=times_noise(value, 1.0))
             for value, own in told
         ]
 

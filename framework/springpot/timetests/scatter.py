@@ -88,6 +88,11 @@ class ResidualScatter:
     colour: Colour | None = None
 
     @property
+    def presumed(self) -> bool:
+        """Whether it is what the signal tells, of which few samples change no bit."""
+        return self.size == 1.0
+
+    @property
     def chance(self) -> float:
         """That noise alone leaves so much, as a whole or in some part."""
         return min(float(10.0 ** (-max(self.excess, 0.0) / TENFOLD)), self.local)

@@ -67,9 +67,8 @@ def error_of(
     if at is None:
         at = worst_of(tests)
     worst, scatter = tests[at], noise[at]
-    # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
     source = "residual"
-    if scatter.size == 1.0:
+    if scatter.presumed:
         source = "signal"
     lowest = NAN
     if floor is not None:
