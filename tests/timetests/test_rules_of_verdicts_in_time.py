@@ -17,6 +17,7 @@ from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import exponentials, left as trying, verdict, where
 from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.scatter import ResidualScatter
 
 
 def tried(name="friction", evidence=0.0, delta=0.0, helps=False, prior=1.0, fit=None, left=None):
@@ -57,6 +58,10 @@ def test_what_is_unexplained_is_as_unknown_as_its_chance_of_noise_says():
     # Already as unknown as that, or not at all unexplained: as the evidence has it.
     assert verdict._agreeing([0.0, 1e-9, 1.0 - 1e-9], "unexplained", 0.9)[-1] > 0.99
     assert verdict._agreeing(weights, "cannot-tell", chance) == pytest.approx(weights)
+
+
+def noise_of(size, memory=0.0):
+    return ResidualScatter(size, memory, excess=0.0, local=1.0)
 
 
 def error(relative_rms=0.02, over_floor=1.5):
@@ -213,7 +218,7 @@ def test_the_test_that_is_missed_most_is_what_an_error_is_of():
         SimpleNamespace(name="a", over_floor=1.0, relative_rms=0.1, noise_floor=0.1),
         SimpleNamespace(name="b", over_floor=3.0, relative_rms=0.03, noise_floor=0.01),
     ]
-    noise = [SimpleNamespace(size=size, memory=0.2) for size in (1.0, 2.0)]
+    noise = [noise_of(size, 0.2) for size in (1.0, 2.0)]
     found = verdict.error_of(tests, noise, SimpleNamespace(errors=(0.5, 0.02)))
     assert (found.test, found.relative_rms, found.over_floor) == ("b", 0.03, pytest.approx(3.0))
     assert found.noise_source == "residual"
@@ -233,7 +238,7 @@ def test_another_test_that_the_best_effect_leaves_missed_most_is_told():
         ]
         return SimpleNamespace(misfit=misfit, rows=lambda *_: rows)
 
-    noise = [SimpleNamespace(size=2.0, memory=0.0)] * 2
+    noise = [noise_of(2.0)] * 2
     before = left(20.0, 6.0).rows()
     for one, says in (
         (left(1.0, 5.0), ", b still 5 x"),
