@@ -12,11 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from springpot.distributions import f_quantile, f_sf
 from springpot.identification.searching import STARTS as STARTS_AGAIN
-from springpot.measurement.independence import SMOOTH_DEGREE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
@@ -32,18 +30,14 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from ..numerics import SMALLEST
 from .frame import (
     ENOUGH_NEIGHBOURS,
-    FEWEST_OWN,
     LEAST_LEFT,
     NoiseFrame,
-    beyond,
     chance_of_squares,
-    orthonormal,
     phase_of,
-    waves,
 )
+from .memory import remembering
 from .outliers import MOST_TURNS, Trimmed, trimmed
 from .refit import Refit, refit
 
@@ -423,8 +417,13 @@ def scatter_about(frame: NoiseFrame) -> ScatterAbout:
     doi:10.1214/aoms/1177731746), these tell the noise.
     """
     scatter = trimmed(frame)
-    if (remembering := _remembering(frame, scatter.kept)) is not None:
-        return remembering
+    found = remembering(frame, scatter.kept)
+    if found is not None:
+        about = ScatterAbout(float(found.new @ found.new) / found.free, float(found.free))
+        # What is new with each point is white, or it is a misfit.
+        if _by_neighbours(frame.measurement, found.new, about) is about:
+            worth = worth_of(found.memory**2)
+            return ScatterAbout(about.variance, worth * found.free, found.memory)
     # Where a free spectrum has as many lines as there are numbers, all of the noise is followed:
     # none is left over.
     kept = max(1.0 - frame.absorbed.shape[1] / frame.size, 1.0 / frame.size)
@@ -449,66 +448,3 @@ def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) ->
             if near < about.variance * f_quantile(SCATTER.faster_alarm, efficient, about.dof):
                 about = ScatterAbout(near, efficient)
     return about
-
-
-def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> ScatterAbout | None:
-    """Noise with a first-order memory along the sweeps; None where white noise is as likely.
-
-    Told beside slow structure, so that no slow misfit is taken for it, and held against white noise
-    beside a ripple: a number more costs what the Bayesian information criterion charges. What
-    `kept` (2n,) leaves out has a number of its own. What is new with each point is white, or it is
-    a misfit.
-    """
-    alone = np.eye(frame.size)[:, ~kept]
-    curves = orthonormal(np.concatenate([frame.absorbed, frame.structured, alone], axis=1))
-    free = frame.size - curves.shape[1]
-    if free < FEWEST_OWN:
-        return None
-    columns = np.column_stack([curves, frame.residual])
-    # What is alike over as long as slow structure is that, unless other sweeps show that it is not.
-    longest = max(len(sweep.rows) for sweep in sweeps_of(frame.measurement))
-    most = float(np.exp(-SMOOTH_DEGREE / longest))
-    found = minimize_scalar(lambda m: _cost(frame, columns, m)[0], bounds=(0.0, 1.0))
-    if found.x > most and not frame.shared.shape[1]:
-        return None
-    memory = min(float(found.x), most)
-    cost, new = _cost(frame, columns, memory)
-    beyond_white = _cost(frame, columns, 0.0)[0] - cost - float(np.log(free))
-    if beyond_white < 0.0 or beyond_white + _best_ripple(frame, curves, longest) < 0.0:
-        return None
-    about = ScatterAbout(float(new @ new) / free, float(free))
-    if _by_neighbours(frame.measurement, new, about) is not about:
-        return None
-    return ScatterAbout(about.variance, worth_of(memory**2) * free, memory)
-
-
-def _cost(frame: NoiseFrame, columns: Real, memory: float) -> tuple[float, Real]:
-    """Minus twice the log-likelihood of a memory, and what is new with each point (2n,).
-
-    Of what curves leave of the last of some columns (2n, q + 1), the others being these curves
-    (Harville 1977, doi:10.1080/01621459.1977.10480998).
-    """
-    basis, sizes = np.linalg.qr(frame.forgetting(columns, memory))
-    size = np.abs(np.diag(sizes)) + SMALLEST
-    free = len(columns) - len(size) + 1
-    logs = 2.0 * (free * np.log(size[-1]) + np.sum(np.log(size[:-1])))
-    return float(logs + frame.links * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
-
-
-def _best_ripple(frame: NoiseFrame, curves: Real, longest: int) -> float:
-    """By how much the best ripple, of gain or phase or both, changes twice the log-likelihood.
-
-    With the price of its numbers and of its period, in sweeps of at most so many points.
-    """
-    rest = frame.residual - curves @ (curves.T @ frame.residual)
-    free, best = frame.size - curves.shape[1], 0.0
-    # In half waves along a sweep, and twice as fine as these are independent.
-    tried = range(4, 2 * longest + 1)
-    for halves in tried:
-        ripple = frame.relative(waves(frame.measurement, 4.0 * longest / halves))
-        for columns in (*np.split(ripple, 2, axis=1), ripple):
-            basis = beyond(columns, curves)
-            left = 1.0 - float(np.sum((basis.T @ rest) ** 2) / (rest @ rest))
-            gain = free * float(np.log(max(left, SMALLEST)))
-            best = min(best, gain + basis.shape[1] * float(np.log(free)))
-    return best + 2.0 * float(np.log(2 * len(tried)))
