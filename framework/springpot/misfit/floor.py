@@ -487,20 +487,20 @@ class Remembering(NamedTuple):
 def remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Remembering | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
-    Either may lie beside the likeliest of `_misfits`. A number more costs what the Bayesian
-    information criterion charges. What `kept` (2n,) leaves out has a number of its own.
+    Or white noise beside one of `_misfits`. A number more costs what the Bayesian information
+    criterion charges. What `kept` (2n,) leaves out has a number of its own.
     """
     single = np.eye(frame.size)[:, ~kept]
     followed = orthonormal(np.concatenate([frame.absorbed, single], axis=1))
-    found = _against_white(frame, followed)
-    # A misfit goes on from point to point too: noise that is white beside none has no memory.
-    if found.gain <= 0.0:
-        return None
-    gain, misfit = _best_misfit(frame, followed)
-    beside = _against_white(frame, np.column_stack([followed, misfit]))
-    if found.slow or gain + max(beside.gain, 0.0) > found.gain:
-        found = beside
-    return None if found.slow or found.gain <= 0.0 else found
+    # By itself where other sweeps show that it is no misfit, and beside all slow structure.
+    alone = [np.zeros((frame.size, 0))] if frame.shared.shape[1] else []
+    for curves in (*alone, frame.structured):
+        beside = orthonormal(np.concatenate([followed, curves], axis=1))
+        found = _against_white(frame, beside)
+        told = found.gain > 0.0 and not found.slow
+        if told and found.gain > _best_misfit(frame, beside):
+            return found
+    return None
 
 
 def _against_white(frame: NoiseFrame, followed: Real) -> Remembering:
@@ -533,14 +533,14 @@ def _cost(frame: NoiseFrame, columns: Real, memory: float) -> tuple[float, Real]
     return float(logs + frame.links * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
 
 
-def _best_misfit(frame: NoiseFrame, followed: Real) -> tuple[float, Real]:
-    """By how much the best misfit raises twice the log-likelihood, and its columns (2n, q).
+def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
+    """By how much the best misfit raises twice the log-likelihood beside what is followed.
 
     Of gain or phase or both, with the price of its numbers and of which of all it is.
     """
     rest = frame.residual - followed @ (followed.T @ frame.residual)
     free, tried = frame.size - followed.shape[1], 0
-    best, found = 0.0, np.zeros((frame.size, 0))
+    best = 0.0
     for shapes in _misfits(frame.measurement):
         # As noise itself is told, beside what leaves enough of it.
         if free - 2 * shapes.shape[1] < REPEATS.enough:
@@ -555,9 +555,8 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> tuple[float, Real]:
             each = np.moveaxis(columns.reshape(*columns.shape[:2], -1), 1, 0)
             explained, ranks = _explained(each, rest)
             gains = -free * np.log(np.maximum(1.0 - explained, SMALLEST)) - ranks * np.log(free)
-            if np.max(gains) > best:
-                best, found = float(np.max(gains)), orthonormal(each[np.argmax(gains)], LEAST_SEEN)
-    return best - 2.0 * float(np.log(max(tried, 1))), found
+            best = max(best, float(np.max(gains)))
+    return best - 2.0 * float(np.log(max(tried, 1)))
 
 
 def _explained(columns: Real, rest: Real) -> tuple[Real, NDArray[np.int64]]:
