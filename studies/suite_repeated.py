@@ -21,7 +21,7 @@ hundred of the others.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -298,12 +298,18 @@ TOLD = ("| the least of means of", "| the same of", "| chosen by")
 
 def page(text: str, table: Table) -> str:
     """The page with the figures of `judged`."""
-    lines = text.splitlines()
     for begins, *cells in zip(TOLD, *(row[-len(TOLD) :] for row in table.rows), strict=True):
-        (place,) = [i for i, line in enumerate(lines) if line.startswith(begins)]
-        label = lines[place].split(" | ")[0]
-        figures = (f"{each.value:.2f} [{each.low:.2f}, {each.high:.2f}]" for each in cells)
-        lines[place] = " | ".join((label, *figures)) + " |"
+        text = rewritten(text, begins, cells)
+    return text
+
+
+def rewritten(text: str, begins: str, cells: Sequence[Interval]) -> str:
+    """A page with these figures in the line of a table that begins so."""
+    lines = text.splitlines()
+    (place,) = [i for i, line in enumerate(lines) if line.startswith(begins)]
+    label = lines[place].split(" | ")[0]
+    figures = (f"{each.value:.2f} [{each.low:.2f}, {each.high:.2f}]" for each in cells)
+    lines[place] = " | ".join((label, *figures)) + " |"
     return "\n".join(lines) + "\n"
 
 

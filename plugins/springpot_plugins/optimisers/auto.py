@@ -76,7 +76,7 @@ class Auto(Optimiser):
         name = chosen()
         problem.remark(f"{name} was chosen to take turns with descents: {told(ends)}")
         other: Optimiser = springpot.plugins().find("optimiser", name)()
-        turns = cycle([other.minimise, descents])
+        turns = cycle([descents, other.minimise])
         length = max(1, int(rules()["turn"] * budget))
         keep_on(problem, lambda: in_turn(problem, next(turns), length, rng))
 
