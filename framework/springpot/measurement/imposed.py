@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import comb, sqrt
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.motion import Between
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST
+from ..numerics import NORMAL, SMALLEST, rms
+from .rounding import is_even, rounding_step
 
 STEADY = HELD["amplitude"]
 """Share of its largest value by which what is called held may move."""
@@ -23,6 +25,11 @@ NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05
 """Share of the record that a rise may take for the test to be called relaxation or creep."""
+ORDERS = (6, 8)
+"""Of the differences that tell noise, of which both leave as much, from what is smooth."""
+FALLS = 0.5
+"""Share of the lower order's that the higher one leaves at most of what is smooth: of a sine of five
+samples a third."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +140,11 @@ class Loading:
         times, _ = self.jumps
         if self.smooth is None or self.smooth.motion is None:
             return times
-        return np.union1d(times, self.smooth.motion.unsure)
+        times = np.union1d(times, self.smooth.motion.unsure)
+        # Before its first sample it was at rest: where it begins at speed, that is a corner too.
+        if not self.before and self.smooth.motion.leaving[0] != 0.0:
+            times = np.union1d(times, self.time[:1])
+        return times
 
     @property
     def turning(self) -> Real:
@@ -143,10 +154,11 @@ class Loading:
         return self.smooth.motion.turning
 
 
-def controlled(moved: Real, pulled: Real) -> str:
+def controlled(clock: Real, moved: Real, pulled: Real) -> str:
     """The channel that is held or released for nearly all of the record, or stands still.
 
-    Else the displacement.
+    Of two that move, the force where it has no noise and the displacement has; else the
+    displacement.
 
     A force that was held and taken away does not stand still in the end, nor does what recovers
     from it.
@@ -158,10 +170,49 @@ def controlled(moved: Real, pulled: Real) -> str:
         force_imposed = force_held > displacement_held
     else:
         force_unrest = _late_unrest(pulled)
-        force_imposed = force_unrest <= STEADY and force_unrest < _late_unrest(moved)
+        force_imposed = (
+            force_unrest <= STEADY and force_unrest < _late_unrest(moved)
+        ) or is_command(clock, pulled, moved)
     if force_imposed:
         return "force"
     return "displacement"
+
+
+def is_command(clock: Real, value: Real, other: Real) -> bool:
+    """Whether a channel (n,) has no noise, but for digits finer than the noise of the other.
+
+    Such a one was no transducer's: it was imposed. Nor can a model be asked for it: what it answers
+    to noise of the other one bends it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.imposed import is_command
+    >>> t = np.arange(200) / 20.0
+    >>> noisy = np.sin(t) + 0.01 * np.random.default_rng(1).normal(size=200)
+    >>> is_command(t, np.sin(t), noisy), is_command(t, noisy, np.sin(t))
+    (True, False)
+    """
+    # One that mostly stands is told by its levels.
+    stands = not np.median(np.abs(np.diff(value))) > 0.0
+    if stands or len(clock) < 5 * ORDERS[1] or not is_even(clock):
+        return False
+    digit = rms(rounding_step(value))
+    low, high = _by_differences(value)
+    other_low, noise = _by_differences(other)
+    if noise <= max(FALLS * other_low, rms(rounding_step(other))):
+        return False
+    return high <= max(FALLS * low, digit) and max(high, digit) * rms(other) < noise * rms(value)
+
+
+def _by_differences(value: Real) -> tuple[float, float]:
+    """What differences of the lower and the higher order take for the noise of a channel (n,)."""
+    # By their median, which corners do not move.
+    low, high = (
+        NORMAL * float(np.median(np.abs(np.diff(value, order)))) / sqrt(comb(2 * order, order))
+        for order in ORDERS
+    )
+    return low, high
 
 
 def _late_unrest(value: Real) -> float:

@@ -17,7 +17,7 @@ from springpot.rheology.points import KELVIN, Real
 from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
-from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
+from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_command, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
 from .steady_start import gone_on, said_of_start
@@ -285,8 +285,14 @@ class TimeTest:
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
         # A channel that is held was imposed; the specimen's answer to it is not constant.
+        told = dict(provenance or {})
         if control is None:
-            control = controlled(moved, pulled)
+            control = controlled(clock, moved, pulled)
+            if control == "force" and is_command(clock, pulled, moved):
+                told["note control"] = (
+                    "the force has no noise and the displacement has: the force is taken to have"
+                    " been imposed; '?control=displacement' behind the file says otherwise"
+                )
         imposed, response = moved, pulled
         if control == "force":
             imposed, response = pulled, moved
@@ -303,7 +309,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance=provenance or {},
+            provenance=told,
             **_warm(temperature),
         )
 
@@ -400,7 +406,7 @@ class TimeTest:
     @property
     def said_of_start(self) -> str:
         """What it is taken to have done before its record; nothing of most."""
-        return said_of_start(self.name, self.loading, self.response, self.answered)
+        return said_of_start(self.name, self.loading)
 
     @property
     def words(self) -> tuple[str, str]:
