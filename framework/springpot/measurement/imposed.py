@@ -140,11 +140,13 @@ class Loading:
         times, _ = self.jumps
         if self.smooth is None or self.smooth.motion is None:
             return times
-        times = np.union1d(times, self.smooth.motion.unsure)
-        # Before its first sample it was at rest: where it begins at speed, that is a corner too.
-        if not self.before and self.smooth.motion.leaving[0] != 0.0:
-            times = np.union1d(times, self.time[:1])
-        return times
+        return np.union1d(times, self.smooth.motion.unsure)
+
+    @property
+    def starts_at_speed(self) -> bool:
+        """Whether its first sample is a corner: it was at rest before, and moves from there on."""
+        motion = self.smooth and self.smooth.motion
+        return bool(motion and not self.before and motion.leaving[0] != 0.0)
 
     @property
     def turning(self) -> Real:

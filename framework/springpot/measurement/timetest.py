@@ -464,6 +464,15 @@ class TimeTest:
         return 1.0 / self.duration, 1.0 / max(shortest, self.rise, SMALLEST)
 
     @cached_property
+    def unsure(self) -> Real:
+        """Times of samples of which nobody knows what was felt there; see `Loading.unsure`."""
+        times = self.loading.unsure
+        # Of a plan it is told all the same: that of what moves.
+        if self.measured and self.loading.starts_at_speed:
+            times = np.union1d(times, self.time[:1])
+        return times
+
+    @cached_property
     def start(self) -> float:
         """When the load first moves, in s."""
         # Not the first knot: a record may begin long before the load does.
