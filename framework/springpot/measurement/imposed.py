@@ -28,8 +28,8 @@ SHORT = 0.05
 ORDERS = (6, 8)
 """Of the differences that tell noise, of which both leave as much, from what is smooth."""
 FALLS = 0.5
-"""Share of the lower order's that the higher one leaves at most of what is smooth: of a sine of five
-samples a third."""
+"""Share of the lower order's that the higher one leaves at most of what is smooth: of a sine of
+five samples a third."""
 
 
 @dataclass(frozen=True, eq=False)
