@@ -17,7 +17,7 @@ from springpot.rheology.points import KELVIN, Real
 from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
-from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_command, is_released
+from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
 from .steady_start import gone_on, said_of_start
@@ -285,14 +285,8 @@ class TimeTest:
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
         # A channel that is held was imposed; the specimen's answer to it is not constant.
-        told = dict(provenance or {})
-        if control is None:
-            control = controlled(clock, moved, pulled)
-            if control == "force" and is_command(clock, pulled, moved):
-                told["note control"] = (
-                    "the force has no noise and the displacement has: the force is taken to have"
-                    " been imposed; '?control=displacement' behind the file says otherwise"
-                )
+        read = controlled(clock, moved, pulled)
+        control, notes = read if control is None else (control, {})
         imposed, response = moved, pulled
         if control == "force":
             imposed, response = pulled, moved
@@ -309,7 +303,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance=told,
+            provenance={**(provenance or {}), **notes},
             **_warm(temperature),
         )
 
@@ -462,15 +456,6 @@ class TimeTest:
             return 1.0 / self.duration, 1.0 / float(np.median(np.diff(self.time)))
         # While the step still rises, its answer is that of the ramp.
         return 1.0 / self.duration, 1.0 / max(shortest, self.rise, SMALLEST)
-
-    @cached_property
-    def unsure(self) -> Real:
-        """Times of samples of which nobody knows what was felt there; see `Loading.unsure`."""
-        times = self.loading.unsure
-        # Of a plan it is told all the same: that of what moves.
-        if self.measured and self.loading.starts_at_speed:
-            times = np.union1d(times, self.time[:1])
-        return times
 
     @cached_property
     def start(self) -> float:

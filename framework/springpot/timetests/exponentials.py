@@ -116,7 +116,7 @@ class QuickPart(InTimePart):
     def seen(self) -> NDArray[np.bool_]:
         """Which of them are no instant of a step or a turn."""
         loading = self.test.loading
-        return ~np.isin(self.t, np.union1d(self.test.unsure, loading.turning))
+        return ~np.isin(self.t, np.union1d(loading.unsure(self.judged), loading.turning))
 
     @cached_property
     def weight(self) -> Real:

@@ -216,8 +216,7 @@ def answer_of(
     if verdict == "adequate":
         noise = before.all_noise
     best = next((each.left for each in tried), before)
-    told = _beside_the_narrow(weights, tried)
-    nothing, *chances, unknown = _agreeing(told, verdict, best.chance)
+    nothing, *chances, unknown = _agreeing(_beside_narrow(weights, tried), verdict, best.chance)
     alike = _class(tried, promises, noise)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
@@ -496,7 +495,7 @@ def _weights(
     return list(weights.tolist())
 
 
-def _beside_the_narrow(weights: Sequence[float], tried: Sequence[Tried]) -> list[float]:
+def _beside_narrow(weights: Sequence[float], tried: Sequence[Tried]) -> list[float]:
     """The same, where other narrow features look like an effect as narrow, as for sweeps."""
     shares = [EVIDENCE.other_shape * each.effect.narrow for each in tried]
     taken = [weight * share for weight, share in zip(weights[1:-1], shares, strict=True)]
