@@ -130,8 +130,7 @@ def test_a_fit_with_its_times_held_is_that_series(springpot, write):
 
 def test_times_of_a_model_that_is_no_family_are_refused():
     """With `--model kelvin` a chain of as many Kelvin elements was fitted without a word."""
-    for model, members in (("kelvin", 0), ("maxwell", 0), ("kelvin-2", 2)):
+    for model, members in (("kelvin", 0), ("maxwell", 0)):
         with pytest.raises(OptionError, match=f"{model} has {members}: give a family"):
             _meant(model, "1e-2:1e3", 1)
     assert _meant("prony", "1e-2:1e3", 1)[0] == "prony-6"
-    assert _meant("kelvin-6", "1e-2:1e3", 1)[2].keys() == {f"tau{i}" for i in range(1, 7)}
