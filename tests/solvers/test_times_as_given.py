@@ -133,4 +133,5 @@ def test_times_of_a_model_that_is_no_family_are_refused():
     for model, members in (("kelvin", 0), ("maxwell", 0)):
         with pytest.raises(OptionError, match=f"{model} has {members}: give a family"):
             _meant(model, "1e-2:1e3", 1)
-    assert _meant("prony", "1e-2:1e3", 1)[0] == "prony-6"
+    for model, member in (("prony", "prony-6"), ("maxwell-N + inertia", "maxwell-6 + inertia")):
+        assert _meant(model, "1e-2:1e3", 1)[0] == member

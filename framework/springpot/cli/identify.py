@@ -177,8 +177,8 @@ def _meant(model: str, times: str | None, per_decade: int) -> tuple[str, Model, 
     family, plus, effects = model.partition("+")
     family = family.strip()
     # What has the name alone is another model: kelvin is one spring and one dashpot.
-    if family not in plugins().names("model"):
-        family = f"{family}-{len(values)}"
+    if family.endswith("-N") or family not in plugins().names("model"):
+        family = f"{family.removesuffix('-N')}-{len(values)}"
     expression = parse_model(f"{family} {plus}{effects}")
     return expression.name, expression, at_times(expression, values)
 
