@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
@@ -38,10 +37,10 @@ def rounding_step(values: Real) -> Real:
     size = np.abs(values[values != 0.0])
     if len(size) == 0:
         return np.zeros(len(values))
-    decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
+    decimals = _fewest(np.zeros(len(size)), size)
     # Zero has no first digit: it is taken to be written as the smallest value beside it is.
     exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
-    digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
+    digits = _fewest(np.floor(np.log10(size)), size)
     step = np.zeros(len(values))
     if decimals is not None:
         step = np.maximum(step, 10.0**decimals)
@@ -50,20 +49,27 @@ def rounding_step(values: Real) -> Real:
     return step
 
 
-def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
-    """The largest number whose powers of ten (n,) divide all values.
+def _fewest(exponent: Real, size: Real) -> int | None:
+    """The largest number which with exponents (n,) gives powers of ten that divide all values (n,).
 
     None where only a full number's digits do.
     """
     # The coarsest first: all finer powers divide the values as well.
-    for power in range(12, -MOST_DIGITS, -1):
-        step = 10.0 ** power_of(power)
-        steps = size / step
-        if np.all(np.abs(steps - np.round(steps)) <= ALIKE * np.abs(steps)):
-            if np.max(np.abs(steps)) < 10.0**MOST_DIGITS:
-                return power
-            return None
+    powers = np.arange(12.0, -MOST_DIGITS, -1.0)
+    # What does not divide the first few does not divide all.
+    few = slice(8)
+    for power in powers[_divide(exponent[few], size[few], powers)]:
+        if _divide(exponent, size, power[None])[0]:
+            steps = size / 10.0 ** (exponent + power)
+            return int(power) if np.max(steps) < 10.0**MOST_DIGITS else None
     return None
+
+
+def _divide(exponent: Real, size: Real, powers: Real) -> NDArray[np.bool_]:
+    """Which of some powers of ten (m,) divide all values (n,) with their exponents; shape (m,)."""
+    steps = size / 10.0 ** (exponent + powers[:, None])
+    whole: NDArray[np.bool_] = np.all(np.abs(steps - np.round(steps)) <= ALIKE * steps, axis=1)
+    return whole
 
 
 def even_clock(clock: Real) -> Real:
