@@ -20,8 +20,9 @@ FEWEST = 3
 def rounding_step(values: Real) -> Real:
     """How far apart the next values lie that could have been written in place of each; shape (n,).
 
-    A column is written with so many decimals, or with so many significant digits, or both: the
-    coarser step counts. Zero where the values carry all the digits of a number.
+    A column is written with so many decimals, or with so many significant digits, or both, or it
+    was read in steps of a converter: the coarsest counts. Zero where the values carry all the
+    digits of a number.
 
     Parameters
     ----------
@@ -33,6 +34,8 @@ def rounding_step(values: Real) -> Real:
     >>> import numpy as np
     >>> rounding_step(np.array([1.5, 12.25])).tolist()
     [0.01, 0.01]
+    >>> rounding_step(0.0731 * np.array([21.0, 22.0, 21.0, 24.0, 22.0, 24.0])).round(4).tolist()
+    [0.0731, 0.0731, 0.0731, 0.0731, 0.0731, 0.0731]
     """
     size = np.abs(values[values != 0.0])
     if len(size) == 0:
@@ -41,12 +44,25 @@ def rounding_step(values: Real) -> Real:
     # Zero has no first digit: it is taken to be written as the smallest value beside it is.
     exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
     digits = _fewest(np.floor(np.log10(size)), size)
-    step = np.zeros(len(values))
+    step = np.full(len(values), _converter(values))
     if decimals is not None:
         step = np.maximum(step, 10.0**decimals)
     if digits is not None:
         step = np.maximum(step, 10.0 ** (exponent + digits))
     return step
+
+
+def _converter(values: Real) -> float:
+    """The step of a converter, of which all values (n,) are multiples; zero for most columns.
+
+    Its values come again: half of them at least are among the others.
+    """
+    levels = np.unique(values)
+    if len(levels) < FEWEST or 2 * len(levels) > len(values):
+        return 0.0
+    step = float(np.min(np.diff(levels)))
+    off = levels / step - np.round(levels / step)
+    return step if np.all(np.abs(off) <= EVEN) else 0.0
 
 
 def _fewest(exponent: Real, size: Real) -> int | None:
