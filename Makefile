@@ -29,8 +29,9 @@ export MALLOC_TRIM_THRESHOLD_ ?= 1073741824
 help:  ## show this
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 8
 
+# Rewriting four hundred files for what an assertion would show takes as long as a thousand tests: what fails is run again.
 test: lint  ## lint, types and the whole test suite
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --assert=plain || { $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; exit 1; }
 
 lint: $(READY)  ## ruff and mypy
 	$(BIN)/ruff check .

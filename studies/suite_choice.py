@@ -1,327 +1,392 @@
-"""The choice of an optimiser: rules learnt from half of springpot-60 and tried on the other half.
+"""The choice of an optimiser: learnt from problems that are drawn, judged on others.
 
-    python studies/suite_choice.py learn     learns the rules anew (plugins/.../auto.toml)
-    python studies/suite_choice.py           says how near `auto` came to the virtual best
+    python studies/suite_choice.py           runs what is missing, and judges
+    python studies/suite_choice.py learn     learns the rules of `auto` anew (plugins/.../auto.toml)
 
-Trials are those of the archive of suite_race. Where the rules are others than before, `auto` is
-raced again: springpot run results/suite_race/suite_race.zip --optimiser auto, and
-studies/suite_repeated.py without its store.
+Question: does `auto` come near the quickest optimiser of each problem on problems from which
+nothing was learnt? Measure: expected running time over that of the virtual best, the quickest
+optimiser of each problem, as a geometric mean over problems that another seed draws. What would
+answer it: at most 1.25; and less than always the best single optimiser.
 
-Question: does a choice by features that cost at most 5 % of the budget come near the best optimiser
-of each problem on problems from which nothing was learnt? Measure: expected running time over that
-of the virtual best, the quickest optimiser of each problem, as a geometric mean over the unseen
-half. What would answer it: at most 1.25; and less than the best single optimiser's.
+Rivals are those that were quickest on a problem of springpot-60, by its race and by further trials.
+A trial ends where it is thirty times as long as the quickest so far, and who is five times as slow
+after two trials runs no more: neither can be the virtual best. Problems that none of the first
+trials solves within a quarter of the budget are left out. What is learnt from is a bank of single
+descents, each with its curve, of which every rule is put together by counting.
 """
 
 from __future__ import annotations
 
+import json
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import fields
-from itertools import cycle, permutations, product
+from dataclasses import dataclass
+from itertools import permutations, product
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drawn_problems import best, drawn, searched
+from springpot import plugins
 from springpot.benchmark import Table, save_table
-from springpot.benchmark.plan import problem_of, reference_of
-from springpot.benchmark.statistics import expected_running_time
-from springpot.identification.problem import Problem
-from springpot.identification.recorder import Recorder
+from springpot.benchmark.plan import reference_of, stream_of
+from springpot.benchmark.statistics import Interval, expected_running_time
+from springpot.identification.problem import Problem, SpecimenProblem
+from springpot.identification.recorder import BudgetSpent, Recorder
+from springpot.identification.runs import Optimiser, run
 from springpot.rheology import Real
 from springpot_plugins.optimisers import auto
-from springpot_plugins.optimisers.auto import NEGLIGIBLE, Auto, Seen, Watched, leaf, looked
-from springpot_plugins.optimisers.leastsquares import LeastSquares
-from suite import SUITE, TARGET, plan, sweeps
-from suite_repeated import BUDGET, FAILED, RACE, Trials, archived, halves
+from springpot_plugins.optimisers.auto import NEGLIGIBLE, Auto
+from springpot_plugins.optimisers.leastsquares import LeastSquares, Misfit
+from suite_repeated import ALONE, BUDGET, CHOICE, FAILED, PAGE, interval, rewritten
 
 ROOT = Path(__file__).parents[1]
 RULES = ROOT / "plugins" / "springpot_plugins" / "optimisers" / "auto.toml"
-OWN = Auto.name
+FOLDER = ROOT / "results" / "suite_choice"
+MADE = FOLDER / "made"
+"""What was run, a file for each problem."""
+LEARNT, HELD = (1, 43), (2, 34)
+"""Seeds, and how many problems each draws."""
+TARGET = 1e-6
+TOLD = "| of problems that"
+"""How the line of the page begins that tells of them."""
+RIVALS = (
+    *("least-squares", "least-squares-alternating", "optimagic-scipy-ls-dogbox"),
+    *("optimagic-scipy-truncated-newton", "optimagic-scipy-slsqp", "nlopt-lbfgs"),
+)
+LATE = ("dfo-ls", "cma-es")
+"""Who is tried where all others take long."""
+LONG = 1000.0
+REPEATED, IN_TIME = 6, 3
+"""Trials of each, and with tests in time."""
+METHODS: tuple[Literal["trf", "dogbox"], ...] = ("trf", "dogbox")
 KINDS = tuple(
-    {"method": method, "logarithmic": logarithmic}
-    for method in ("trf", "dogbox")
-    for logarithmic in (True, False)
+    LeastSquares(method, logarithmic, NEGLIGIBLE)
+    for method, logarithmic in product(METHODS, (True, False))
 )
 """Descents that are tried."""
-SAME = ("least-squares", "least-squares-alternating", "optimagic-scipy-ls-dogbox")
-"""Who makes no other descents than these, and has no turn beside them."""
-LENGTHS = (30, 50, 80, 120, 200, 400)
-"""Evaluations after which one is ended."""
-TURNS = (0.1, 0.2, 0.3, 0.45)
-"""Shares of the budget for which descents and the chosen optimiser take turns."""
-TRIED, TRIED_IN_TIME = 30, 8
-"""Descents of each kind on each problem, and on those with tests in time."""
-DRAWN = 40
-"""Runs of descents that are put together from those."""
-DRAWS = 5
-"""Looks at each problem, from different points."""
-DEEPEST, FEWEST = 2, 4
-"""Questions that the tree asks at most, and problems that are left to the least of its leaves."""
-RANKED = 4
-"""Optimisers of a leaf, of which the first that is installed is chosen."""
-EXTRAS = ("dfo-", "minion-", "minuit-", "nevergrad-", "optimagic-", "pymoo-")
-
-Order = tuple[int, ...]
+DESCENTS, DESCENTS_IN_TIME, LONGEST = 12, 4, 200
+"""Of each kind on each problem, and evaluations after which one is ended."""
+LENGTHS = (80, 120, 200)
+"""After which a descent is given up, in evaluations."""
+PATIENCE = ((5, 1.0), (5, 0.9999), (8, 0.9999), (5, 0.999))
+"""Evaluations within which one must get on, and what may be left of the objective by then."""
+STARTS = ((1, 1.0), (3, 10.0), (5, 1.0), (5, 10.0), (5, 100.0))
+"""Points that are tried for a start at most, and what is absurd."""
+CUT, SHORT, FAR = 30.0, 500, 5.0
+"""Times the quickest at which a trial ends, not before so many evaluations; who is too slow."""
+Trials = dict[str, list[tuple[float, int]]]
+"""By optimiser: evaluations at which a trial met the target, and that it spent."""
 
 
-def training() -> list[tuple[str, Problem, float]]:
-    """Name, problem and target of those that are learnt from."""
-    half, found = halves()[0], []
-    for case in plan().cases:
-        source = case.source
-        if source.name in half and source.best is not None:
-            problem = problem_of(source, source.model_of(case.model), case.objective)
-            goal = source.best + TARGET * (reference_of(problem) - source.best)
-            found.append((source.name, problem, goal))
-    return found
-
-
-def looks(budget: int) -> dict[str, list[Seen]]:
-    """What is seen of each problem, from several draws."""
-    limit = int(Auto().share * budget)
-    with np.errstate(all="ignore"):
-        return {
-            name: [
-                looked(Recorder(problem, budget), limit, np.random.default_rng(draw))
-                for draw in range(DRAWS)
-            ]
-            for name, problem, _ in training()
-        }
-
-
-Bank = dict[str, Real]
-"""By problem (kinds, n, 2): evaluations of a descent, and those at which it met the target."""
-
-
-def bank() -> Bank:
-    """Single descents of every kind."""
-    found: Bank = {}
-    for name, problem, goal in training():
-        count = TRIED if name in sweeps() else TRIED_IN_TIME
-        found[name] = np.array(
-            [
-                [_descent(problem, goal, kind, np.random.default_rng(i)) for i in range(count)]
-                for kind in KINDS
-            ]
-        )
-    return found
-
-
-def _descent(
-    problem: Problem, goal: float, kind: Mapping[str, Any], rng: np.random.Generator
-) -> tuple[float, float]:
-    run = Recorder(problem, max(LENGTHS))
-    watched = Watched(run, max(LENGTHS), kind["logarithmic"])
-    start = run.lower + rng.random(run.dimension) * (run.upper - run.lower)
-    with np.errstate(all="ignore"), suppress(Exception):
-        LeastSquares(tolerance=NEGLIGIBLE, **kind).descend(watched, start)
-    return run.evaluations, next((at for at, value in run.trace if value <= goal), np.inf)
-
-
-def expected(runs: Real, order: Order, longest: int) -> float:
-    """Expected evaluations until descents in this order, over and over, meet the target."""
-    total, open_still = 0.0, 1.0
-    for kind in order:
-        met = runs[kind, :, 1] <= longest
-        spent = np.where(met, runs[kind, :, 1], np.minimum(runs[kind, :, 0], longest))
-        total += open_still * float(spent.mean())
-        open_still *= 1.0 - float(met.mean())
-    return total / (1.0 - open_still) if open_still < 1.0 else np.inf
-
-
-def rotation(known: Bank, budget: int) -> tuple[Order, int]:
-    """The order of kinds, each at most once, and the length that take least on all problems."""
-    orders = [o for n in range(1, len(KINDS) + 1) for o in permutations(range(len(KINDS)), n)]
-
-    def level(way: tuple[Order, int]) -> float:
-        times = [min(expected(runs, *way), FAILED * budget) for runs in known.values()]
-        return float(np.mean(np.log10(times)))
-
-    return min(product(orders, LENGTHS), key=level)
-
-
-def put_together(runs: Real, order: Order, longest: int, budget: int) -> Real:
-    """Evaluations (n,) at which runs of such descents meet the target, infinite if they do not."""
-    rng, hits = np.random.default_rng(0), np.full(DRAWN, np.inf)
-    for i in range(DRAWN):
-        spent = 0.0
-        for kind in cycle(order):
-            taken, met = runs[kind, rng.integers(runs.shape[1])]
-            if spent + met <= budget and met <= longest:
-                hits[i] = spent + met
-            spent += max(1.0, min(taken, longest))
-            if np.isfinite(hits[i]) or spent >= budget:
-                break
-    return hits
-
-
-def cost(first: Real, own: Real, share: float, budget: int) -> float:
-    """Expected running time of descents for a share of the budget, then in turns with another.
+@dataclass(frozen=True)
+class Bank:
+    """Single descents on one problem.
 
     Parameters
     ----------
-    first, own : ndarray, shape (n,) and (m,)
-        Evaluations at which descents and the other alone meet the target.
-    share : float
-        Of the budget, a turn.
-    budget : int
-        Evaluations of a trial.
+    curves : ndarray, shape (kinds, n, LONGEST)
+        Objective at each evaluation, not a number after the last.
+    hits, spent : ndarray, shape (kinds, n)
+        Evaluations at which each met the target, and that it made.
     """
-    limit, turn = Auto().share * budget, share * budget
-    first, own = first[:, None], own[None, :]
-    with np.errstate(invalid="ignore"):
-        # It begins anew with each of its turns, of which it has the first.
-        late = np.where(own <= turn, limit + own, np.inf)
-        more = first + np.ceil((first - limit) / turn) * turn
-    hits = np.where(first <= limit, first, np.fmin(late, more)).ravel()
-    hits = np.where(hits <= budget, hits, np.inf)
-    return min(expected_running_time(hits, np.full(len(hits), budget)), FAILED * budget)
+
+    curves: Real
+    hits: Real
+    spent: Real
 
 
-def learnt(trials: Trials, budget: int) -> dict[str, Any]:
-    """The rules."""
-    known = bank()
-    order, longest = rotation(known, budget)
-    rules: dict[str, Any] = {"longest": longest, "turn": TURNS[0]}
-    rules["descents"] = [KINDS[kind] for kind in order]
-    # What is seen hangs on the descents.
-    write(rules | {"tree": auto.rules()["tree"]})
-    seen, problems = looks(budget), list(known)
-    alone = {p: put_together(known[p], order, longest, budget) for p in problems}
-    names = [name for name in next(iter(trials.values())) if name not in (OWN, *SAME)]
-    best = np.inf
-    for turn in TURNS:
-        costs = np.log10(
-            [[cost(alone[p], trials[p][name][0], turn, budget) for name in names] for p in problems]
-        )
-        level, tree = _tree(costs, [seen[p] for p in problems], names)
-        if level < best:
-            best, rules["turn"], rules["tree"] = level, turn, tree
-    return rules
+@dataclass(frozen=True)
+class Rules:
+    """How descents follow each other.
+
+    Parameters
+    ----------
+    order : tuple of int
+        Kinds in turn.
+    longest : int
+        Evaluations after which a descent is ended.
+    patience, progress : int, float
+        It is given up where so many evaluations leave more than this share of the objective.
+    points, absurd : int, float
+        How many points are tried for a start, until one has an objective of at most so many times
+        that of no response.
+    """
+
+    order: tuple[int, ...]
+    longest: int
+    patience: int
+    progress: float
+    points: int
+    absurd: float
+
+    def ended(self, bank: Bank) -> tuple[Real, Real]:
+        """Evaluations (kinds, n) of descents that end so, and those at which they hit."""
+        least = np.fmin.accumulate(bank.curves, axis=-1)
+        late, early = least[..., self.patience :], least[..., : -self.patience]
+        with np.errstate(invalid="ignore"):
+            lost = late > self.progress * early
+        first = np.where(lost.any(-1), lost.argmax(-1) + self.patience + 1, self.longest)
+        end = np.minimum(first, self.longest)
+        hits = np.where(bank.hits <= end, bank.hits, np.inf)
+        return np.minimum(hits, np.minimum(bank.spent, end)), hits
+
+    def starts(self, bank: Bank, nothing: float) -> tuple[Real, float]:
+        """Chance (n,) of each point to be a start, and evaluations that others have taken."""
+        values = np.nan_to_num(bank.curves[0, :, 0], nan=np.inf)
+        good, count = values <= self.absurd * nothing, self.points
+        share = float(good.mean())
+        chances = np.zeros(len(values))
+        if share > 0.0:
+            chances[good] = (1.0 - (1.0 - share) ** count) / good.sum()
+        if share < 1.0:
+            # The best of as many that all are absurd.
+            rest = np.flatnonzero(~good)[np.argsort(values[~good], kind="stable")]
+            left = np.linspace(1.0, 0.0, len(rest) + 1) ** count
+            chances[rest] = (1.0 - share) ** count * (left[:-1] - left[1:])
+        return chances, float(sum((1.0 - share) ** i for i in range(1, count)))
+
+    def time(self, bank: Bank, nothing: float) -> float:
+        """Expected evaluations until such descents, over and over, meet the target."""
+        (spent, hits), (chances, others) = self.ended(bank), self.starts(bank, nothing)
+        total, still = 0.0, 1.0
+        for kind in self.order:
+            total += still * (others + float(chances @ spent[kind]))
+            still *= 1.0 - float(chances @ np.isfinite(hits[kind]))
+        # Without a last digit of rounding.
+        return total / (1.0 - still) if still < 1.0 - 1e-12 else np.inf
 
 
-def _tree(costs: Real, seen: list[list[Seen]], names: list[str]) -> tuple[float, dict[str, Any]]:
-    """Mean cost on problems that are left out one by one, and the tree from all of them."""
-    keys = [each.name for each in fields(Seen)]
-    # Each look at a problem is a row; all of a problem have its costs.
-    owner = np.repeat(np.arange(len(seen)), DRAWS)
-    rows = np.array([list(each.to_dict().values()) for looks in seen for each in looks])
+class Curve(Misfit):
+    """Residuals that remember the objective at each evaluation."""
 
-    def grown(which: NDArray[np.bool_], depth: int) -> dict[str, Any]:
-        return _grown(rows[which], costs[owner][which], owner[which], keys, names, depth)
+    def __init__(self, problem: Recorder, logarithmic: bool) -> None:
+        super().__init__(problem, logarithmic)
+        self.values = list[float]()
 
-    def left_out(depth: int) -> float:
-        """Mean cost of each problem by the rules that are learnt without it."""
-        total = 0.0
-        for problem in range(len(seen)):
-            tree, mine = grown(owner != problem, depth), rows[owner == problem]
-            picks = [leaf(tree, dict(zip(keys, row, strict=True)))[0][0] for row in mine]
-            total += float(np.mean([costs[problem, names.index(pick)] for pick in picks]))
-        return total / len(seen)
-
-    # As many questions as pay on problems that were left out.
-    levels = [left_out(depth) for depth in range(DEEPEST + 1)]
-    depth = int(np.argmin(levels))
-    return levels[depth], grown(np.ones(len(rows), dtype=bool), depth)
+    def both(self, y: Real) -> tuple[Real, Real]:
+        """Both."""
+        before = self.problem.evaluations
+        residual, jacobian = super().both(y)
+        if self.problem.evaluations > before:
+            self.values.append(float(residual @ residual))
+        return residual, jacobian
 
 
-def _grown(
-    rows: Real, costs: Real, owner: Real, keys: list[str], names: list[str], depth: int
-) -> dict[str, Any]:
-    order = [names[i] for i in np.argsort(costs.mean(axis=0), kind="stable")]
-    # Where no extra is installed, there is one that comes with springpot.
-    own = next(name for name in order if not name.startswith(EXTRAS))
-    leaf: dict[str, Any] = {"optimisers": list(dict.fromkeys([*order[:RANKED], own]))}
-    # The quickest of all problems here is what a question must improve upon.
-    best = (float(costs.mean(axis=0).min()) * len(rows) - 1e-9, 0, 0.0)
-    for k in range(len(keys) if depth else 0):
-        values = np.unique(rows[:, k])
-        for limit in 0.5 * (values[1:] + values[:-1]):
-            below = rows[:, k] < limit
-            if min(len(np.unique(owner[below])), len(np.unique(owner[~below]))) < FEWEST:
-                continue
-            total = costs[below].sum(axis=0).min() + costs[~below].sum(axis=0).min()
-            best = min(best, (float(total), k, float(limit)))
-    if best[2] == 0.0:
-        return leaf
-    _, k, limit = best
-    below = rows[:, k] < limit
-    sides = {
-        side: _grown(rows[here], costs[here], owner[here], keys, names, depth - 1)
-        for side, here in (("below", below), ("above", ~below))
-    }
-    return {"feature": keys[k], "limit": float(f"{limit:.4g}"), **sides}
+def banked(problem: SpecimenProblem, goal: float, count: int) -> Bank:
+    """Single descents of every kind from the same uniform points."""
+    shape = (len(KINDS), count)
+    bank = Bank(np.full((*shape, LONGEST), np.nan), np.full(shape, np.inf), np.zeros(shape))
+    for i, k in product(range(count), range(len(KINDS))):
+        share = np.random.default_rng([7, i]).random(problem.dimension)
+        made = Recorder(problem, LONGEST, goal)
+        misfit = Curve(made, KINDS[k].logarithmic)
+        with np.errstate(all="ignore"), suppress(Exception, BudgetSpent):
+            start = problem.lower + share * (problem.upper - problem.lower)
+            KINDS[k].descend(misfit, start)
+        bank.curves[k, i, : len(misfit.values)] = np.minimum(misfit.values, 1e30)
+        bank.spent[k, i] = made.evaluations
+        if made.met:
+            bank.hits[k, i] = made.evaluations
+    return bank
 
 
-def toml(tree: Mapping[str, Any], name: str = "tree") -> str:
-    """The tree as text."""
-    lines = [f"[{name}]"]
-    if "feature" not in tree:
-        return f"[{name}]\noptimisers = {list(tree['optimisers'])!r}\n".replace("'", '"')
-    lines += [f'feature = "{tree["feature"]}"', f"limit = {tree['limit']!r}", ""]
-    return "\n".join(lines) + "\n".join(
-        toml(tree[side], f"{name}.{side}") for side in ("below", "above")
-    )
+def time_of(trials: list[tuple[float, int]]) -> float:
+    """Expected running time."""
+    return float(expected_running_time(*np.array(trials, dtype=float).T))
 
 
-def ratios(trials: Trials, label: str, problems: list[str], budget: int) -> dict[str, float]:
-    """An optimiser's expected running time over the virtual best's, where there is one."""
-    found = {}
-    for problem in problems:
-        times = {name: expected_running_time(*each) for name, each in trials[problem].items()}
-        best = min(time for name, time in times.items() if name != OWN)
-        if np.isfinite(best):
-            found[problem] = min(times[label], FAILED * budget) / best
-    return found
+def raced(name: str, problem: SpecimenProblem, goal: float, repeated: int) -> Trials:
+    """The trials of the rivals; those of the first round alone where none of them arrives."""
+    trials: Trials = {}
+    quickest = np.inf
+    for names, count in ((RIVALS, repeated), (LATE, IN_TIME)):
+        if names is LATE and quickest <= LONG:
+            break
+        for repetition in range(count):
+            for rival in names:
+                mine = trials.setdefault(rival, [])
+                if repetition > 1 and np.mean([spent for _, spent in mine]) > FAR * quickest:
+                    continue
+                hits = [hit for each in trials.values() for hit, _ in each]
+                longest = max(SHORT, CUT * min([quickest, *hits]))
+                limit = int(min(BUDGET if repetition else BUDGET // 4, longest))
+                optimiser = plugins().find("optimiser", rival)()
+                mine.append(trial(optimiser, name, problem, goal, limit, repetition))
+            if not arrived(trials):
+                return trials
+            if repetition:
+                quickest = min(map(time_of, trials.values()))
+    return trials
 
 
-def mean(values: Mapping[str, float]) -> float:
-    """The geometric one."""
-    return float(np.exp(np.mean(np.log(list(values.values())))))
+def arrived(trials: Trials) -> bool:
+    """Whether anybody met the target."""
+    return any(np.isfinite(hit) for each in trials.values() for hit, _ in each)
 
 
-def told(trials: Trials, budget: int) -> Table:
-    """The table: each optimiser, and the choice, on both halves."""
-    half, unseen = halves()
-    labels = list(next(iter(trials.values())))
-    rows = []
-    for label in labels:
-        on = [ratios(trials, label, problems, budget) for problems in (half, unseen)]
-        missed = sum(not np.isfinite(trials[p][label][0]).any() for p in on[1])
-        rows.append((label, mean(on[0]), mean(on[1]), missed))
-    rows.sort(key=lambda row: row[2])
+def trial(
+    optimiser: Optimiser,
+    name: str,
+    problem: SpecimenProblem,
+    goal: float,
+    limit: int,
+    repetition: int,
+) -> tuple[float, int]:
+    """Evaluations at which a trial meets the target, and that it spends."""
+    rng = np.random.default_rng(stream_of(0, name, repetition))
+    done = run(optimiser, problem, limit, rng, goal)
+    hit = done.trace[-1][0] if done.trace and done.best <= goal else np.inf
+    return hit, done.evaluations
+
+
+@dataclass(frozen=True)
+class Made:
+    """What was run on a problem.
+
+    Parameters
+    ----------
+    name, says : str
+        The problem.
+    goal, nothing : float
+        Objective that is good enough, and that of no response.
+    trials : dict
+        Of the rivals.
+    bank : Bank or None
+        Where it is learnt from.
+    """
+
+    name: str
+    says: str
+    goal: float
+    nothing: float
+    trials: Trials
+    bank: Bank | None
+
+    @property
+    def quickest(self) -> float:
+        """Expected running time of the virtual best."""
+        return min(map(time_of, self.trials.values()))
+
+
+def made(seed: int, number: int) -> Made:
+    """A problem with what was run on it; run if it is missing."""
+    path = MADE / f"{seed}-{number}.json"
+    pages = path.with_suffix(".npz")
+    if not path.exists():
+        known = drawn(seed, number)
+        problem = searched(known)
+        least = best(known, problem)
+        goal = least + TARGET * (reference_of(problem) - least)
+        swept = isinstance(problem, Problem)
+        trials = raced(known.name, problem, goal, REPEATED if swept else IN_TIME)
+        found = Made(known.name, known.summary, goal, float(problem.nothing), trials, None)
+        MADE.mkdir(parents=True, exist_ok=True)
+        if seed == LEARNT[0] and arrived(trials):
+            bank = banked(problem, goal, DESCENTS if swept else DESCENTS_IN_TIME)
+            np.savez_compressed(pages, **vars(bank))
+        path.write_text(json.dumps(vars(found)), encoding="utf-8")
+    told = json.loads(path.read_text(encoding="utf-8"))
+    return Made(**told | {"bank": Bank(**np.load(pages)) if pages.exists() else None})
+
+
+def ratio(time: float, problem: Made) -> float:
+    """Over that of the virtual best; who never arrives is taken to need FAILED budgets."""
+    return float(min(time, FAILED * BUDGET) / problem.quickest)
+
+
+def learnt(problems: list[Made]) -> tuple[Rules, Table]:
+    """The rules that take least on all problems, and what those take that lack a part of them."""
+    tried = [
+        Rules(order, longest, *patience, *starts)
+        for count in (1, 2, 3)
+        for order in permutations(range(len(KINDS)), count)
+        for longest, patience, starts in product(LENGTHS, PATIENCE, STARTS)
+    ]
+    banks = [(each, each.bank) for each in problems if each.bank is not None]
+    logs = np.log([[ratio(rules.time(b, p.nothing), p) for p, b in banks] for rules in tried])
+    mean, total = logs.mean(axis=1), logs.sum(axis=1)
+
+    def least(which: list[int]) -> Interval:
+        return interval(np.exp(logs[which[int(np.argmin(mean[which]))]]))
+
+    everything = range(len(tried))
+    others = [logs[np.argmin(total - own), i] for i, own in enumerate(logs.T)]
+    rows = [
+        ("learnt", least(list(everything))),
+        ("learnt from all but the one", interval(np.exp(others))),
+        ("from one point each", least([i for i in everything if tried[i].points == 1])),
+        ("none given up early", least([i for i in everything if tried[i].progress == 1.0])),
+        ("one kind of descent", least([i for i in everything if len(tried[i].order) == 1])),
+    ]
+    rows += [
+        (name, interval(np.array([ratio(time_of(p.trials[name]), p) for p, _ in banks])))
+        for name in RIVALS
+    ]
     note = (
-        "Expected running time over that of the virtual best of each problem, as geometric means"
-        f" over the half that was learnt from ({len(half)} problems) and the unseen one"
-        f" ({len(unseen)}), without those that nobody solves; who never arrives is taken to need"
-        f" {FAILED:g} budgets. Missed: unseen problems on which it never arrived."
+        f"Expected running time over that of the virtual best on {len(banks)} problems, as a"
+        " geometric mean with a bootstrap 95 % interval over problems: of descents alone, counted"
+        f" from the bank, by the best of {len(tried)} rules, or the best that lack a part; and of"
+        " each rival, whose trials end where they can no longer be the quickest."
     )
-    columns = ("optimiser", "learnt from", "unseen", "missed")
-    return Table("How near to the virtual best", columns, rows, note)
+    return tried[int(np.argmin(mean))], Table("What is learnt", ("rules", "ratio"), rows, note)
+
+
+def judged(problems: list[tuple[int, Made]]) -> tuple[Table, Table]:
+    """`auto` and the rivals over the virtual best, on all, and on each problem."""
+    rows, logs = list[tuple[str | float, ...]](), list[list[float]]()
+    for number, each in problems:
+        problem = searched(drawn(HELD[0], number))
+        count = len(each.trials[RIVALS[0]])
+        own = [trial(Auto(), each.name, problem, each.goal, BUDGET, i) for i in range(count)]
+        times = [time_of(own), *(time_of(each.trials[name]) for name in RIVALS)]
+        logs.append([ratio(time, each) for time in times])
+        first = min(each.trials, key=lambda name: time_of(each.trials[name]))
+        rows.append((each.says, *logs[-1][:3], first, each.quickest))
+    rows = [rows[i] for i in np.argsort([-each[0] for each in logs], kind="stable")]
+    note = (
+        "Expected running time over that of the virtual best, as a geometric mean with a bootstrap"
+        f" 95 % interval over {len(rows)} problems that seed {HELD[0]} draws and somebody solves."
+    )
+    values = np.array(logs)
+    means = [(n, interval(v)) for n, v in zip((Auto.name, *RIVALS), values.T, strict=True)]
+    columns = ("problem", Auto.name, *RIVALS[:2], "quickest", "its expected running time")
+    return (
+        Table("The choice on problems that it has not seen", ("optimiser", "ratio"), means, note),
+        Table("Problem by problem", columns, rows, "Ratios as in judged."),
+    )
+
+
+def write(rules: Rules) -> None:
+    """Keep the rules where `auto` reads them; who takes turns stays as it is."""
+    kept = auto.rules()
+    text = f"# Learnt by studies/suite_choice.py from {LEARNT[1]} drawn problems.\n\n"
+    for name in ("points", "absurd", "longest", "patience", "progress"):
+        text += f"{name} = {getattr(rules, name)}\n"
+    text += "\n# Learnt from 31 problems of springpot-60, of which some need it.\n"
+    names = ", ".join(f'"{name}"' for name in kept["optimisers"])
+    text += f"turn = {kept['turn']}\noptimisers = [{names}]\n"
+    for kind in (KINDS[i] for i in rules.order):
+        text += f'\n[[descents]]\nmethod = "{kind.method}"\n'
+        text += f"logarithmic = {str(kind.logarithmic).lower()}\n"
+    RULES.write_text(text, encoding="utf-8")
 
 
 def main() -> None:
-    """Learn, or say how well what was learnt chooses."""
-    race = archived(RACE)
-    if "learn" not in sys.argv:
-        save_table(told(race, BUDGET), RACE.parent, "selector")
+    """Run what is missing; learn, or judge."""
+    if "learn" in sys.argv:
+        rules, table = learnt([made(LEARNT[0], number) for number in range(LEARNT[1])])
+        save_table(table, FOLDER, "learnt")
+        write(rules)
         return
-    write(learnt(race, BUDGET))
-
-
-def write(rules: Mapping[str, Any]) -> None:
-    """Keep the rules where `auto` reads them."""
-    text = f"# Learnt by studies/suite_choice.py from {len(halves()[0])} problems of {SUITE}.\n\n"
-    text += f"longest = {rules['longest']}\nturn = {rules['turn']}\n"
-    for kind in rules["descents"]:
-        text += f'\n[[descents]]\nmethod = "{kind["method"]}"\n'
-        text += f"logarithmic = {str(kind['logarithmic']).lower()}\n"
-    RULES.write_text(f"{text}\n{toml(rules['tree'])}", encoding="utf-8")
-    auto.rules.cache_clear()
+    held = [(number, made(HELD[0], number)) for number in range(HELD[1])]
+    whole, single = judged([each for each in held if arrived(each[1].trials)])
+    save_table(whole, FOLDER, "judged")
+    figures = {str(name): figure for name, figure in whole.rows}
+    cells = [figures[name] for name in (CHOICE, ALONE)]
+    PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), TOLD, cells), encoding="utf-8")
+    save_table(single, FOLDER, "by_problem")
 
 
 if __name__ == "__main__":

@@ -4,10 +4,9 @@
 
 Question: does the order of methods without derivatives hang on their settings? Each gets the same
 number of settings to try, its defaults first and then draws from the ranges that its literature
-uses; all are raced on problems of the half of springpot-60 that `auto` learns from, and the one
-with the largest mean area over the convergence curve is kept. Measure: that area and the share of
-trials at the target on problems of the other half. What would answer it: the same order tuned as
-untuned.
+uses; all are raced on problems of one half of springpot-60, and the one with the largest mean area
+over the convergence curve is kept. Measure: that area and the share of trials at the target on
+problems of the other half. What would answer it: the same order tuned as untuned.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from springpot.benchmark.plan import stream_of
 from springpot.benchmark.statistics import Interval, mean_interval, mean_ranks, wilson
 from springpot.report.tables import Entry
 from suite import sweeps
-from suite_choice import halves
+from suite_repeated import halves
 
 NAME = "suite_tuned"
 BUDGET, REPEATS = 2000, 2

@@ -21,7 +21,7 @@ def beside(monkeypatch):
     monkeypatch.syspath_prepend(STUDIES)
     yield
     others = ("budgets", "tuned", "swarm", "choice", "repeated", "portfolio", "race")
-    for name in ("suite", *(f"suite_{each}" for each in others)):
+    for name in ("suite", "drawn_problems", *(f"suite_{each}" for each in others)):
         sys.modules.pop(name, None)
 
 
@@ -62,41 +62,54 @@ def test_all_readings_of_the_swarm_are_raced():
 
 
 def test_descents_in_turn_take_what_one_by_one_is_expected_of_them():
-    from suite_choice import expected
+    from suite_choice import Bank, Rules
 
     # Of the first kind half of the descents meet the target at 10, the others end at 20 without.
-    runs = np.array([[[10.0, 10.0], [20.0, np.inf]], [[5.0, np.inf], [5.0, np.inf]]])
-    assert expected(runs, (0,), 100) == 15.0 / 0.5
-    assert expected(runs, (0, 1), 100) == (15.0 + 0.5 * 5.0) / 0.5
+    curves = np.tile(np.geomspace(50.0, 1e-3, 40), (2, 2, 1))
+    hits = np.array([[10.0, np.inf], [np.inf, np.inf]])
+    bank = Bank(curves, hits, np.array([[10.0, 20.0], [5.0, 5.0]]))
+
+    def time(order, longest=100, **changes):
+        told = {"patience": 5, "progress": 1.0, "points": 1, "absurd": 1.0} | changes
+        return Rules(order, longest, **told).time(bank, 10.0)
+
+    assert time((0,)) == 15.0 / 0.5
+    assert time((0, 1)) == (15.0 + 0.5 * 5.0) / 0.5
     # One that is cut short misses, and costs no more than that.
-    assert expected(runs, (0,), 8) == np.inf
-    assert expected(runs, (0,), 15) == 12.5 / 0.5
-    assert expected(runs, (1,), 100) == np.inf
+    assert time((0,), 8) == np.inf
+    assert time((0,), 15) == 12.5 / 0.5
+    # Each falls by a fifth at every evaluation; whoever wants more gives up after six.
+    assert time((0,), progress=0.1) == np.inf
+    assert time((0,), progress=0.5) == 15.0 / 0.5
 
 
-def test_the_order_of_descents_is_that_which_takes_least_on_all_problems():
-    from suite_choice import KINDS, rotation
+def test_a_start_is_the_first_point_that_is_not_absurd_or_the_best_of_some():
+    from suite_choice import Bank, Rules
 
-    never = [[50.0, np.inf]] * 2
-    runs = np.array([never, [[9.0, 9.0]] * 2, [[3.0, np.inf]] * 2, never])
-    assert len(runs) == len(KINDS)
-    other = np.array([never, never, [[3.0, 3.0]] * 2, never])
-    order, longest = rotation({"one": runs, "other": other}, 8000)
-    assert set(order) == {1, 2}
-    assert order[0] == 2
-    assert longest == 30
+    curves = np.full((1, 4, 3), np.nan)
+    curves[0, :, 0] = [5.0, 500.0, 700.0, np.nan]
+    bank = Bank(curves, np.full((1, 4), np.inf), np.ones((1, 4)))
+    chances, others = Rules((0,), 9, 2, 1.0, 2, 10.0).starts(bank, 1.0)
+    assert others == 0.75
+    assert chances.sum() == pytest.approx(1.0)
+    assert chances[0] == pytest.approx(1.0 - 0.75**2)
+    # Both of two are bad, and the better one of the two is taken.
+    assert chances[1:] == pytest.approx(0.75**2 * np.array([5.0, 3.0, 1.0]) / 9.0)
+    # One point is taken as it is.
+    chances, others = Rules((0,), 9, 2, 1.0, 1, 10.0).starts(bank, 1.0)
+    assert (chances == pytest.approx(0.25), others) == (True, 0.0)
 
 
-def test_whoever_begins_anew_in_each_turn_arrives_within_one_or_not():
-    from suite_choice import cost
+def test_a_drawn_problem_hangs_on_its_seed_and_number_alone():
+    from drawn_problems import drawn, place, searched
 
-    first, budget = np.array([np.inf]), 1000
-    # After 50 evaluations of descents a turn is 100 long.
-    assert cost(first, np.array([80.0]), 0.1, budget) == 50.0 + 80.0
-    assert cost(first, np.array([180.0]), 0.1, budget) == 10.0 * budget
-    assert cost(np.array([20.0]), np.array([80.0]), 0.1, budget) == 20.0
-    # Descents go on in every second turn.
-    assert cost(np.array([60.0]), np.array([np.inf]), 0.1, budget) == 160.0
+    known = drawn(5, 1)
+    again = drawn(5, 1)
+    assert (known.summary, dict(known.truth)) == (again.summary, dict(again.truth))
+    problem = searched(known)
+    inside = place(known, problem)
+    assert np.all((inside >= problem.lower) & (inside <= problem.upper))
+    assert problem.evaluate(inside) < problem.nothing
 
 
 def test_two_share_a_budget_as_each_alone_would_have_gone_on():

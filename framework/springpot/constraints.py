@@ -80,7 +80,7 @@ def at_times(model: Model, times: NDArray[np.float64]) -> dict[str, float]:
     if len(names) != len(times):
         raise OptionError(
             f"--times are {len(times)}, and {model.name} has {len(names)}: give a family of sums of"
-            " relaxations, --model prony"
+            " relaxations, --model prony or maxwell-N"
         )
     return dict(zip(names, times.tolist(), strict=True))
 

@@ -92,6 +92,8 @@ def test_a_study_takes_over_what_its_archive_holds(folder, tmp_path):
     plan, archive = a_study([Walk(), *RIVALS]).plan(), Archive.read(folder / "rivals.zip")
     with Store(tmp_path / "small.sqlite", write=True) as store:
         numbers = store.register(plan, {})
+        # A store that holds all of them runs these again, too.
+        take_over(store, archive)
         take_over(store, archive, anew=["native"])
         tasks = list(plan.tasks(lambda cell: store.finished(numbers[cell.index])))
     missing = {plan.entrants[plan.cells[task.cell].entrant].label for task in tasks}

@@ -20,7 +20,6 @@ from hidden_data import (
 )
 
 import springpot
-from soaked import soaked
 
 FINE = design(32)
 
@@ -63,7 +62,6 @@ def two(base, at, one, other, sizes, level=0.01, seed=3):
 PAIRS = {
     ("friction", "inertia"): (KELVIN, AMPLITUDES, (6.0, 3e-3)),
     ("friction", "cubic-stiffness"): (KELVIN, AMPLITUDES, (6.0, 10.0)),
-    ("hysteretic-loss", "inertia"): (KELVIN, FINE, (15.0, 4e-4)),
     ("inertia", "series-spring"): (KELVIN, FINE, (5e-4, 6e-4)),
     ("inertia", "time-delay"): (KELVIN, FINE, (5e-4, 6e-4)),
     ("parallel-spring", "inertia"): (MAXWELL, FINE, (40.0, 5e-4)),
@@ -98,9 +96,7 @@ def found(pair):
 
 # An impossible start (a wave in a specimen that a wave drives) overflows on the way; it is not
 # chosen.
-@pytest.mark.soak_cases(
-    "friction+cubic-stiffness", "friction+vertical-shift", "hysteretic-loss+inertia"
-)
+@pytest.mark.soak_cases("friction+cubic-stiffness", "friction+vertical-shift")
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
 @pytest.mark.parametrize("pair", [pytest.param(p, marks=marks(p), id="+".join(p)) for p in PAIRS])
 def test_two_hidden_effects_are_both_found(pair):
@@ -113,9 +109,9 @@ def test_two_hidden_effects_are_both_found(pair):
     assert ladder.steps[-1].relative_rms / ladder.steps[-1].noise_floor < 1.3
 
 
-@pytest.mark.soak_cases("friction+cubic-stiffness", "hysteretic-loss+inertia")
+@pytest.mark.soak
 @pytest.mark.parametrize(
-    "pair", [("hysteretic-loss", "inertia"), ("friction", "cubic-stiffness")], ids="+".join
+    "pair", [("friction", "vertical-shift"), ("friction", "cubic-stiffness")], ids="+".join
 )
 def test_errors_fall_from_step_to_step(pair):
     errors = [step.relative_rms for step in found(pair).steps]
@@ -135,10 +131,10 @@ def test_what_a_later_effect_makes_idle_is_dropped():
     assert last.verdict == "adequate"
 
 
-@pytest.mark.soak_cases("hysteretic-loss+inertia")
+@pytest.mark.soak
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
 @pytest.mark.parametrize(
-    "pair", [("hysteretic-loss", "inertia"), soaked(("inertia", "series-spring"))], ids="+".join
+    "pair", [("friction", "vertical-shift"), ("inertia", "series-spring")], ids="+".join
 )
 def test_every_effect_of_the_last_model_is_needed(pair):
     """Backward pruning: leaving any of them out brings the misfit back."""
@@ -152,6 +148,22 @@ def test_every_effect_of_the_last_model_is_needed(pair):
         without = springpot.discover(data, rest, accept=[]).steps[0].relative_rms
         rows = 2 * len(at.omega)
         assert rows * (without**2 - full**2) / floor**2 > 15.0
+
+
+@pytest.mark.soak
+def test_one_of_two_that_cannot_be_told_apart_is_for_a_user_to_choose():
+    """Beside a loss without a law a mass and a wave in the specimen do the same.
+
+    Both are named, and what is missing beside them; either way leads to the noise.
+    """
+    data = two(KELVIN, FINE, "hysteretic-loss", "inertia", (15.0, 4e-4))
+    asked = springpot.discover(data, KELVIN.name)
+    assert accepted(asked) == []
+    assert set(asked.diagnosis.leading) == {"inertia", "specimen-inertia"}
+    assert "hysteretic-loss" in {one.effect for one in asked.diagnosis.candidates}
+    for mass in asked.diagnosis.leading:
+        told = springpot.discover(data, KELVIN.name, accept=[mass, "hysteretic-loss"])
+        assert told.verdict == "adequate"
 
 
 @pytest.mark.soak

@@ -41,3 +41,14 @@ def test_a_constant_exact_column_is_not_taken_for_one_of_coarse_digits(turned):
     np.testing.assert_allclose([told.real, told.imag], 0.1)
     if not turned:
         assert springpot.diagnose(data, "kelvin").error.noise_floor < 0.003
+
+
+def test_steps_of_a_converter_bound_the_noise_too():
+    """They are no round numbers: sweeps that agreed to the step had no noise at all."""
+    omega = np.geomspace(0.1, 10.0, 12)
+    exact = springpot.parse_model("zener").stiffness(np.array([30.0, 60.0, 40.0]), omega)
+    steps = 1.3731 * np.round(np.stack([exact.real, exact.imag]) / 1.3731)
+    values = np.tile(steps[0] + 1j * steps[1], 3)
+    amplitude = np.repeat([0.1, 0.2, 0.4], 12)
+    data = Measurement(np.tile(omega, 3), values, conditions={"amplitude": amplitude})
+    assert rounding_steps(data) == pytest.approx(np.full(36, 1.3731 * (1.0 + 1.0j)))

@@ -16,19 +16,12 @@ from springpot.registry import plugins
 from springpot_plugins.optimisers import auto
 
 BUDGET = 600
-SEEN = auto.Seen(5, 4, 1.0, 0.0, 3.0, 2.0, 0.0)
 
 
 def problem(name: str) -> Problem:
     card = plugins().problem(f"springpot-60/{name}")
     objective = plugins().find("objective", card.objective)
     return Problem.of(springpot.parse_model(card.model), card.open(), objective)
-
-
-def leaves(node):
-    if "feature" not in node:
-        return [node["optimisers"]]
-    return leaves(node["below"]) + leaves(node["above"])
 
 
 @pytest.mark.soak
@@ -42,15 +35,44 @@ def test_what_it_looks_at_are_the_descents_of_its_rules():
     assert descents.trace
 
 
-def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch):
-    known = {"longest": 4, "descents": [{"method": "trf", "logarithmic": True}, {"method": "lm"}]}
+def ruled(monkeypatch, **changes):
+    known = dict(auto.rules()) | changes
     monkeypatch.setattr(auto, "rules", lambda: known)
+
+
+def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch):
+    kinds = [{"method": "trf", "logarithmic": True}, {"method": "lm"}]
+    ruled(monkeypatch, longest=4, descents=kinds)
     kinds, made = auto.kinds(), Recorder(problem("mass-and-delay"), BUDGET)
     for methods in ("trf", "lm", "trf"):
         kind, before = next(kinds), made.evaluations
         assert kind.method == methods
-        assert auto.descended(made, kind, np.random.default_rng(1), BUDGET).cut
+        auto.descended(made, kind, np.random.default_rng(1), BUDGET)
         assert made.evaluations == before + 4
+
+
+def test_a_descent_that_leads_no_further_is_given_up(monkeypatch):
+    # Nobody falls by nine tenths at every evaluation.
+    ruled(monkeypatch, patience=3, progress=1e-9, points=1)
+    made = Recorder(problem("mass-and-delay"), BUDGET)
+    auto.descended(made, next(auto.kinds()), np.random.default_rng(1), BUDGET)
+    assert made.evaluations == 4
+
+
+def test_where_all_points_are_absurd_the_best_is_a_start(monkeypatch):
+    ruled(monkeypatch, points=4, absurd=0.0)
+    made = Recorder(problem("mass-and-delay"), BUDGET)
+    misfit = auto.Watched(made, BUDGET, logarithmic=True)
+    start = auto.begun(misfit, np.random.default_rng(1))
+    assert made.evaluations == 4
+    assert start == pytest.approx(made.best_x)
+    # One that is not absurd is a start at once, and its evaluation the first of the descent.
+    ruled(monkeypatch, points=4, absurd=np.inf)
+    misfit = auto.Watched(made, BUDGET, logarithmic=True)
+    misfit.both(misfit.within(auto.begun(misfit, np.random.default_rng(2))))
+    assert made.evaluations == 5
+    # Within a turn of a run, too, it is known what no response comes to.
+    assert auto.Turn(made).nothing == made.problem.nothing
 
 
 @pytest.mark.soak
@@ -58,8 +80,8 @@ def test_it_says_which_optimiser_it_goes_on_with_and_why():
     done = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3))
     (remark,) = done.remarks
     name = remark.partition(" was chosen to take turns")[0]
-    assert name in {name for leaf in leaves(auto.rules()["tree"]) for name in leaf}
-    assert "descents were looked at" in remark
+    assert name in auto.rules()["optimisers"]
+    assert "descents ended as low as the best" in remark
     assert done.evaluations == BUDGET
 
 
@@ -69,28 +91,17 @@ def test_the_remark_is_a_note_of_the_identification():
     assert any("was chosen" in note for note in found.notes)
 
 
-def test_the_tree_is_followed_down_to_an_optimiser_that_is_installed(monkeypatch):
-    tree = {
-        "feature": "agreement",
-        "limit": 0.5,
-        "below": {"optimisers": ["no-such-optimiser", "cma-es"]},
-        "above": {"optimisers": ["least-squares"]},
-    }
-    monkeypatch.setattr(auto, "rules", lambda: {"tree": tree})
-    name, why = auto.chosen(SEEN)
-    assert name == "least-squares"
-    assert why.startswith("agreement 1 is not below 0.5")
-    lonely = auto.Seen(5, 4, 0.25, 3.0, 3.0, 2.0, 0.0)
-    assert auto.chosen(lonely)[0] == "cma-es"
-    monkeypatch.setattr(auto, "rules", lambda: {"tree": {"optimisers": ["no-such-optimiser"]}})
+def test_the_first_that_is_installed_takes_turns(monkeypatch):
+    ruled(monkeypatch, optimisers=["no-such-optimiser", "cma-es"])
+    assert auto.chosen() == "cma-es"
+    ruled(monkeypatch, optimisers=["no-such-optimiser"])
     with pytest.raises(ModelError, match="no-such-optimiser"):
-        auto.chosen(SEEN)
+        auto.chosen()
 
 
-def test_every_leaf_has_an_optimiser_that_comes_with_springpot():
+def test_one_of_them_comes_with_springpot():
     extra = ("minion-", "dfo-", "minuit-", "pymoo-", "optimagic-")
-    for names in leaves(auto.rules()["tree"]):
-        assert any(not name.startswith(extra) for name in names), names
+    assert any(not name.startswith(extra) for name in auto.rules()["optimisers"])
 
 
 def test_its_share_is_a_share():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from springpot import Measurement, identify
+from springpot.cli.identify import _meant
 from springpot.constraints import at_times, times_of
 from springpot.errors import ModelError, OptionError
 from springpot.measurement.units import Units
@@ -125,3 +126,12 @@ def test_a_fit_with_its_times_held_is_that_series(springpot, write):
     answer = springpot(*asked, "--json").json
     assert answer["model"] == "prony-13"
     assert answer["parameters"]["tau3"]["value"] == pytest.approx(1e-4)
+
+
+def test_times_of_a_model_that_is_no_family_are_refused():
+    """With `--model kelvin` a chain of as many Kelvin elements was fitted without a word."""
+    for model, members in (("kelvin", 0), ("maxwell", 0)):
+        with pytest.raises(OptionError, match=f"{model} has {members}: give a family"):
+            _meant(model, "1e-2:1e3", 1)
+    for model, member in (("prony", "prony-6"), ("maxwell-N + inertia", "maxwell-6 + inertia")):
+        assert _meant(model, "1e-2:1e3", 1)[0] == member

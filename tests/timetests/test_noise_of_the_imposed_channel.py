@@ -7,9 +7,9 @@ import pytest
 
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.imposed import imposed_noise
 from springpot.registry import plugins
 from springpot.timetests import compare, diagnose, left
-from springpot.timetests.left import imposed_noise
 
 TIME = 0.005 * np.arange(1000)
 EFFECTS = ("inertia", "time-delay", "filter-mismatch")

@@ -47,6 +47,14 @@ def test_chances_are_priors_times_what_the_evidence_is_worth():
     )
 
 
+def test_beside_a_narrow_effect_others_as_narrow_keep_their_share():
+    """Four points that were off in one of several tests were a resonance, for certain."""
+    each = [SimpleNamespace(effect=SimpleNamespace(narrow=narrow)) for narrow in (True, False)]
+    told = verdict._beside_narrow([0.1, 0.5, 0.3, 0.1], each)
+    other = 0.5 * EVIDENCE.other_shape
+    assert told == pytest.approx([0.1, 0.5 - other, 0.3, 0.1 + other])
+
+
 def test_what_is_unexplained_is_as_unknown_as_its_chance_of_noise_says():
     weights, chance = [0.3, 0.5, 0.2], 1e-4
     odds = unknown_odds(chance)

@@ -26,6 +26,7 @@ from test_whole_timetests import (
 )
 
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.imposed import imposed_noise
 from springpot.registry import plugins
 from springpot.timetests import (
     convex,
@@ -36,7 +37,7 @@ from springpot.timetests import (
     where,
 )
 from springpot.timetests.disturbances import lines_in
-from springpot.timetests.left import Left, felt, imposed_noise
+from springpot.timetests.left import Left, felt
 from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.specimen import Scales, runs_against, tries_of

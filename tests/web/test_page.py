@@ -376,6 +376,19 @@ def test_a_name_without_end_is_cut_before_a_button_is(page: Open, damper: bytes)
 
 
 @pytest.mark.soak
+def test_what_only_shows_beside_the_first_effect_is_told_with_it(page: Open, damper: bytes):
+    here = page()
+    here.open("damper.csv", damper, "kelvin")
+    mass = here.page.locator("#effect-inertia")
+    assert mass.locator(".fall").text_content() == "→ 0.57 % beside"
+    mass.hover()
+    assert "with series-springpot and it" in here.reads("#effect-details")
+    alone = here.page.locator("#effect-series-springpot .fall").text_content()
+    assert alone is not None
+    assert "beside" not in alone
+
+
+@pytest.mark.soak
 def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(page: Open):
     here = page()
     rng, frequency = np.random.default_rng(5), np.geomspace(0.1, 100.0, 10_000)

@@ -471,8 +471,10 @@ def take_over(store: Store, archive: Archive, anew: Collection[str] = ()) -> Non
     archive : Archive
         The published trials.
     anew : collection of str
-        Labels of optimisers that are run again, as they are not what they were.
+        Labels of optimisers that are run again, as they are not what they were; what the store
+        holds of them is dropped.
     """
+    store.forget([cell.id for cell in store.cells() if cell.label in anew])
     own = {cell.digest: cell.id for cell in store.cells() if cell.label not in anew}
     cells = enumerate(archive.cells)
     _add(store, archive, {i: own[cell.digest] for i, cell in cells if cell.digest in own})

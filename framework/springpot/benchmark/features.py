@@ -1,7 +1,6 @@
 """What a problem is like: features that are measured on it, and on no optimiser's results.
 
-Those of a suite are measured with its optimum known. What an optimiser may see of a user's own data
-is another matter: `springpot_plugins.optimisers.auto.Seen`.
+Those of a suite are measured with its optimum known, which nobody has for data of his own.
 """
 
 from __future__ import annotations

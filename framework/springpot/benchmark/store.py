@@ -350,11 +350,17 @@ class Store:
                 for row in self._rows(ALL_TRIALS)
                 if not sound(row) or (row["cell"] in wanted and Status(row["status"]).failed)
             ]
-            for table in ("trial", "trace"):
-                self._db.executemany(
-                    f"DELETE FROM {table} WHERE cell IS ? AND repetition IS ?", lost
-                )
+            self._drop(lost)
         return len(lost)
+
+    def forget(self, cells: Iterable[int]) -> None:
+        """Drop all trials of `cells`, so that they run again."""
+        with one_line(self.path), transaction(self._db):
+            self._drop([(cell, number) for cell in cells for number in self.finished(cell)])
+
+    def _drop(self, trials: list[tuple[object, object]]) -> None:
+        for table in ("trial", "trace"):
+            self._db.executemany(f"DELETE FROM {table} WHERE cell IS ? AND repetition IS ?", trials)
 
     def facts(self) -> dict[str, str]:
         """What is known of the study and of its last run.

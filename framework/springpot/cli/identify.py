@@ -169,13 +169,17 @@ def command(
 def _meant(model: str, times: str | None, per_decade: int) -> tuple[str, Model, dict[str, float]]:
     """The model with its name; of a family the member of so many times, and these, held."""
     from springpot.constraints import at_times, times_of
-    from springpot.registry import parse_model
+    from springpot.registry import parse_model, plugins
 
     if times is None:
         return model, parse_model(model), {}
     values = times_of(times, per_decade)
     family, plus, effects = model.partition("+")
-    expression = parse_model(f"{family.strip()}-{len(values)} {plus}{effects}")
+    family = family.strip()
+    # What has the name alone is another model: kelvin is one spring and one dashpot.
+    if family.endswith("-N") or family not in plugins().names("model"):
+        family = f"{family.removesuffix('-N')}-{len(values)}"
+    expression = parse_model(f"{family} {plus}{effects}")
     return expression.name, expression, at_times(expression, values)
 
 

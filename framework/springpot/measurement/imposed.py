@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import comb, sqrt
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.motion import Between
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST
+from ..numerics import NORMAL, SMALLEST, rms
+from .rounding import is_even, rounding_step
 
 STEADY = HELD["amplitude"]
 """Share of its largest value by which what is called held may move."""
@@ -23,6 +25,8 @@ NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05
 """Share of the record that a rise may take for the test to be called relaxation or creep."""
+ORDER = 8
+"""Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +131,19 @@ class Loading:
             return None
         return Between.of(self.time, self.value)
 
-    @property
-    def unsure(self) -> Real:
-        """Times when nobody knows what is felt: at a jump by a spring, at a turn by a dashpot."""
+    def unsure(self, judged: bool) -> Real:
+        """Times when nobody knows what is felt: at a jump by a spring, at a turn by a dashpot.
+
+        Where it is to be `judged`, its first sample too if it was at rest before and moves from
+        there on; of a plan that of what moves is told.
+        """
         times, _ = self.jumps
         if self.smooth is None or self.smooth.motion is None:
             return times
-        return np.union1d(times, self.smooth.motion.unsure)
+        motion = self.smooth.motion
+        if judged and not self.before and motion.leaving[0] != 0.0:
+            times = np.union1d(times, self.time[:1])
+        return np.union1d(times, motion.unsure)
 
     @property
     def turning(self) -> Real:
@@ -143,10 +153,11 @@ class Loading:
         return self.smooth.motion.turning
 
 
-def controlled(moved: Real, pulled: Real) -> str:
+def controlled(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
     """The channel that is held or released for nearly all of the record, or stands still.
 
-    Else the displacement.
+    Of two that move, the force where it has no noise and the displacement has, and a note on that;
+    else the displacement.
 
     A force that was held and taken away does not stand still in the end, nor does what recovers
     from it.
@@ -154,14 +165,68 @@ def controlled(moved: Real, pulled: Real) -> str:
     # Asked first: a channel at its level is plain, while an unrest has to be weighed against the
     # other's.
     displacement_held, force_held = _at_levels(moved), _at_levels(pulled)
+    force_unrest = _late_unrest(pulled)
     if max(displacement_held, force_held) >= NEARLY_ALL:
         force_imposed = force_held > displacement_held
+    elif is_command(clock, pulled, moved):
+        said = (
+            "the force has no noise and the displacement has: the force is taken to have been"
+            " imposed; '?control=displacement' behind the file says otherwise"
+        )
+        return "force", {"note control": said}
     else:
-        force_unrest = _late_unrest(pulled)
         force_imposed = force_unrest <= STEADY and force_unrest < _late_unrest(moved)
     if force_imposed:
-        return "force"
-    return "displacement"
+        return "force", {}
+    return "displacement", {}
+
+
+def is_command(clock: Real, value: Real, other: Real) -> bool:
+    """Whether a channel (n,) has no noise, but for digits finer than the noise of the other.
+
+    Such a one was no transducer's: it was imposed. Nor can a model be asked for it: what it answers
+    to noise of the other one bends it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.imposed import is_command
+    >>> t = np.arange(200) / 20.0
+    >>> noisy = np.sin(t) + 0.01 * np.random.default_rng(1).normal(size=200)
+    >>> is_command(t, np.sin(t), noisy), is_command(t, noisy, np.sin(t))
+    (True, False)
+    """
+    # One that mostly stands is told by its levels.
+    stands = not np.median(np.abs(np.diff(value))) > 0.0
+    if stands or len(clock) < 5 * ORDER or not is_even(clock):
+        return False
+    noise, most = imposed_noise(other), _of_what_is_smooth(other)
+    own, digit = imposed_noise(value), _of_what_is_smooth(value)
+    return noise > most and own <= digit and max(own, digit) * rms(other) < noise * rms(value)
+
+
+def _of_what_is_smooth(value: Real) -> float:
+    """What differences leave at most of a channel (n,) without noise but that of its digits."""
+    # Of a sine of three samples two thirds of what half the order leaves; of noise as much.
+    return max(0.5 * imposed_noise(value, ORDER // 2), rms(rounding_step(value)))
+
+
+def imposed_noise(value: Real, order: int = ORDER) -> float:
+    """Standard deviation of white noise in a channel (n,) that was evenly sampled.
+
+    By the median of its differences of the eighth order, which corners do not move.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.imposed import imposed_noise
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=2000)
+    >>> round(imposed_noise(np.sin(0.1 * np.arange(2000)) + noise), 3)
+    0.01
+    """
+    # Of white noise of variance one such a difference has the variance 2n over n.
+    own = sqrt(comb(2 * order, order))
+    return NORMAL * float(np.median(np.abs(np.diff(value, order)))) / own
 
 
 def _late_unrest(value: Real) -> float:

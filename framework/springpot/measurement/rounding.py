@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
@@ -21,8 +20,9 @@ FEWEST = 3
 def rounding_step(values: Real) -> Real:
     """How far apart the next values lie that could have been written in place of each; shape (n,).
 
-    A column is written with so many decimals, or with so many significant digits, or both: the
-    coarser step counts. Zero where the values carry all the digits of a number.
+    A column is written with so many decimals, or with so many significant digits, or both, or it
+    was read in steps of a converter: the coarsest counts. Zero where the values carry all the
+    digits of a number.
 
     Parameters
     ----------
@@ -34,15 +34,17 @@ def rounding_step(values: Real) -> Real:
     >>> import numpy as np
     >>> rounding_step(np.array([1.5, 12.25])).tolist()
     [0.01, 0.01]
+    >>> rounding_step(0.0731 * np.array([21.0, 22.0, 21.0, 24.0, 22.0, 24.0])).round(4).tolist()
+    [0.0731, 0.0731, 0.0731, 0.0731, 0.0731, 0.0731]
     """
     size = np.abs(values[values != 0.0])
     if len(size) == 0:
         return np.zeros(len(values))
-    decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
+    decimals = _fewest(np.zeros(len(size)), size)
     # Zero has no first digit: it is taken to be written as the smallest value beside it is.
     exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
-    digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
-    step = np.zeros(len(values))
+    digits = _fewest(np.floor(np.log10(size)), size)
+    step = np.full(len(values), _converter(values))
     if decimals is not None:
         step = np.maximum(step, 10.0**decimals)
     if digits is not None:
@@ -50,20 +52,40 @@ def rounding_step(values: Real) -> Real:
     return step
 
 
-def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
-    """The largest number whose powers of ten (n,) divide all values.
+def _converter(values: Real) -> float:
+    """The step of a converter, of which all values (n,) are multiples; zero for most columns.
+
+    Its values come again: half of them at least are among the others.
+    """
+    levels = np.unique(values)
+    if len(levels) < FEWEST or 2 * len(levels) > len(values):
+        return 0.0
+    step = float(np.min(np.diff(levels)))
+    off = levels / step - np.round(levels / step)
+    return step if np.all(np.abs(off) <= EVEN) else 0.0
+
+
+def _fewest(exponent: Real, size: Real) -> int | None:
+    """The largest number which with exponents (n,) gives powers of ten that divide all values (n,).
 
     None where only a full number's digits do.
     """
     # The coarsest first: all finer powers divide the values as well.
-    for power in range(12, -MOST_DIGITS, -1):
-        step = 10.0 ** power_of(power)
-        steps = size / step
-        if np.all(np.abs(steps - np.round(steps)) <= ALIKE * np.abs(steps)):
-            if np.max(np.abs(steps)) < 10.0**MOST_DIGITS:
-                return power
-            return None
+    powers = np.arange(12.0, -MOST_DIGITS, -1.0)
+    # What does not divide the first few does not divide all.
+    few = slice(8)
+    for power in powers[_divide(exponent[few], size[few], powers)]:
+        if _divide(exponent, size, power[None])[0]:
+            steps = size / 10.0 ** (exponent + power)
+            return int(power) if np.max(steps) < 10.0**MOST_DIGITS else None
     return None
+
+
+def _divide(exponent: Real, size: Real, powers: Real) -> NDArray[np.bool_]:
+    """Which of some powers of ten (m,) divide all values (n,) with their exponents; shape (m,)."""
+    steps = size / 10.0 ** (exponent + powers[:, None])
+    whole: NDArray[np.bool_] = np.all(np.abs(steps - np.round(steps)) <= ALIKE * steps, axis=1)
+    return whole
 
 
 def even_clock(clock: Real) -> Real:

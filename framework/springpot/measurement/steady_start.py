@@ -16,7 +16,7 @@ from springpot.rheology.points import Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .imposed import Loading
-from .rounding import is_even, rounding_step
+from .rounding import is_even
 
 SHORTEST = 8
 """Samples of a period at least."""
@@ -96,30 +96,11 @@ def _after_cycles(loading: Loading, lag: int, count: int) -> Loading:
     )
 
 
-def said_of_start(name: str, loading: Loading, response: Real, answered: str) -> str:
-    """What a test is taken to have done before its record; nothing of most.
-
-    Also where its response has no scatter and what was imposed has: then it was imposed.
-    """
+def said_of_start(name: str, loading: Loading) -> str:
+    """What a test is taken to have done before its record; nothing of most."""
     if not loading.before:
         return ""
-    says = f"{name} repeats from its first cycle on: taken to have gone on before the record"
-    imposed = loading.recorded.value
-    _, lag = cycles_of(loading, len(imposed))
-    if not _to_the_digit(response, lag) or _to_the_digit(imposed, lag):
-        return says
-    return (
-        f"{says}; its {answered} repeats to the last digit, as what is imposed does:"
-        f" '?control={answered}' behind the file takes it so, or noise of the other channel"
-        " bends the answer"
-    )
-
-
-def _to_the_digit(value: Real, lag: int) -> bool:
-    """Whether a channel repeats but for its digits."""
-    step = np.maximum(rounding_step(value), NEGLIGIBLE * np.max(np.abs(value)))
-    # Each of the two was rounded by itself.
-    return bool(np.all(np.abs(value[lag:] - value[:-lag]) <= 2.0 * step[lag:]))
+    return f"{name} repeats from its first cycle on: taken to have gone on before the record"
 
 
 @lru_cache(maxsize=256)

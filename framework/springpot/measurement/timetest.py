@@ -285,8 +285,8 @@ class TimeTest:
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
         # A channel that is held was imposed; the specimen's answer to it is not constant.
-        if control is None:
-            control = controlled(moved, pulled)
+        read = controlled(clock, moved, pulled)
+        control, notes = read if control is None else (control, {})
         imposed, response = moved, pulled
         if control == "force":
             imposed, response = pulled, moved
@@ -303,7 +303,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance=provenance or {},
+            provenance={**(provenance or {}), **notes},
             **_warm(temperature),
         )
 
@@ -400,7 +400,7 @@ class TimeTest:
     @property
     def said_of_start(self) -> str:
         """What it is taken to have done before its record; nothing of most."""
-        return said_of_start(self.name, self.loading, self.response, self.answered)
+        return said_of_start(self.name, self.loading)
 
     @property
     def words(self) -> tuple[str, str]:

@@ -176,8 +176,8 @@ def normal_unit(text: str) -> str:
 
     Examples
     --------
-    >>> [normal_unit(text) for text in ("°C", "N.m", "rad·s-1", "[mPa.s]", "10³ Pa")]
-    ['degC', 'N m', 'rad/s', 'mPa s', 'kPa']
+    >>> [normal_unit(text) for text in ("°C", "N.m", "rad·s-1", "[mPa.s]", "10³ Pa", "1/(kN/m)")]
+    ['degC', 'N m', 'rad/s', 'mPa s', 'kPa', 'm/kN']
     """
     # An abbreviation may end in a dot, as people write "deg." and "sec.".
     unit = text.strip().strip("[]").strip()[:_LONGEST].removesuffix(".")
@@ -203,7 +203,12 @@ def normal_unit(text: str) -> str:
         slash = "/"
     if not slash:
         return _WITHOUT_BLANK.get(over, over)
-    return f"{_part(over)}/{_part(under)}"
+    over, under = _part(over), _part(under)
+    # One over a quotient is the quotient turned over, as our own tables write a compliance. Without
+    # brackets it is meant so too: over a force times a length nothing is measured.
+    if over == "1" and "/" in under:
+        under, _, over = under.partition("/")
+    return f"{over}/{under}"
 
 
 def _with_prefix(unit: str) -> str:

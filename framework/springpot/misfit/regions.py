@@ -114,15 +114,19 @@ class Blocks:
         return np.where(stop - first == self.shape[axis], 0.0, 2.0 * np.log(len(first)))
 
     def _sums(self, values: Real) -> Real:
-        """Sums of point values (n,) over every block, with as many axes as the measurement."""
+        """Sums of point values (..., n) over every block; shape (..., blocks of each axis)."""
         # By cumulative sums along each axis in turn: summed block by block every point would be
         # added many times.
-        sums = np.bincount(self._cell, values, int(np.prod(self.shape))).reshape(self.shape)
-        for axis, (first, stop) in enumerate(self._ends):
+        rows = values.reshape(-1, len(self._cell))
+        size = int(np.prod(self.shape))
+        cells = self._cell + size * np.arange(len(rows))[:, None]
+        sums = np.bincount(cells.ravel(), rows.ravel(), size * len(rows))
+        sums = sums.reshape(len(rows), *self.shape)
+        for axis, (first, stop) in enumerate(self._ends, 1):
             before = np.zeros_like(np.take(sums, [0], axis=axis))
             summed = np.concatenate([before, np.cumsum(sums, axis=axis)], axis=axis)
             sums = np.take(summed, stop, axis=axis) - np.take(summed, first, axis=axis)
-        return np.asarray(sums, dtype=np.float64)
+        return np.asarray(sums.reshape(*values.shape[:-1], *sums.shape[1:]), dtype=np.float64)
 
     def threshold(self, alarm: float, scale: Real | float, rng: np.random.Generator) -> float:
         """Deviations that the furthest block of pure noise exceeds with the chance `alarm`.
@@ -140,12 +144,15 @@ class Blocks:
         """
         n = len(self._cell)
         draws = max(DRAWS, FEW // n)
-        most = np.array([self._furthest(rng.standard_normal(n)) for _ in range(draws)])
-        return rare(most, alarm, np.sqrt(scale))
-
-    def _furthest(self, values: Real) -> float:
-        filled = self._count > 0
-        return float(np.max(np.abs(self._sums(values)[filled]) / np.sqrt(self._count[filled])))
+        # Of what holds no point nothing is far.
+        root = np.sqrt(np.where(self._count > 0, self._count, np.inf))
+        # As many at once as a processor's own memory holds.
+        at_once = max(1, 2**15 // self._count.size)
+        most = [
+            np.max(np.abs(self._sums(noise) / root).reshape(len(noise), -1), axis=1)
+            for noise in np.split(rng.standard_normal((draws, n)), range(at_once, draws, at_once))
+        ]
+        return rare(np.concatenate(most), alarm, np.sqrt(scale))
 
     def regions(self, whitened: Real, threshold: float) -> list[Region]:
         """Blocks in which a residual is off, each point in one of them at most.

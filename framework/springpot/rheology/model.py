@@ -50,6 +50,8 @@ class InTime:
         In kelvin, one for all times or one for each sample of a history.
     tolerance : float
         Relative error of K for which the spectrum is read.
+    eased : bool
+        Whether the forces that are not linear were taken off the imposed force before.
 
     Examples
     --------
@@ -65,6 +67,7 @@ class InTime:
     temperature: float | Real | None
     reference_temperature: float
     tolerance: float
+    eased: bool = False
 
     def relaxation(self, t: Real) -> Traced:
         """Force over displacement (n,) at t >= 0 after a displacement step, and its derivatives."""
@@ -166,7 +169,7 @@ class InTime:
     @property
     def linear(self) -> bool:
         """Whether twice the displacement has twice the force."""
-        return not sorted_out(self.model)[1]
+        return self.eased or not sorted_out(self.model)[1]
 
     def on_its_clock(self) -> Passive:
         """The material alone, which may have a clock of its own.
@@ -202,6 +205,8 @@ class InTime:
         _, beside, signals = sorted_out(self.model)
         if chain:
             signals = ()
+        if self.eased:
+            beside = ()
         # The first that stands in the way is named: one thing to mend at a time.
         for effect, _, _ in [*beside, *signals]:
             kind = "belongs to the signals"

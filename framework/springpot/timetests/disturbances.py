@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.identification.result import Identification
+from springpot.measurement.imposed import ORDER, imposed_noise
 from springpot.measurement.rounding import is_even
 from springpot.misfit.error import plain
 from springpot.misfit.regions import HARMONICS, MAINS
@@ -22,7 +23,7 @@ from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST, rms
 from .colour import UPPER
-from .left import ORDER, Left, delta_bic, imposed_noise
+from .left import Left, delta_bic
 from .residuals_of_tests import InTimePart, TestPart
 from .scatter import TAILS, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from springpot.errors import ModelError
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
-from springpot.rheology.effect import Effect, on_clock, on_loading
+from springpot.rheology.effect import Effect, on_clock
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model, linear_network, sorted_out, through, with_laws
 from springpot.rheology.motion import velocity
@@ -30,7 +30,7 @@ from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
-from .recording import Clock, at_stage, indices, reached, shown, spread
+from .recording import Clock, at_loading, at_stage, at_work, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Residual, TestPart
 from .start import answers_of
 
@@ -116,7 +116,7 @@ class QuickPart(InTimePart):
     def seen(self) -> NDArray[np.bool_]:
         """Which of them are no instant of a step or a turn."""
         loading = self.test.loading
-        return ~np.isin(self.t, np.union1d(loading.unsure, loading.turning))
+        return ~np.isin(self.t, np.union1d(loading.unsure(self.judged), loading.turning))
 
     @cached_property
     def weight(self) -> Real:
@@ -307,8 +307,10 @@ class QuickPart(InTimePart):
 
     def _recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """The same of a model all of whose effects the test has."""
-        mine = [each for each in model.placed if each.effect.of_test]
+        mine, eased = at_work(model, self.test)
         _, beside, signals = sorted_out(model)
+        if eased:
+            beside = ()
         network, places = linear_network(model)
         # Value and derivatives go through the same two matrices, side by side.
         amounts, slopes = self._amounts(
@@ -318,7 +320,7 @@ class QuickPart(InTimePart):
         both, columns = self._course(mine, theta, np.column_stack([amounts, slopes]))
         value = both[:, 0]
         by_theta[:, places] = both[:, 1:]
-        moved = indices(mine, on_loading) + indices(mine, on_clock)
+        moved = indices([*at_loading(mine), *at_stage(mine, on_clock)])
         if moved:
             by_theta[:, moved] = columns
         if beside or signals:
@@ -354,7 +356,7 @@ class QuickPart(InTimePart):
 
     def _course(self, mine: Sequence[Placed], theta: Real, mix: Real) -> tuple[Real, Real]:
         """Answers (n, c) to what reached the specimen by its clock, and slopes (n, q) by these."""
-        loads, clocks = at_stage(mine, on_loading), at_stage(mine, on_clock)
+        loads, clocks = at_loading(mine), at_stage(mine, on_clock)
         if not loads and not clocks:
             # Nothing was moved: what was worked out once will do.
             return self.answers @ mix, np.zeros((len(self.t), 0))
@@ -368,7 +370,7 @@ class QuickPart(InTimePart):
 
         both, alone = by(loading, theta, mix), mix[:, :1]
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
-        for index in indices(mine, on_clock):
+        for index in indices(clocks):
             # A clock bends time for all exponentials at once, which has no closed derivative here.
             step = DIFFERENCE * max(abs(float(theta[index])), DIFFERENCE)
             more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]

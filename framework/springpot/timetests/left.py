@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import comb, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -17,18 +16,17 @@ from springpot.diagnosis.grown import key_of
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
+from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import is_even
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
 
-from ..numerics import DEVIATIONS, NORMAL, SMALLEST, TWO_DEVIATIONS
+from ..numerics import DEVIATIONS, SMALLEST, TWO_DEVIATIONS
 from .residuals_of_tests import InTimePart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 
-ORDER = 8
-"""Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 WORTH = 0.15
 """Share of the samples that such a median is worth: by 600 simulated channels of 100 to 3,000."""
 FEWEST = 100
@@ -310,24 +308,6 @@ def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> floa
     gain += base.lines - other.lines
     more = other.count - base.count
     return float(gain - more * np.log(independent(base.residuals, noise)))
-
-
-def imposed_noise(value: Real) -> float:
-    """Standard deviation of white noise in a channel (n,) that was evenly sampled.
-
-    By the median of its differences of the eighth order, which corners do not move.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.timetests.left import imposed_noise
-    >>> noise = 0.01 * np.random.default_rng(1).normal(size=2000)
-    >>> round(imposed_noise(np.sin(0.1 * np.arange(2000)) + noise), 3)
-    0.01
-    """
-    # Of white noise of variance one such a difference has the variance 2n over n.
-    own = sqrt(comb(2 * ORDER, ORDER))
-    return NORMAL * float(np.median(np.abs(np.diff(value, ORDER)))) / own
 
 
 def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:

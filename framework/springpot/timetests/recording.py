@@ -18,10 +18,11 @@ from springpot.errors import ModelError
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.effect import acting, on_clock, on_loading, on_response
+from springpot.rheology.effect import Effect, acting, on_clock, on_loading, on_response
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import InTime, Model
-from springpot.rheology.named import Placed
+from springpot.rheology.model import InTime, Model, sorted_out
+from springpot.rheology.motion import velocity
+from springpot.rheology.named import NamedNetwork, Placed
 from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import KELVIN, ROOM, Real
 
@@ -271,13 +272,13 @@ def _recorded(
     tolerance: float,
 ) -> Traced:
     """The same of a model all of whose effects the test has."""
-    mine = [each for each in model.placed if each.effect.of_test]
+    mine, eased = at_work(model, test)
     if not mine:
         return predicted(model, theta, test, reference, t, tolerance)
     if test.warmth is not None and "temperature" in model.needs:
         traced = _while_it_warms(model, mine, theta, test, reference, t, tolerance)
     else:
-        inside = specimen(model, theta, test, reference, tolerance)
+        inside = replace(specimen(model, theta, test, reference, tolerance), eased=eased)
         traced = _answered(inside, mine, theta, test, t)
     return shown(mine, theta, Record.of(test, t), *traced)
 
@@ -310,7 +311,7 @@ def _while_it_warms(
 
     traced = respond(loading)
     linear = not slopes or specimen(model, theta, test, reference, tolerance).linear
-    for index, slope in zip(indices(mine, on_loading), slopes, strict=True):
+    for index, slope in zip(indices(at_loading(mine)), slopes, strict=True):
         traced.by_theta[:, index] = _by_loading(
             lambda imposed: respond(imposed).value, linear, loading, slope
         )
@@ -336,14 +337,41 @@ def shown(
     return Traced(value, by_theta)
 
 
+def at_work(model: NamedNetwork, test: TimeTest) -> tuple[list[Placed], bool]:
+    """What the test itself did, and what is taken off an imposed force; whether anything is.
+
+    Where a specimen goes under a force that does not act on its material alone is an equation at
+    each instant; but where it went was measured, and there a force beside the material is known.
+    """
+    mine = [each for each in model.placed if each.effect.of_test]
+    if not is_eased(test):
+        return mine, False
+    beside = sorted_out(model)[1]
+    return [*mine, *beside], bool(beside)
+
+
+def is_eased(test: TimeTest) -> bool:
+    """Whether it tells at each instant where an imposed force led, and how it came there."""
+    loading = test.loading
+    known = test.measured and test.warmth is None and not loading.before
+    return known and test.control == "force" and not len(loading.jumps[0])
+
+
+def at_loading(mine: Sequence[Placed]) -> list[Placed]:
+    """The effects that change what reaches the material: a force beside it does, too."""
+    return [
+        each for each in mine if each.effect.composition == on_loading or not each.effect.of_test
+    ]
+
+
 def at_stage(mine: Sequence[Placed], stage: Composing) -> list[Placed]:
     """The effects of one stage."""
     return [each for each in mine if each.effect.composition == stage]
 
 
-def indices(mine: Sequence[Placed], stage: Composing) -> list[int]:
-    """Where the parameters of the effects of one stage stand in theta."""
-    return [i for each in at_stage(mine, stage) for i in each.own]
+def indices(effects: Sequence[Placed]) -> list[int]:
+    """Where the parameters of effects stand in theta."""
+    return [i for each in effects for i in each.own]
 
 
 def _answered(
@@ -359,7 +387,7 @@ def _answered(
         turned, here = clock.turned(loading, t), clock.at(t)
         slopes = [clock.turned(slope, t) for slope in slopes]
     traced = answer(inside, turned, here, test.control)
-    for index, slope in zip(indices(mine, on_loading), slopes, strict=True):
+    for index, slope in zip(indices(at_loading(mine)), slopes, strict=True):
         column = _by_loading(
             lambda imposed: answer(inside, imposed, here, test.control).value,
             inside.linear,
@@ -371,7 +399,7 @@ def _answered(
         traced.by_theta[:, index] = np.where(np.isfinite(column), column, 0.0)
     if clock.effects:
         columns = _by_clock(inside, loading, clock, t, test.control)
-        traced.by_theta[:, indices(mine, on_clock)] = columns
+        traced.by_theta[:, indices(at_stage(mine, on_clock))] = columns
     return traced
 
 
@@ -379,7 +407,7 @@ def reached(
     mine: Sequence[Placed], theta: Real, test: TimeTest, t: Real
 ) -> tuple[Loading, list[Loading]]:
     """What reached the specimen, and its derivative by each parameter at that stage."""
-    effects = at_stage(mine, on_loading)
+    effects = at_loading(mine)
     if not effects:
         return test.loading, []
     loading = dense(test.loading, t)
@@ -387,12 +415,29 @@ def reached(
     for effect, _, place in effects:
         values = theta[place]
         before = loading
+        if not effect.of_test:
+            loading, own = _eased(before, effect, values, test)
+            slopes += own
+            continue
         loading, own = acting(effect.element, values, before)
         # What an inner effect changed goes on through the outer one: by a difference, for few laws
         # are linear.
         slopes = [_carried(effect.element, values, before, slope) for slope in slopes]
         slopes += own
     return loading, slopes
+
+
+def _eased(
+    loading: Loading, effect: Effect, values: Real, test: TimeTest
+) -> tuple[Loading, list[Loading]]:
+    """What a force beside the material leaves of the imposed one, and its derivatives."""
+    t = loading.time
+    moved = np.interp(t, test.time, test.response)
+    force, slopes = effect.element.in_time(t, moved, velocity(t, moved), *values)  # type: ignore[attr-defined]
+    own = [
+        Loading(t, -np.broadcast_to(slope, t.shape), sampled=loading.sampled) for slope in slopes
+    ]
+    return replace(loading, value=loading.value - force), own
 
 
 def _carried(law: Node, values: Real, before: Loading, slope: Loading) -> Loading:

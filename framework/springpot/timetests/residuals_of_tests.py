@@ -357,7 +357,7 @@ class InTimePart(TestPart):
 
         At the former the answer may be endless, and no instrument reads it.
         """
-        said = ~np.isin(self.at, self.test.loading.unsure)
+        said = ~np.isin(self.at, self.test.loading.unsure(self.judged))
         said[self.strays] = False
         return said
 

@@ -21,7 +21,7 @@ from springpot.diagnosis.scan import PARALLEL
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
-from springpot.rheology.effect import Effect, acting, on_clock, on_loading, on_response
+from springpot.rheology.effect import Effect, acting, on_clock, on_response
 from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
@@ -31,7 +31,7 @@ from springpot.rheology.points import Complex, Points, Real
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
 from .left import Atom, Promise
-from .recording import Clock, reached, recorded
+from .recording import Clock, at_loading, is_eased, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import MOST, Scales, stepped, tries_of
 
@@ -473,7 +473,7 @@ class View:
         if not effect.applies_to(test):
             return np.zeros(len(self.t))
         place = [Placed(effect, "", list(range(len(values))))]
-        if effect.composition == on_loading:
+        if at_loading(place):
             loading, _ = reached(place, values, test, self.t)
             time = self.t
         else:
@@ -492,6 +492,8 @@ class View:
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
         test = self.part.test
+        if not of_signal and is_eased(test):
+            return self.of_course(effect, values)
         name = {"displacement": "in_time", "force": "under_force"}[test.control]
         law = getattr(effect.element, name, None)
         if len(test.loading.jumps[0]) or law is None:

@@ -216,7 +216,7 @@ def answer_of(
     if verdict == "adequate":
         noise = before.all_noise
     best = next((each.left for each in tried), before)
-    nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
+    nothing, *chances, unknown = _agreeing(_beside_narrow(weights, tried), verdict, best.chance)
     alike = _class(tried, promises, noise)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
@@ -493,6 +493,14 @@ def _weights(
     ]
     weights, _ = chances_of(np.array(logs))
     return list(weights.tolist())
+
+
+def _beside_narrow(weights: Sequence[float], tried: Sequence[Tried]) -> list[float]:
+    """The same, where other narrow features look like an effect as narrow, as for sweeps."""
+    shares = [EVIDENCE.other_shape * each.effect.narrow for each in tried]
+    taken = [weight * share for weight, share in zip(weights[1:-1], shares, strict=True)]
+    left = [weight - less for weight, less in zip(weights[1:-1], taken, strict=True)]
+    return [weights[0], *left, weights[-1] + sum(taken)]
 
 
 def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:

@@ -1,18 +1,17 @@
-"""Least squares first, and then the optimiser that suits what they have shown of the problem.
+"""Short descents from the better of some points, and then in turns with another optimiser.
 
-Short descents of several kinds in turn are what most problems need, and what they leave behind may
-tell the others apart: how many of them agree, how far they fell, how the valley is shaped. Which
-kinds, in which order, how long a descent may be, who comes next and for how long: all of it was
-learnt from half of the problems of springpot-60 by ``studies/suite_choice.py`` and is kept in
-``auto.toml``.
+Descents of several kinds in turn are what most problems need. From how many points the start of one
+is chosen, which kinds in which order, when a descent is given up, who takes turns with them and for
+how long: all of it was learnt by ``studies/suite_choice.py`` from problems that are drawn by a
+seed, and is kept in ``auto.toml``.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from itertools import cycle
@@ -28,7 +27,6 @@ from springpot.identification import (
     Optimiser,
     Recorder,
     Searched,
-    SpecimenProblem,
 )
 from springpot.rheology import Real
 
@@ -36,48 +34,7 @@ from .cube import keep_on
 from .leastsquares import LeastSquares, Misfit
 
 NEGLIGIBLE = 1e-6
-"""Share that is as good as nothing.
-
-Of the way from no response at all to the best end, of the box at its edges, and of the changes that
-end a short descent.
-"""
-LARGEST = 16.0
-"""Decades beyond which nothing but rounding is told."""
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What some descents by least squares have shown of a problem.
-
-    Parameters
-    ----------
-    parameters : int
-        That are searched.
-    descents : int
-        That ended, each at a minimum or where it could not go on.
-    agreement : float
-        Share of them that ended as low as the best, but for a millionth of the way.
-    spread : float
-        Decades between the best end and the middle one, of what is more than that.
-    fall : float
-        Decades from the middle start to the best end, likewise.
-    conditioning : float
-        Decades between the longest and the shortest axis of the valley where it is best.
-    edges : float
-        Share of the parameters that lie at an edge of the box there.
-    """
-
-    parameters: int
-    descents: int
-    agreement: float
-    spread: float
-    fall: float
-    conditioning: float
-    edges: float
-
-    def to_dict(self) -> dict[str, float]:
-        """By name."""
-        return {each.name: float(getattr(self, each.name)) for each in fields(self)}
+"""Change that ends a short descent, and share of the best end within which another is as low."""
 
 
 class _CutShortError(Exception):
@@ -86,19 +43,19 @@ class _CutShortError(Exception):
 
 @dataclass(frozen=True)
 class Auto(Optimiser):
-    """Look at a problem by descents, then hand it to the optimiser that suits it.
+    """Look at a problem by descents, then let them take turns with another optimiser.
 
     Parameters
     ----------
     share : float
-        Of the budget, for looking; what is found then counts like all else.
+        Of the budget, for descents alone.
     """
 
     share: float = 0.05
 
     name: ClassVar[str] = "auto"
     card: ClassVar[Card] = Card(
-        "least squares first, then the optimiser that suits what they have shown",
+        "least squares from the better of some points, then in turns with another",
         "Rice 1976, doi:10.1016/S0065-2458(08)60520-3; Xu et al. 2008, doi:10.1613/jair.2490",
         gradient=True,
         started=True,
@@ -111,13 +68,15 @@ class Auto(Optimiser):
         """Look, make the best exact, choose, and go on with what was chosen."""
         # A common start has been evaluated already.
         limit = problem.evaluations + max(1, int(self.share * budget))
-        seen = looked(problem, limit, rng)
-        LeastSquares().descend(Misfit(problem), problem.best_x)
-        name, why = chosen(seen)
-        problem.remark(f"{name} was chosen to take turns with descents: {why}")
+        ends = looked(problem, limit, rng)
+        # The best made exact, as far as that is done quickly.
+        with suppress(_CutShortError):
+            polished = Watched(problem, limit + int(rules()["longest"]), logarithmic=True)
+            LeastSquares().descend(polished, problem.best_x)
+        name = chosen()
+        problem.remark(f"{name} was chosen to take turns with descents: {told(ends)}")
         other: Optimiser = springpot.plugins().find("optimiser", name)()
-        # In turns: where the rules err, half of the budget is still the descents'.
-        turns = cycle([other.minimise, descents])
+        turns = cycle([descents, other.minimise])
         length = max(1, int(rules()["turn"] * budget))
         keep_on(problem, lambda: in_turn(problem, next(turns), length, rng))
 
@@ -133,6 +92,7 @@ class Turn(Searched):
 
     def __init__(self, run: Recorder) -> None:
         self.run, self.space = run, run.problem.space
+        self.nothing = nothing(run.problem)
 
     def evaluate(self, x: Real) -> Real:
         """Objective (...) at search points (..., d)."""
@@ -165,17 +125,19 @@ def in_turn(problem: Recorder, search: Search, length: int, rng: np.random.Gener
             raise
 
 
-def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
-    """Descend from uniform points until so many evaluations are made, and say what was seen."""
-    starts, ends, ways = list[float](), list[float](), kinds()
+def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> list[float]:
+    """Descend until so many evaluations are made, and say where descents ended."""
+    ends, ways = list[float](), kinds()
     while problem.evaluations < limit:
         misfit = descended(problem, next(ways), rng, limit)
-        # One that was cut short by the limit has ended nowhere; without it there may be none.
-        if misfit.cut and problem.evaluations >= limit and ends:
-            break
-        starts.append(misfit.first)
         ends.append(misfit.least)
-    return _told(problem, np.array(starts), np.array(ends))
+    return ends
+
+
+def told(ends: Sequence[float]) -> str:
+    """What descents have shown, in one line."""
+    alike = sum(end <= (1.0 + NEGLIGIBLE) * min(ends) for end in ends)
+    return f"{alike} of {len(ends)} descents ended as low as the best"
 
 
 def kinds() -> Iterator[LeastSquares]:
@@ -186,18 +148,46 @@ def kinds() -> Iterator[LeastSquares]:
 def descended(
     problem: Recorder, kind: LeastSquares, rng: np.random.Generator, limit: int
 ) -> Watched:
-    """A short descent from a uniform point, at the latest until `limit` evaluations of the run."""
+    """A short descent, at the latest until `limit` evaluations of the run."""
     longest = problem.evaluations + int(rules()["longest"])
     misfit = Watched(problem, min(limit, longest), kind.logarithmic)
-    width = problem.upper - problem.lower
-    start = problem.first(problem.lower + rng.random(problem.dimension) * width)
     with suppress(_CutShortError):
+        start = begun(misfit, rng)
+        # What was passed over is no part of the descent.
+        del misfit.bests[:-1]
         kind.descend(misfit, start)
     return misfit
 
 
+def begun(misfit: Watched, rng: np.random.Generator) -> Real:
+    """A uniform point (d,) where the model is not absurd, or the best of some that all are.
+
+    Absurd is an objective that is many times that of no response at all. First of all it is the one
+    where all of a race begin.
+    """
+    problem = misfit.problem
+    if problem.start is not None and problem.evaluations == 1:
+        return problem.start
+    width, best, start = problem.upper - problem.lower, np.inf, problem.lower
+    for _ in range(rules()["points"]):
+        point = problem.lower + rng.random(problem.dimension) * width
+        residual, _ = misfit.both(misfit.within(point))
+        value = float(residual @ residual)
+        if value < best or best == np.inf:
+            best, start = value, point
+        if value <= rules()["absurd"] * nothing(problem.problem):
+            break
+    return start
+
+
+def nothing(problem: Searched) -> float:
+    """Objective of no response, infinite where nobody knows."""
+    value = getattr(problem, "nothing", np.inf)
+    return float(value) if np.isfinite(value) else np.inf
+
+
 class Watched(Misfit):
-    """Residuals that remember the first and the least objective, and end a descent in time.
+    """Residuals that remember the least objective, and end a descent that leads no further.
 
     Parameters
     ----------
@@ -211,93 +201,43 @@ class Watched(Misfit):
 
     def __init__(self, problem: Recorder, limit: int, logarithmic: bool) -> None:
         super().__init__(problem, logarithmic)
-        self.limit, self.first, self.least, self.cut = limit, np.inf, np.inf, False
+        self.limit, self.bests = limit, [np.inf]
+
+    @property
+    def least(self) -> float:
+        """The least objective so far."""
+        return self.bests[-1]
 
     def both(self, y: Real) -> tuple[Real, Real]:
         """Both, unless it has had enough."""
-        before = self.problem.evaluations
-        if before >= self.limit:
-            self.cut = True
+        before, late = self.problem.evaluations, self.bests[-1 - rules()["patience"] :]
+        lost = len(late) > rules()["patience"] and late[-1] > rules()["progress"] * late[0]
+        if before >= self.limit or lost:
             raise _CutShortError
         residual, jacobian = super().both(y)
         if self.problem.evaluations > before:
-            value = float(residual @ residual)
-            if not np.isfinite(self.first):
-                self.first = value
-            self.least = min(self.least, value)
+            self.bests.append(min(self.least, float(residual @ residual)))
         return residual, jacobian
-
-
-def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
-    best, middle = float(np.min(ends)), float(np.median(starts))
-    # Of exact data the best is rounding, which says nothing of a problem.
-    way = min(middle, _nothing(problem)) - best
-    nothing = NEGLIGIBLE * max(way, np.finfo(float).tiny)
-    # At the best point: the evaluation is one of the search, and counted.
-    width, x = problem.upper - problem.lower, problem.best_x
-    conditioning = LARGEST
-    if problem.left > 0 and x.size:
-        stretch = np.linalg.svd(problem.residuals(x)[1] * width, compute_uv=False)
-        conditioning = _decades(float(stretch[0]), float(stretch[-1]))
-    share = (x - problem.lower) / width
-    return Seen(
-        problem.dimension,
-        len(ends),
-        float(np.mean(ends <= best + nothing)),
-        _decades(float(np.median(ends)) + nothing, best + nothing),
-        _decades(middle + nothing, best + nothing),
-        conditioning,
-        float(np.mean((share < NEGLIGIBLE) | (share > 1.0 - NEGLIGIBLE))),
-    )
-
-
-def _nothing(problem: Recorder) -> float:
-    """Objective of no response: where a start is absurd, it says nothing of the data."""
-    of = problem.problem
-    if isinstance(of, SpecimenProblem) and np.isfinite(of.nothing):
-        return of.nothing
-    return np.inf
-
-
-def _decades(large: float, small: float) -> float:
-    if not large < np.inf or small <= 0.0:
-        return LARGEST
-    return float(np.clip(np.log10(max(large, small) / small), 0.0, LARGEST))
 
 
 @cache
 def rules() -> Mapping[str, Any]:
-    """The descents, the turns and the tree, as they were learnt."""
+    """What was learnt."""
     return tomllib.loads(files(__package__).joinpath("auto.toml").read_text(encoding="utf-8"))
 
 
-def chosen(seen: Seen) -> tuple[str, str]:
-    """The optimiser for a problem, and why in one line.
+def chosen() -> str:
+    """Who takes turns: the first of those that were learnt that is installed.
 
     Raises
     ------
     ModelError
-        If none of those that were learnt is installed.
+        If none of them is.
     """
-    names, reasons = leaf(rules()["tree"], seen.to_dict())
-    for name in names:
+    for name in rules()["optimisers"]:
         if _installed(name):
-            why = " and ".join(reasons) or "it did best on the problems that the rules are from"
-            return name, f"{why}; {seen.descents} descents were looked at"
-    raise ModelError(f"none of {', '.join(names)} is installed")
-
-
-def leaf(tree: Mapping[str, Any], told: Mapping[str, float]) -> tuple[list[str], list[str]]:
-    """Optimisers that a tree names for what was told, the best first, and its reasons."""
-    reasons = list[str]()
-    while "feature" in tree:
-        value, limit = told[tree["feature"]], tree["limit"]
-        side, word = "above", "not below"
-        if value < limit:
-            side = word = "below"
-        reasons.append(f"{tree['feature']} {value:.3g} is {word} {limit:.3g}")
-        tree = tree[side]
-    return list(tree["optimisers"]), reasons
+            return str(name)
+    raise ModelError(f"none of {', '.join(rules()['optimisers'])} is installed")
 
 
 def _installed(name: str) -> bool:

@@ -69,7 +69,7 @@ class LeastSquares(Optimiser):
             bounds, scale = (-np.inf, np.inf), 1.0
         least_squares(
             misfit.residuals,
-            np.clip(misfit.inner(start), lower, upper),
+            misfit.within(start),
             jac=misfit.jacobian,
             bounds=bounds,
             method=self.method,
@@ -140,6 +140,11 @@ class Misfit:
     def inner(self, x: Real) -> Real:
         """Inner coordinates of a search point."""
         return np.log(x, out=np.array(x), where=self.logarithmic)
+
+    def within(self, x: Real) -> Real:
+        """Inner coordinates of a search point, moved into the box."""
+        lower, upper = self.inner(self.problem.lower), self.inner(self.problem.upper)
+        return np.clip(self.inner(x), lower, upper)
 
     def _outer(self, y: Real) -> Real:
         # exp(230) is 1e100, whose square is still a number: without a box a step may lead anywhere.

@@ -163,7 +163,8 @@ export class Missing {
 
   option(candidate, floor) {
     // Of tests in time nearly fitted effects tell an error too.
-    const after = candidate.error_after ?? (this.app.scene.views ? candidate.predicted_error : null);
+    const after = candidate.error_beside ?? candidate.error_after ?? (this.app.scene.views ? candidate.predicted_error : null);
+    const [beside, leads] = this.beside(candidate);
     const size = Object.entries(candidate.parameters || {}).slice(0, 1).map(([name, value]) => `${name} = ${number(value.value, 3)} ${value.unit === "-" ? "" : pretty(value.unit)}`);
     return h("div", {
       id: idOf(candidate.effect), role: "option", "aria-selected": "false", class: "option",
@@ -172,9 +173,14 @@ export class Missing {
       onclick: (event) => this.clicked(event, candidate.effect),
     },
     h("span", { class: "name", title: candidate.effect }, candidate.label || candidate.effect),
-    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of ${this.app.answer.discovery.diagnosis.error.test || this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
+    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with ${leads}it: ${percent(after)} of ${this.app.answer.discovery.diagnosis.error.test || this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}${beside}`),
     h("span", { class: "size", title: candidate.says }, candidate.shown || size[0] || "not fitted"),
     !(candidate.probability >= LEAST) ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
+  }
+
+  // What only shows beside the effect that leads is told so: by itself it lowers nothing.
+  beside({ error_beside: error }) {
+    return error == null ? ["", ""] : [" beside", `${this.app.answer.discovery.diagnosis.leading[0]} and `];
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.
@@ -253,6 +259,7 @@ export class Missing {
         const [told, interval] = withInterval(value.value, value.low, value.high);
         return pretty(`${name} = ${told} ${interval} ${value.unit === "-" ? "" : value.unit}`);
       }).join("; ") || "not fitted: it stands too far behind"),
+      ...(candidate.error_beside == null ? [] : row(`with ${this.beside(candidate)[1]}it`, this.fallTo(candidate.error_beside))),
       ...row("error", preview ? `${this.fallTo(preview.error)}${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
       ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
       ...(others.length ? row("rivals", others.join(", ")) : []),
