@@ -67,6 +67,18 @@ def test_nothing_is_missing_from_the_model_of_a_steady_record(steady):
     assert told in fit.notes
 
 
+def test_how_a_held_load_rose_before_its_first_sample_is_told_unless_it_is_known():
+    """A step at t = 0 that is read as a rise until 0.1 s has a stiffness too low by a tenth."""
+    t = np.geomspace(0.1, 100.0, 40)
+    force = 300.0 + 200.0 * np.exp(-t / 0.5)
+    told = [
+        TimeTest.of_history(t, np.ones(40), force, "mm", "N", name="held", rise=rise).said_of_start
+        for rise in (None, 0.0, 0.05)
+    ]
+    assert "held from its first sample at 0.1 s on: taken to have risen evenly" in told[0]
+    assert told[1:] == ["", ""]
+
+
 def test_a_record_that_began_at_rest_stays_as_it_is():
     assert record(rest()).loading.before == 0
 

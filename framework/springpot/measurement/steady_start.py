@@ -96,8 +96,20 @@ def _after_cycles(loading: Loading, lag: int, count: int) -> Loading:
     )
 
 
-def said_of_start(name: str, loading: Loading) -> str:
+def rise_is_presumed(loading: Loading, kind: str, first: float) -> bool:
+    """Whether a load is held from its first sample on, and nothing tells how it came there."""
+    if kind not in ("relaxation", "creep") or loading.sampled or len(loading.time) < 2:
+        return False
+    return bool(loading.value[0] == 0.0 and loading.time[0] < loading.time[1] == first)
+
+
+def said_of_start(name: str, loading: Loading, kind: str, first: float) -> str:
     """What a test is taken to have done before its record; nothing of most."""
+    if rise_is_presumed(loading, kind, first):
+        return (
+            f"{name} is held from its first sample at {first:.3g} s on: taken to have"
+            " risen evenly until then, which '?ramp=0[s]' behind the file turns to a step"
+        )
     if not loading.before:
         return ""
     return f"{name} repeats from its first cycle on: taken to have gone on before the record"

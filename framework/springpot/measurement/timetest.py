@@ -400,7 +400,7 @@ class TimeTest:
     @property
     def said_of_start(self) -> str:
         """What it is taken to have done before its record; nothing of most."""
-        return said_of_start(self.name, self.loading)
+        return said_of_start(self.name, self.loading, self.kind, self.time[0])
 
     @property
     def words(self) -> tuple[str, str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.steady_start import rise_is_presumed
 from springpot.rheology import (
     AMPLITUDE,
     FORCE,
@@ -157,11 +158,7 @@ def _sooner(_: TimeTest) -> list[tuple[float]]:
 
 
 def _is_presumed(test: TimeTest) -> bool:
-    """Whether it is held from its first sample on, and nothing tells how it came there."""
-    load = test.loading
-    if test.kind not in ("relaxation", "creep") or load.sampled or len(load.time) < 2:
-        return False
-    return bool(load.value[0] == 0.0 and load.time[0] < load.time[1] == test.time[0])
+    return rise_is_presumed(test.loading, test.kind, test.time[0])
 
 
 def _stepped(test: TimeTest) -> bool:
