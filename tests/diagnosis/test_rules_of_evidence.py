@@ -168,3 +168,11 @@ def test_further_frequencies_are_a_decade_beyond_or_four_times_as_dense(hertz, e
         # A dense one has nobody wait, and takes as long as it has points.
         assert found[2].effort == pytest.approx(experiment.TYPED_IN + 12 / 80)
         assert len(found[2].action["omega"]) == 12
+
+
+def test_a_leader_stands_beside_itself_only_where_a_second_one_is_likely():
+    found = weighed(("a", "b", 0.95))
+    found.same_curve = lambda best: [["x"], ["a", "c"]]
+    for partners, beside in (({"b": 0.9}, ["b", "c"]), ({"a": 0.9}, ["a", "c"])):
+        found.partners = partners
+        assert evidence.Evidence.beside.fget(found) == beside

@@ -399,7 +399,8 @@ class Evidence:
         best = self.explanations[0].names
         if partners and len(best) == 2:
             alike = self.same_curve(best)[1 - best.index(self.leader)]
-            partners += [name for name in alike if name not in partners]
+            # A second one of the leader is told where it is likely, not where it only could be.
+            partners += [name for name in alike if name not in {self.leader, *partners}]
         return partners
 
     @cached_property
