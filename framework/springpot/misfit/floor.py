@@ -427,7 +427,7 @@ def scatter_about(frame: NoiseFrame) -> ScatterAbout:
     doi:10.1214/aoms/1177731746), these tell the noise.
     """
     scatter = trimmed(frame)
-    found = remembering(frame, scatter.kept)
+    found = _remembering(frame, scatter.kept)
     if found is not None:
         about = ScatterAbout(float(found.new @ found.new) / found.free, float(found.free))
         # What is new with each point is white, or it is a misfit.
@@ -484,7 +484,7 @@ class Remembering(NamedTuple):
     slow: bool
 
 
-def remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Remembering | None:
+def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Remembering | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
     Or white noise beside one of `_misfits`. A number more costs what the Bayesian information
@@ -582,12 +582,14 @@ def _misfits(measurement: Measurement) -> Iterator[Real]:
     x = (x - x.min()) / max(float(np.ptp(x)), SMALLEST)
     slow = np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T
     alike = [slow[None, : degree + 1] for degree in range(SMOOTH_DEGREE + 1)]
+    # Humps a quarter of a sweep wide, and each time half as wide, down to half a point.
     width = 0.25
     while width * longest > 0.5:
         places = np.arange(0.0, 1.0 + width, 0.5 * width)
         alike.append(np.exp(-0.5 * ((x - places[:, None]) / width) ** 2)[:, None])
         width *= 0.5
-    # In half waves along a sweep, and twice as fine as these are independent.
+    # In half waves along a sweep, and twice as fine as these are independent; some thirty at a
+    # time, for the memory that all would take.
     turns = np.pi * x * np.arange(2.0, longest + 0.5, 0.5)[:, None]
     alike += np.array_split(np.stack([np.cos(turns), np.sin(turns)], axis=1), 1 + longest // 16)
     for shapes in alike:
@@ -596,5 +598,6 @@ def _misfits(measurement: Measurement) -> Iterator[Real]:
             yield (shapes[:, :, None] * inside).reshape(len(shapes), -1, len(x))
     for number in settings_of(measurement).values():
         at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
+        # At each value of a column a level, a slope or a bend.
         for degree in range(3):
             yield (slow[: degree + 1, None] * at_each).reshape(1, -1, len(x))

@@ -146,7 +146,7 @@ class Blocks:
         draws = max(DRAWS, FEW // n)
         # Of what holds no point nothing is far.
         root = np.sqrt(np.where(self._count > 0, self._count, np.inf))
-        # As many at once as a processor's own memory holds.
+        # As many at once as the memory beside a processor holds: 256 kB.
         at_once = max(1, 2**15 // self._count.size)
         most = [
             np.max(np.abs(self._sums(noise) / root).reshape(len(noise), -1), axis=1)
