@@ -20,6 +20,7 @@ from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
+from .memory import worth_of
 from .rounding import rounding_step
 
 Source = Literal["given", "repeats", "estimated"]
@@ -76,14 +77,6 @@ def turned_sd(sd: Complex, turn: Complex) -> Complex:
     cos, sin = np.abs(turn.real), np.abs(turn.imag)
     real, imag = np.hypot(sd.real * cos, sd.imag * sin), np.hypot(sd.real * sin, sd.imag * cos)
     return np.asarray(real + 1j * imag, dtype=np.complex128)
-
-
-def worth_of(memory: float) -> float:
-    """Independent numbers that each point of a noise with a memory is worth, seen by slow curves.
-
-    By so much less than the mean power of such noise is its power at slow waves.
-    """
-    return (1.0 - memory) / (1.0 + memory)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,13 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from springpot.distributions import f_quantile, f_sf
 from springpot.identification.searching import STARTS as STARTS_AGAIN
-from springpot.measurement.independence import SMOOTH_DEGREE
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import settings_of, sweeps_of
+from springpot.measurement.memory import worth_of
+from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
 from springpot.measurement.scatter import (
     Noise,
@@ -26,23 +25,19 @@ from springpot.measurement.scatter import (
     noise_shape_along,
     plausible_variance,
     robust_noise_shape,
-    worth_of,
 )
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.thresholds import REPEATS, SCATTER, VERDICT
+from springpot.thresholds import SCATTER, VERDICT
 
-from ..numerics import SMALLEST
 from .frame import (
     ENOUGH_NEIGHBOURS,
-    FEWEST_OWN,
     LEAST_LEFT,
-    LEAST_SEEN,
     NoiseFrame,
     chance_of_squares,
-    orthonormal,
     phase_of,
 )
+from .memory import remembering
 from .outliers import MOST_TURNS, Trimmed, trimmed
 from .refit import Refit, refit
 
@@ -427,7 +422,7 @@ def scatter_about(frame: NoiseFrame) -> ScatterAbout:
     doi:10.1214/aoms/1177731746), these tell the noise.
     """
     scatter = trimmed(frame)
-    found = _remembering(frame, scatter.kept)
+    found = remembering(frame, scatter.kept)
     if found is not None:
         about = ScatterAbout(float(found.new @ found.new) / found.free, float(found.free))
         # What is new with each point is white, or it is a misfit.
@@ -458,146 +453,3 @@ def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) ->
             if near < about.variance * f_quantile(SCATTER.faster_alarm, efficient, about.dof):
                 about = ScatterAbout(near, efficient)
     return about
-
-
-class Remembering(NamedTuple):
-    """Noise of which neighbours share a part.
-
-    Attributes
-    ----------
-    memory : float
-        Correlation of neighbours in a sweep.
-    new : ndarray, shape (2n,)
-        What is new with each number, of the size of the noise.
-    free : int
-        Numbers that nothing follows.
-    gain : float
-        Twice the logarithm of how much likelier it is than white noise, less the price of a number.
-    slow : bool
-        It is alike over as long as slow structure, which it is then.
-    """
-
-    memory: float
-    new: Real
-    free: int
-    gain: float
-    slow: bool
-
-
-def _remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Remembering | None:
-    """Noise with a first-order memory along the sweeps; None where white noise is as likely.
-
-    Or white noise beside one of `_misfits`. A number more costs what the Bayesian information
-    criterion charges. What `kept` (2n,) leaves out has a number of its own.
-    """
-    single = np.eye(frame.size)[:, ~kept]
-    followed = orthonormal(np.concatenate([frame.absorbed, single], axis=1))
-    # By itself where other sweeps show that it is no misfit, and beside all slow structure.
-    alone = [np.zeros((frame.size, 0))] if frame.shared.shape[1] else []
-    for curves in (*alone, frame.structured):
-        beside = orthonormal(np.concatenate([followed, curves], axis=1))
-        found = _against_white(frame, beside)
-        told = found.gain > 0.0 and not found.slow
-        if told and found.gain > _best_misfit(frame, beside):
-            return found
-    return None
-
-
-def _against_white(frame: NoiseFrame, followed: Real) -> Remembering:
-    """The likeliest memory beside what is followed, orthonormal columns (2n, q)."""
-    columns = np.column_stack([followed, frame.residual])
-    free = frame.size - followed.shape[1]
-    if free < FEWEST_OWN:
-        return Remembering(0.0, frame.residual, free, 0.0, False)
-    likeliest = float(minimize_scalar(lambda m: _cost(frame, columns, m)[0], bounds=(0.0, 1.0)).x)
-    longest = max(len(rows) for rows, _ in sweeps_of(frame.measurement))
-    most = float(np.exp(-SMOOTH_DEGREE / longest))
-    memory = min(likeliest, most)
-    cost, new = _cost(frame, columns, memory)
-    gain = _cost(frame, columns, 0.0)[0] - cost - float(np.log(free))
-    # Unless other sweeps show that it is not.
-    slow = likeliest > most and not frame.shared.shape[1]
-    return Remembering(memory, new, free, gain, slow)
-
-
-def _cost(frame: NoiseFrame, columns: Real, memory: float) -> tuple[float, Real]:
-    """Minus twice the log-likelihood of a memory, and what is new with each point (2n,).
-
-    Of what curves leave of the last of some columns (2n, q + 1), the others being these curves
-    (Harville 1977, doi:10.1080/01621459.1977.10480998).
-    """
-    basis, sizes = np.linalg.qr(frame.forgetting(columns, memory))
-    size = np.abs(np.diag(sizes)) + SMALLEST
-    free = len(columns) - len(size) + 1
-    logs = 2.0 * (free * np.log(size[-1]) + np.sum(np.log(size[:-1])))
-    return float(logs + frame.links * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
-
-
-def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
-    """By how much the best misfit raises twice the log-likelihood beside what is followed.
-
-    Of gain or phase or both, with the price of its numbers and of which of all it is.
-    """
-    rest = frame.residual - followed @ (followed.T @ frame.residual)
-    free, tried = frame.size - followed.shape[1], 0
-    best = 0.0
-    for shapes in _misfits(frame.measurement):
-        # As noise itself is told, beside what leaves enough of it.
-        if free - 2 * shapes.shape[1] < REPEATS.enough:
-            continue
-        tried += len(shapes)
-        whole = frame.relative(shapes.reshape(-1, shapes.shape[-1]))
-        whole = whole / np.maximum(np.linalg.norm(whole, axis=0), SMALLEST)
-        left = whole - followed @ (followed.T @ whole)
-        # (2n, shapes, gain and phase, functions)
-        left = np.moveaxis(left.reshape(frame.size, 2, len(shapes), -1), 1, 2)
-        for columns in (left[:, :, :1], left[:, :, 1:], left):
-            each = np.moveaxis(columns.reshape(*columns.shape[:2], -1), 1, 0)
-            explained, ranks = _explained(each, rest)
-            gains = -free * np.log(np.maximum(1.0 - explained, SMALLEST)) - ranks * np.log(free)
-            best = max(best, float(np.max(gains)))
-    return best - 2.0 * float(np.log(max(tried, 1)))
-
-
-def _explained(columns: Real, rest: Real) -> tuple[Real, NDArray[np.int64]]:
-    """Shares (s,) of squares of values (2n,) that some columns (s, 2n, q) follow, and ranks."""
-    turned = np.swapaxes(columns, 1, 2)
-    sizes, ways = np.linalg.eigh(turned @ columns)
-    seen = sizes > LEAST_SEEN**2
-    along = np.einsum("sqk,sq->sk", ways, turned @ rest) ** 2
-    squares = np.sum(np.where(seen, along / np.where(seen, sizes, 1.0), 0.0), axis=1)
-    return squares / float(rest @ rest), np.sum(seen, axis=1)
-
-
-def _misfits(measurement: Measurement) -> Iterator[Real]:
-    """Shapes (s, m, n) that a misfit may have: slow ones, humps and ripples of m functions.
-
-    Alike in all sweeps, or of another size in each; and those of a column that no effect knows.
-    """
-    sweeps = sweeps_of(measurement)
-    longest = max(len(rows) for rows, _ in sweeps)
-    inside, x = np.zeros((len(sweeps), len(measurement))), np.zeros(len(measurement))
-    for i, (rows, along) in enumerate(sweeps):
-        inside[i, rows], x[rows] = 1.0, along
-    x = (x - x.min()) / max(float(np.ptp(x)), SMALLEST)
-    slow = np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T
-    alike = [slow[None, : degree + 1] for degree in range(SMOOTH_DEGREE + 1)]
-    # Humps a quarter of a sweep wide, and each time half as wide, down to half a point.
-    width = 0.25
-    while width * longest > 0.5:
-        places = np.arange(0.0, 1.0 + width, 0.5 * width)
-        alike.append(np.exp(-0.5 * ((x - places[:, None]) / width) ** 2)[:, None])
-        width *= 0.5
-    # In half waves along a sweep, and twice as fine as these are independent; some thirty at a
-    # time, for the memory that all would take.
-    turns = np.pi * x * np.arange(2.0, longest + 0.5, 0.5)[:, None]
-    alike += np.array_split(np.stack([np.cos(turns), np.sin(turns)], axis=1), 1 + longest // 16)
-    for shapes in alike:
-        yield shapes
-        if len(sweeps) > 1:
-            yield (shapes[:, :, None] * inside).reshape(len(shapes), -1, len(x))
-    for number in settings_of(measurement).values():
-        at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
-        # At each value of a column a level, a slope or a bend.
-        for degree in range(3):
-            yield (slow[: degree + 1, None] * at_each).reshape(1, -1, len(x))
