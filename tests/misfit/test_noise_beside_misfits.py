@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from springpot.misfit.memory import _along, _explained
+from springpot.misfit.floor import _along, _explained
 
 
 def test_one_transform_sums_all_waves_and_humps():

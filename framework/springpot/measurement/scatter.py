@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
+from springpot.memory import worth_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
-from .memory import worth_of
 from .rounding import rounding_step
 
 Source = Literal["given", "repeats", "estimated"]

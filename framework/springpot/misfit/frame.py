@@ -23,9 +23,9 @@ from springpot.distributions import chi2_sf, f_sf
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.measurement.memory import Links, forgetting, remembering, worth_of
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
+from springpot.memory import Links, forgetting, remembering, worth_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, VERDICT
 

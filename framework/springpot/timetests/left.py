@@ -17,8 +17,8 @@ from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
 from springpot.measurement.imposed import imposed_noise
-from springpot.measurement.memory import worth_of
 from springpot.measurement.rounding import is_even
+from springpot.memory import worth_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real

@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.memory import forgetting, spectrum_of, worth_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
+from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST

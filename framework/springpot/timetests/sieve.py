@@ -13,7 +13,7 @@ import numpy as np
 from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
-from springpot.measurement.memory import worth_of
+from springpot.memory import worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH

@@ -8,11 +8,16 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology.points import Real
-
-from ..numerics import SMALLEST
+from .numerics import SMALLEST, Real
 
 Rows: TypeAlias = NDArray[np.int64] | slice
+
+
+LIKENESS = 0.98
+"""Largest correlation of neighbouring residuals that is believed.
+
+Beyond, a record would be worth no sample at all.
+"""
 
 
 class Links(NamedTuple):
@@ -32,6 +37,13 @@ class Links(NamedTuple):
         """Of lines of these rows."""
         return cls(*(np.concatenate([rows[k:][: len(rows) - 1] for rows in lines]) for k in (1, 0)))
 
+    @classmethod
+    def of_levels(cls, omega: Real, number: NDArray[np.int64]) -> Links:
+        """Of two parts of points (n,), level by level, rising in frequency."""
+        order = np.lexsort((omega, number))
+        lines = np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
+        return cls.along([rows + k for k in (0, len(omega)) for rows in lines])
+
 
 LINE = Links()
 """Those of numbers that all follow one another."""
@@ -44,6 +56,26 @@ def worth_of(memory: float) -> float:
     correlation is the square of that of the numbers, so much for the square of the memory.
     """
     return (1.0 - memory) / (1.0 + memory)
+
+
+def samples_of_one(residual: Any, links: Links = LINE) -> float:
+    """Numbers of a residual (m,) that make up one independent one.
+
+    For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
+    (Bayley & Hammersley 1946, doi:10.2307/2983560).
+
+    Examples
+    --------
+    >>> from springpot.memory import samples_of_one
+    >>> round(samples_of_one([1.0, 1.0, -1.0, -1.0, 1.0, 1.0]), 2)
+    1.5
+    """
+    rows = np.asarray(residual)
+    power, together = float(np.mean(rows**2)), rows[links.later] * rows[links.earlier]
+    if len(rows) < 4 or power == 0.0 or not len(together):
+        return 1.0
+    # Misses that alternate would claim more than one independent number a sample.
+    return 1.0 / worth_of(float(np.clip(np.mean(together) / power, 0.0, LIKENESS)))
 
 
 def spectrum_of(omega: Real, size: float, memory: float) -> Real:

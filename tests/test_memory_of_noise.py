@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.measurement.memory import (
+from springpot.memory import (
     Links,
     forgetting,
     likeliest,
