@@ -19,7 +19,7 @@ from springpot.misfit.drift_search import Course, change_in_order, course_behind
 from springpot.misfit.error import Error, times
 from springpot.misfit.material import MaterialFloor, error_of, printed, split_in_words
 from springpot.misfit.outliers import Outlier
-from springpot.misfit.refit import Refit, quantities_of
+from springpot.misfit.refit import Refit
 from springpot.misfit.residual_causes import (
     Column,
     EqualRows,
