@@ -166,7 +166,8 @@ def bent(known: Uncertainty) -> list[int]:
     low, high = (bound[0] for bound in fit.task.coordinates.bounds)
     with np.errstate(all="ignore"):
         residual, _ = evaluate(np.clip(ends, low, high), np.arange(len(ends)))
-        risen = (np.sum(residual**2, axis=1) - fit.cost) / (allowed_cost(known) - fit.cost)
+        foretold = np.sum((np.concatenate([step, step]) @ known.slopes.T) ** 2, axis=1)
+        risen = (np.sum(residual**2, axis=1) - fit.cost) / foretold
     off = np.reshape(~((risen > 0.5) & (risen < 2.0)), (2, -1))
     return [int(i) for i in rows[off.any(axis=0)]]
 
