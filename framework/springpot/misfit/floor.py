@@ -26,7 +26,7 @@ from springpot.measurement.scatter import (
     plausible_variance,
     robust_noise_shape,
 )
-from springpot.memory import Told, told_by, worth_of
+from springpot.memory import Told, surprise, told_by, worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, SCATTER, VERDICT
@@ -117,6 +117,17 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     if noise.source == "given":
         return replace(first, noise=noise)
     return refit(model, data, noise, [first.theta], starts=STARTS_OF_A_ROUND)
+
+
+def likelihood_of_all(fitted: Refit) -> float:
+    """Log-likelihood of a fit with its own noise, of whatever size, less the price of its numbers.
+
+    Noise of another shape or memory makes the same data more or less likely.
+    """
+    frame, parts = fitted.frame(), fitted.noise.parts
+    cost, _ = surprise(frame.residual[:, None], fitted.noise.memory, frame.links)
+    price = (frame.size - fitted.dof) * float(np.log(frame.size))
+    return -0.5 * (cost + price) - float(np.sum(np.log(parts.real * parts.imag)))
 
 
 def beyond_floor(fitted: Refit) -> bool:
