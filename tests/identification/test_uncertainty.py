@@ -17,6 +17,7 @@ from springpot.identification import (
     fitting,
     held_material,
     identify,
+    intervals,
     profile,
 )
 from springpot.measurement import Measurement
@@ -68,6 +69,8 @@ def test_errors_that_go_on_from_point_to_point_widen_intervals(rng):
     assert np.all((wider > 3.0) & (wider < 1.5 / worth_of(known.memory)))
     assert known.widening(3) == pytest.approx(wider[3], rel=0.3)
     assert known.quantile > white.quantile
+    drawn = intervals._errors(known.fit, 200, rng, True).real
+    assert np.mean(drawn[:, 1:] * drawn[:, :-1]) > 0.6 * np.mean(drawn**2)
 
 
 @pytest.mark.soak

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import OptionError
+from springpot.memory import remembering
 from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED, ROUNDING
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
@@ -458,9 +459,11 @@ def over_specimens(known: Uncertainty, n: int, rng: np.random.Generator) -> Real
 
 def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Complex:
     """Simulated weighted errors (n, points)."""
-    size, count = Uncertainty.of(fit).scale, len(fit.measurement)
+    known, count = Uncertainty.of(fit), len(fit.measurement)
     if parametric:
-        drawn = rng.standard_normal((n, 2 * count)) * size
+        drawn = rng.standard_normal((n, 2 * count)) * known.scale
+        for rows in known.lines if known.memory else ():
+            drawn[:, rows] = remembering(drawn[:, rows], known.memory)
     else:
         # The fit has taken its share of the scatter: residuals are smaller than the errors they
         # come from.

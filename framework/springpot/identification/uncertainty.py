@@ -218,11 +218,11 @@ class Uncertainty:
         columns = np.column_stack([self._followed.basis[: 2 * n], fit.residual])
         if not np.all(np.isfinite(columns)):
             return 0.0
-        told = told_by(columns, Links.along(self._lines), longest_memory(sweeps))
+        told = told_by(columns, Links.along(self.lines), longest_memory(sweeps))
         return told.memory if told.gain > 0.0 else 0.0
 
     @property
-    def _lines(self) -> list[NDArray[np.int64]]:
+    def lines(self) -> list[NDArray[np.int64]]:
         """Numbers of the residual (2n,) that follow one another."""
         data = self.fit.measurement
         return [rows + k for k in (0, len(data)) for rows, _ in sweeps_of(data)]
@@ -241,7 +241,7 @@ class Uncertainty:
     @cached_property
     def _of_sums(self) -> Real:
         """Covariance (k, k) of what such noise of size one has along the basis."""
-        return covariance_along(self._followed.basis, self.memory, self._lines)
+        return covariance_along(self._followed.basis, self.memory, self.lines)
 
     def _covariance(self, specimens: Specimens | None, memory: float) -> Covariance:
         if self.eliminated is not None:
@@ -371,7 +371,7 @@ class Uncertainty:
         if size > RANK * whole:
             along = np.eye(1)
             if self.memory:
-                along = covariance_along(slope[:, None] / size, self.memory, self._lines)
+                along = covariance_along(slope[:, None] / size, self.memory, self.lines)
             return side * self.scale * float(np.sqrt(along[0, 0])) / size, made_up
         return float("inf"), made_up
 
