@@ -21,7 +21,7 @@ from springpot.identification.space import require_conditions
 from springpot.measurement.independence import steadied
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, sharpened
+from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, remembered, sharpened
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.outliers import (
     Outlier,
@@ -246,6 +246,11 @@ def _in_sharper_noise(
         key=lambda fit: fit.log_evidence,
     )
     gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
+    # What goes on from point to point may be noise, unless an effect explains it better.
+    if (
+        noisier := remembered(search.base, gain - 2.0 * float(np.log(max(len(library), 1))))
+    ) is not None:
+        return seek(noisier, library, rng)
     if gain >= SEARCH.decisive and (sharper := sharpened(search.base, nearest)) is not None:
         return seek(sharper, library, rng)
     return search

@@ -474,7 +474,35 @@ def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) ->
     return about
 
 
-def remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Told | None:
+def remembered(base: Refit, gain: float) -> Refit | None:
+    """The base model in noise with a memory, if that makes its residual likelier than a rival does.
+
+    Parameters
+    ----------
+    base : Refit
+        The user's model.
+    gain : float
+        Twice the logarithm of how much likelier the rival is than white noise alone.
+
+    Returns
+    -------
+    Refit or None
+        None where the rival is likelier, or the noise has its memory already.
+    """
+    if base.noise.memory or base.noise.source == "repeats":
+        return None
+    frame = base.frame()
+    found = remembering(frame, trimmed(frame).kept, alone=True)
+    if found is None or found.gain < gain:
+        return None
+    noise = replace(base.noise, memory=found.memory)
+    if base.noise.source == "estimated":
+        size = float(np.sqrt(found.new @ found.new / found.free))
+        noise = replace(noise.scaled(size), dof=worth_of(found.memory**2) * found.free)
+    return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
+
+
+def remembering(frame: NoiseFrame, kept: NDArray[np.bool_], alone: bool = False) -> Told | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
     Or white noise beside one of `_misfits`. A number more costs what the Bayesian information
@@ -483,15 +511,16 @@ def remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Told | None:
     single = np.arange(frame.size)[:, None] == np.flatnonzero(~kept)
     followed = orthonormal(np.concatenate([frame.absorbed, single], axis=1))
     # By itself where other sweeps show that it is no misfit, and beside all slow structure.
-    alone = [np.zeros((frame.size, 0))] if frame.shared.shape[1] else []
+    others = bool(frame.shared.shape[1])
+    nothing = [np.zeros((frame.size, 0))] if others or alone else []
     longest = longest_memory(sweeps_of(frame.measurement))
-    for curves in (*alone, frame.structured):
+    for curves in (*nothing, frame.structured):
         beside = orthonormal(np.concatenate([followed, curves], axis=1))
         if frame.size - beside.shape[1] < FEWEST_OWN:
             continue
         found = told_by(np.column_stack([beside, frame.residual]), frame.links, longest)
         # Unless other sweeps show that it is not, what is so slow is a misfit.
-        told = found.gain > 0.0 and not (found.slow and not alone)
+        told = found.gain > 0.0 and not (found.slow and not others)
         if told and found.gain > _best_misfit(frame, beside):
             return found
     return None
