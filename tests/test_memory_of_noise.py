@@ -36,8 +36,8 @@ def test_a_memory_is_told_beside_curves():
     told = told_by(columns, Links(), 0.9)
     assert told.memory == pytest.approx(0.6, abs=0.05)
     assert told.gain > 0.0
-    assert not told.slow
-    assert told_by(columns, Links(), 0.3).slow
+    assert told.likeliest == told.memory
+    assert told_by(columns, Links(), 0.3).likeliest == told.memory
     columns[:, -1] = np.random.default_rng(3).normal(size=2000)
     assert told_by(columns, Links(), 0.9).gain < 0.0
 

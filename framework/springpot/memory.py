@@ -142,13 +142,13 @@ def surprise(columns: Real, memory: float, links: Links) -> tuple[float, Real]:
     return float(logs + linked * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
 
 
-class Told(NamedTuple):
+class Remembering(NamedTuple):
     """What a residual tells of the memory of its noise.
 
     Attributes
     ----------
     memory : float
-        The likeliest one, up to a longest.
+        The likeliest one, but for what is longer than a longest.
     new : ndarray, shape (n,)
         What is new with each number, of the size of the noise.
     free : int
@@ -156,18 +156,18 @@ class Told(NamedTuple):
     gain : float
         Twice the logarithm of how much likelier it is than white noise, less the price of a number
         by the Bayesian information criterion.
-    slow : bool
-        A longer one is likelier still.
+    likeliest : float
+        The likeliest one of all.
     """
 
     memory: float
     new: Real
     free: int
     gain: float
-    slow: bool
+    likeliest: float
 
 
-def told_by(columns: Real, links: Links, longest: float) -> Told:
+def told_by(columns: Real, links: Links, longest: float) -> Remembering:
     """The memory of what curves leave of the last of such columns (n, q + 1)."""
     from scipy.optimize import minimize_scalar
 
@@ -175,4 +175,4 @@ def told_by(columns: Real, links: Links, longest: float) -> Told:
     memory, free = min(likeliest, longest), len(columns) - columns.shape[1] + 1
     cost, new = surprise(columns, memory, links)
     gain = surprise(columns, 0.0, links)[0] - cost - float(np.log(max(free, 1)))
-    return Told(memory, new, free, gain, likeliest > longest)
+    return Remembering(memory, new, free, gain, likeliest)

@@ -265,6 +265,8 @@ def max_of_parts(known: Uncertainty) -> Real:
     fit, points = known.fit, known.fit.measurement.points
     own = fit.theta[: len(fit.model.material.parameters)]
     found, weights = fit.model.material.respond(own, points).value, fit.task.weights[0]
+    # A single point scatters no more for what it shares with the one before.
+    known = replace(known, memory=0.0)
     with np.errstate(all="ignore"):
         scatter = known.quantile * known.scale / np.array([weights.real, weights.imag])
     if fit.task.logarithmic:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from springpot.distributions import student
 from springpot.measurement.mixed_tests import longest_memory, sweeps_of
 from springpot.measurement.units import Units
-from springpot.memory import Links, covariance_along, told_by, worth_of
+from springpot.memory import LIKENESS, Links, covariance_along, told_by, worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import WIDEST, SearchForm, box_of
 from springpot.rheology.points import Real
@@ -219,7 +219,8 @@ class Uncertainty:
         if not np.all(np.isfinite(columns)):
             return 0.0
         told = told_by(columns, Links.along(self.lines), longest_memory(sweeps))
-        return told.memory if told.gain > 0.0 else 0.0
+        # What hardly ever comes back is no noise but a misfit, as wide as the intervals say it is.
+        return told.memory if told.gain > 0.0 and told.likeliest <= LIKENESS else 0.0
 
     @property
     def lines(self) -> list[NDArray[np.int64]]:

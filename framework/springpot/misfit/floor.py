@@ -26,7 +26,7 @@ from springpot.measurement.scatter import (
     plausible_variance,
     robust_noise_shape,
 )
-from springpot.memory import Told, surprise, told_by, worth_of
+from springpot.memory import Remembering, surprise, told_by, worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, SCATTER, VERDICT
@@ -502,7 +502,9 @@ def remembered(base: Refit, gain: float) -> Refit | None:
     return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
 
 
-def remembering(frame: NoiseFrame, kept: NDArray[np.bool_], alone: bool = False) -> Told | None:
+def remembering(
+    frame: NoiseFrame, kept: NDArray[np.bool_], alone: bool = False
+) -> Remembering | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
     Or white noise beside one of `_misfits`. A number more costs what the Bayesian information
@@ -520,7 +522,7 @@ def remembering(frame: NoiseFrame, kept: NDArray[np.bool_], alone: bool = False)
             continue
         found = told_by(np.column_stack([beside, frame.residual]), frame.links, longest)
         # Unless other sweeps show that it is not, what is so slow is a misfit.
-        told = found.gain > 0.0 and not (found.slow and not others)
+        told = found.gain > 0.0 and (others or found.likeliest <= longest)
         if told and found.gain > _best_misfit(frame, beside):
             return found
     return None
