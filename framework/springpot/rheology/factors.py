@@ -261,17 +261,19 @@ def _steady(body: Node, theta: Real, at: Points, factor: Real) -> tuple[Real, Re
 
     By Newton's method from the cold, kept between shifts that are too small and too large.
     """
-    shift = np.zeros_like(factor)
+    shift, settled = np.zeros_like(factor), False
     low, high = shift - LARGEST_SHIFT, shift + LARGEST_SHIFT
     for _ in range(MOST_STEPS):
         warm = body.respond(theta, at.shifted(-shift), FULL)
+        if settled:
+            break
         missed = shift - factor * warm.value.imag
         low, high = np.where(missed < 0.0, shift, low), np.where(missed > 0.0, shift, high)
         new = shift - missed / _stiffened(factor, warm)
-        new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
-        if np.all(np.abs(missed) <= ALIKE * (1.0 + np.abs(shift))):
-            break
-        shift = new
+        # A step from where nearly nothing is missed leaves no more than is rounded.
+        near = np.abs(missed) <= ALIKE * (1.0 + np.abs(shift))
+        shift = np.where(near | ((new > low) & (new < high)), new, 0.5 * (low + high))
+        settled = bool(near.all())
     return shift, warm
 
 
