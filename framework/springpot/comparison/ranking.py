@@ -20,7 +20,6 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
-from springpot.identification.native import Effort
 from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
@@ -28,7 +27,6 @@ from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.material import MaterialFloor, any_material, effects_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
-from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 
@@ -164,7 +162,7 @@ def _one(
     ):
         skipped.append(Skipped(grown.name, ONE_FREQUENCY))
     else:
-        yield refit(grown, data, floor.noise, starts=STARTS, effort=Effort(NEGLIGIBLE))
+        yield refit(grown, data, floor.noise, starts=STARTS)
 
 
 def _is_read_at_one_frequency(model: Model, effects: Sequence[Effect], data: Measurement) -> bool:
