@@ -354,7 +354,7 @@ FACTS = {
     "timetests/scatter.py": "EFFICIENT",
 }
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats."""
-NUMBERS, WITH_PLUGINS = 671, 829
+NUMBERS, WITH_PLUGINS = 668, 826
 """Constants of modules that hold a number and are no facts, those of the framework and all; may
 only fall.
 
