@@ -29,6 +29,7 @@ FLOORS = {
     "numerics": -1,
     "errors": 0,
     "distributions": 0,
+    "memory": 0,
     "thresholds": 0,
     "surroundings": 0,
     "plain_data": 1,

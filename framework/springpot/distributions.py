@@ -18,15 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import betaln, chdtrc, fdtrc, fdtri, gammaincc, gammaincinv, ndtr, ndtri, stdtrit
 
-from .numerics import SMALLEST, Real
-
 Chance: TypeAlias = NDArray[np.float64] | Any
-
-LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed.
-
-Beyond, a record would be worth no sample at all.
-"""
 
 
 def chi2_sf(value: ArrayLike, dof: ArrayLike) -> Chance:
@@ -109,52 +101,3 @@ def f_sum_sf(value: float, k: NDArray[np.float64], nu: NDArray[np.float64]) -> f
     if spread > 2.0:
         below = min((2.0 * whole - 4.0 + 4.0 * spread) / (spread - 2.0), below)
     return float(f_sf(value / mean * below / (below - 2.0), whole, below))
-
-
-def samples_of_one(residual: NDArray[np.float64]) -> float:
-    """Numbers of a residual (m,), one after the other, that make up one independent one.
-
-    For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
-    (Bayley & Hammersley 1946, doi:10.2307/2983560).
-
-    Examples
-    --------
-    >>> from springpot.distributions import samples_of_one
-    >>> round(samples_of_one([1.0, 1.0, -1.0, -1.0, 1.0, 1.0]), 2)
-    1.5
-    """
-    rows = np.asarray(residual)
-    power = float(np.mean(rows**2))
-    if len(rows) < 4 or power == 0.0:
-        return 1.0
-    # Misses that alternate would claim more than one independent number a sample.
-    likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
-    return (1.0 + likeness) / (1.0 - likeness)
-
-
-def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
-    """Factor on variances because neighbouring residuals are alike.
-
-    (1 + r) / (1 - r) for their correlation r.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (2n,)
-        In units of its own scatter: the real parts, then the imaginary ones.
-    omega : ndarray, shape (n,)
-        Angular frequencies.
-    number : ndarray of int, shape (n,)
-        Level of each point.
-    """
-    # Level by level, rising in frequency: only so are neighbours neighbours.
-    order = np.lexsort((omega, number))
-    pairs = residual.reshape(2, -1).T[order]
-    same = np.diff(number[order]) == 0
-    product = 0.0
-    # Neighbours of different levels are no neighbours.
-    if np.any(same):
-        product = float(np.mean((pairs[1:] * pairs[:-1])[same]))
-    # A negative correlation would narrow the intervals, on no more than a guess.
-    variance = max(float(np.mean(pairs**2)), SMALLEST)
-    r = float(np.clip(product / variance, 0.0, LIKENESS))
-    return (1.0 + r) / (1.0 - r)

@@ -11,7 +11,7 @@ import springpot
 from springpot.measurement import Measurement, Units
 from springpot.misfit import outliers, residual_causes, residual_tests, where
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.values import printed
+from springpot.misfit.material import printed
 from springpot.thresholds import VERDICT
 
 LEVELS = np.array([1.0, 2.0, 4.0, 8.0])

@@ -18,7 +18,7 @@ from springpot.misfit import (
     residual_tests,
     where,
 )
-from springpot.misfit.values import printed
+from springpot.misfit.material import printed
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 20.0, 16)
 UNITS = Units("kN/m", "mm")

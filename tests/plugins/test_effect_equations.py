@@ -63,6 +63,10 @@ SHARED = "Y = "
 What the element of a series takes of the displacement.
 """
 
+WARM = "P = omega * imag(K(omega * exp(-s * P)))"
+"""A power that its own definition holds: that of the specimen which it warms."""
+STEPS_TO_STEADY = 50
+
 
 def modelled(omega):
     return MODEL.stiffness(THETA, omega)
@@ -94,6 +98,10 @@ def evaluated(equation, values):
     if SHARED in equation:
         names["Y"] = np.array([shared(names, meanings, row) for row in range(len(OMEGA))])
         del meanings["Y"]
+    if WARM in equation:
+        names["P"] = 0.0
+        for _ in range(STEPS_TO_STEADY):
+            names["P"] = eval(meanings["P"], {}, names)
     for name, meaning in reversed(meanings.items()):
         names[name] = eval(meaning, {}, names)
     return np.asarray(eval(whole, {}, names))
@@ -130,7 +138,7 @@ def test_the_equation_is_what_the_effect_computes(effect):
 
 PLANES = {
     r"1 / \(1 / K \+ (.*)\)": "series: ",
-    r"K\(omega \* (.*)\)": "shift: ",
+    r"K\(omega \* ([^,]*)\)": "shift: ",
     r"K \+ (.*)": "parallel: ",
     r"K - (.*)": "parallel: -",
     r"K \* (.*)": "chain: ",

@@ -154,6 +154,20 @@ def test_the_energy_of_self_heating_is_that_of_the_loop():
     assert shift == pytest.approx(power, rel=1e-12)
 
 
+@pytest.mark.parametrize("s", [0.01, 0.3, 3.0])
+def test_a_specimen_is_kept_warm_by_what_it_loses_when_it_is_warm(s):
+    own, omega, amplitude = (
+        {"k1": 1.0, "k2": 5.0, "c": 1.0, "alpha": 0.6},
+        np.geomspace(1, 100),
+        0.5,
+    )
+    bare, at = plugins().model("fractional-zener"), Points.at(omega, amplitude=amplitude)
+    model = bare + plugins().effect("self-heating")
+    warm = model.stiffness(model.vector(own | {"self-heating.s": s}), at)
+    slower = Points.at(omega * np.exp(-s * 0.5 * omega * warm.imag * amplitude**2))
+    np.testing.assert_allclose(warm, bare.stiffness(bare.vector(own), slower), rtol=1e-7)
+
+
 @pytest.mark.parametrize(
     ("softening", "exponent"), [("strain-softening", 3.0), ("shear-thinning", 1.0)]
 )

@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import toeplitz
 
+from springpot.memory import spectrum_of
 from springpot.timetests.disturbances import periodogram
 from springpot.timetests.scatter import (
     FEWEST,
@@ -20,7 +21,6 @@ from springpot.timetests.scatter import (
     _log_likelihood,
     _of_a_ripple,
     _scattered,
-    _spectrum,
     likeliest_jump,
     powers,
     rougher,
@@ -51,7 +51,7 @@ def test_whitened_by_the_covariance_of_an_autoregression(rng, memory):
 
 def test_the_spectrum_of_an_autoregression_sums_to_its_covariances():
     omega = 2.0 * np.pi * np.arange(4096) / 4096
-    spectrum = _spectrum(omega, 3.0, 0.6)
+    spectrum = spectrum_of(omega, 3.0, 0.6)
     for lag in (0, 1, 2, 5):
         assert np.mean(spectrum * np.cos(lag * omega)) == pytest.approx(9.0 * 0.6**lag)
 
@@ -75,15 +75,15 @@ def test_a_periodogram_has_the_variance_of_white_noise_whatever_its_mean(rng):
     np.testing.assert_allclose(np.mean(found, axis=0)[2:], 4.0, rtol=0.15)
 
 
-def test_size_and_memory_are_read_from_a_spectrum(rng):
+def test_size_and_memory_are_read_from_aspectrum_of(rng):
     residual = noise(rng, 4000, 0.4, size=3.0)
     size, memory = _fitted(powers(residual)[0])
     assert (size, memory) == (pytest.approx(3.0, rel=0.05), pytest.approx(0.4, abs=0.05))
     # The likelihood is largest there.
     power, omega = powers(residual)
-    best = _log_likelihood(power, _spectrum(omega, size, memory))
+    best = _log_likelihood(power, spectrum_of(omega, size, memory))
     for other in ((1.02 * size, memory), (0.98 * size, memory), (size, memory + 0.04)):
-        assert _log_likelihood(power, _spectrum(omega, *other)) < best
+        assert _log_likelihood(power, spectrum_of(omega, *other)) < best
 
 
 def test_chances_are_those_of_f_and_chi_square():

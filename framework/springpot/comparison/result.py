@@ -17,10 +17,9 @@ from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import Error, over_floor, percent, times
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known
-from springpot.misfit.material import MaterialFloor, error_of
+from springpot.misfit.material import MaterialFloor, error_of, printed
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_tests import Battery, Finding, battery
-from springpot.misfit.values import printed
 from springpot.misfit.where import Where, where
 from springpot.plain_data import alive, json_number, jsonable, some
 from springpot.registry import parse_model

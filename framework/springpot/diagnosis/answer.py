@@ -17,7 +17,13 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
 from springpot.misfit.error import Error, times
-from springpot.misfit.material import MaterialFloor, error_of, split_in_words
+from springpot.misfit.material import (
+    MaterialFloor,
+    error_of,
+    printed,
+    quantities_of,
+    split_in_words,
+)
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_causes import (
@@ -27,7 +33,6 @@ from springpot.misfit.residual_causes import (
     equal_rows_behind,
     one_test_of,
 )
-from springpot.misfit.values import printed, quantities_of
 from springpot.misfit.where import Where, periodic, where
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, VERDICT

@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import alike, student
+from springpot.distributions import student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
+from springpot.memory import Links, samples_of_one
 from springpot.numerics import ALIKE, ENDLESS, ROUNDING
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
@@ -287,7 +288,8 @@ class FactorRows:
 
         (1 + r) / (1 - r) for their correlation r.
         """
-        return alike(self.residual / self.scale, self.fit.measurement.omega, self.number)
+        links = Links.of_levels(self.fit.measurement.omega, self.number)
+        return samples_of_one(self.residual / self.scale, links)
 
     @cached_property
     def unit(self) -> float:

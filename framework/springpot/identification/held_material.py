@@ -14,8 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from springpot.distributions import alike, f_sf, student
+from springpot.distributions import f_sf, student
 from springpot.measurement.independence import at_one_frequency
+from springpot.memory import Links, samples_of_one
 from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST, non_negative
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
@@ -107,7 +108,8 @@ def widened(known: Uncertainty) -> Uncertainty:
 
 def _alike(known: Uncertainty, column: str) -> float:
     data = known.fit.measurement
-    return alike(known.fit.residual, data.omega, levels_of(column, data.points.need(column)))
+    number = levels_of(column, data.points.need(column))
+    return samples_of_one(known.fit.residual, Links.of_levels(data.omega, number))
 
 
 def _spanned(columns: Real, whole: Real | None = None) -> Real:

@@ -26,8 +26,7 @@ from springpot.measurement.independence import (
 )
 from springpot.measurement.measurement import CONDITIONS, Measurement, numbers_of_levels
 from springpot.misfit.error import percent, times
-from springpot.misfit.material import error_of, material_floor
-from springpot.misfit.values import printed
+from springpot.misfit.material import error_of, material_floor, printed
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real

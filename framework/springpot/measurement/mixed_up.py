@@ -14,7 +14,7 @@ from shlex import split
 
 import numpy as np
 
-from springpot.distributions import samples_of_one
+from springpot.memory import samples_of_one
 from springpot.numerics import BEYOND, PER_DECADE, non_negative
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SIGNALS

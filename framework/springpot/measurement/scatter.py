@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
+from springpot.memory import worth_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
@@ -76,14 +77,6 @@ def turned_sd(sd: Complex, turn: Complex) -> Complex:
     cos, sin = np.abs(turn.real), np.abs(turn.imag)
     real, imag = np.hypot(sd.real * cos, sd.imag * sin), np.hypot(sd.real * sin, sd.imag * cos)
     return np.asarray(real + 1j * imag, dtype=np.complex128)
-
-
-def worth_of(memory: float) -> float:
-    """Independent numbers that each point of a noise with a memory is worth, seen by slow curves.
-
-    By so much less than the mean power of such noise is its power at slow waves.
-    """
-    return (1.0 - memory) / (1.0 + memory)
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,8 @@ from springpot.identification.problem import weighted
 from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps, worth_of
+from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
+from springpot.memory import Links, forgetting, remembering, worth_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, VERDICT
 
@@ -339,40 +340,15 @@ class NoiseFrame:
         Of what is new with each point (..., n), over a sweep.
         """
         if self.memory:
-            from scipy.signal import lfilter
-
             for rows, _ in sweeps_of(self.measurement):
-                noise = new[..., rows]
-                noise[..., 1:] *= np.sqrt(1.0 - self.memory**2)
-                new[..., rows] = lfilter([1.0], [1.0, -self.memory], noise)
+                new[..., rows] = remembering(new[..., rows], self.memory)
         return new
 
     @cached_property
-    def _neighbours(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Rows of (2n,) that have one before them in their sweep, and the rows of these."""
-        lines = [rows for rows, _ in sweeps_of(self.measurement)]
-        pairs = [np.concatenate([rows[k:][: len(rows) - 1] for rows in lines]) for k in (1, 0)]
-        later, earlier = (np.concatenate([rows, rows + self.size // 2]) for rows in pairs)
-        return later, earlier
-
-    @property
-    def links(self) -> int:
-        """How many numbers have one before them."""
-        return len(self._neighbours[0])
-
-    def forgetting(self, values: Any, memory: float) -> Any:
-        """Values (2n, ...) or (n,) of which each has lost what it remembers of the one before it.
-
-        Noise of this memory keeps its size.
-        """
-        if not memory:
-            return values
-        later, earlier = self._neighbours
-        if len(values) < self.size:
-            later, earlier = (rows[: self.links // 2] for rows in (later, earlier))
-        new = values.copy()
-        new[later] = (values[later] - memory * values[earlier]) / np.sqrt(1.0 - memory**2)
-        return new
+    def links(self) -> Links:
+        """Which numbers (2n,) have one before them in their sweep."""
+        sweeps, n = sweeps_of(self.measurement), self.size // 2
+        return Links.along([rows + k for k in (0, n) for rows, _ in sweeps])
 
     @property
     def has_mirror(self) -> bool:
@@ -512,7 +488,8 @@ class NoiseFrame:
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
         relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
-        relative = self.forgetting(relative, self.memory)
+        links = Links.along([rows for rows, _ in sweeps_of(self.measurement)])
+        relative = forgetting(relative, self.memory, links)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:

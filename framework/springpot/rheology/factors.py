@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics import DECADE
+from ..numerics import ALIKE, DECADE, MOST_STEPS
 from .elements import delay_time
 from .grammar import Formula
-from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
+from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Node, Response, Shift
 from .nonlinear import (
     delay as delay_law,
     delay_of_force,
@@ -217,9 +217,10 @@ def heating(s: str = "s") -> Formula:
 
 
 class Heated(Composition):
-    """A specimen that its own loss warms: K(omega exp(-h)), h = s P, P = omega K''(omega) X^2 / 2.
+    """A specimen that its own loss warms.
 
-    First order in the heating: the power is that of the unheated specimen.
+    K(omega exp(-h)), h = s P, P = omega K''(omega exp(-h)) X^2 / 2: the loss that warms it is that
+    of the warm specimen. Of several such temperatures it is one that it comes to from the cold.
     """
 
     plane, order = Shift.plane, Shift.order + 1
@@ -229,30 +230,51 @@ class Heated(Composition):
         """K_a at the frequency that the warmer specimen feels."""
         body, heater = self.children
         base_theta, heat_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
-        level = FULL
-        if depth == VALUE:
-            level = VALUE
-        # The slope by ln omega is needed for any derivative: what warms the specimen moves its
-        # frequency.
-        cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
+        heat = heater.respond(heat_theta, at, FULL if depth > VALUE else VALUE)
         # Power and shift are real: only the loss heats, and a real temperature moves the frequency.
         factor = heat.value.real
-        shift = factor * cold.value.imag
-        # Where the shift rests on its bound it does not follow the parameters.
-        free = (np.abs(shift) < LARGEST_SHIFT).astype(float)
-        warm = body.respond(
-            base_theta, at.shifted(-np.clip(shift, -LARGEST_SHIFT, LARGEST_SHIFT)), level
-        )
+        shift, warm = _steady(body, base_theta, at, factor)
         if depth == VALUE:
             return Response(warm.value)
-        fall = warm.by_log_omega * free
-        by_base = warm.by_theta - (fall * factor)[..., None, :] * cold.by_theta.imag
-        by_heat = -(fall * cold.value.imag)[..., None, :] * heat.by_theta
+        # Where the shift rests on its bound it does not follow the parameters.
+        free = np.abs(shift) < (1.0 - ALIKE) * LARGEST_SHIFT
+        # By so much less than its cause the shift grows, as the warm specimen loses less.
+        share = np.where(free, 1.0 / _stiffened(factor, warm), 0.0)
+        fall = warm.by_log_omega * share
+        by_base = warm.by_theta - (fall * factor)[..., None, :] * warm.by_theta.imag
+        by_heat = -(fall * warm.value.imag)[..., None, :] * heat.by_theta
         by_theta = np.concatenate([by_base, by_heat], axis=-2)
         if depth == GRADIENT:
             return Response(warm.value, by_theta)
-        growth = heat.by_log_omega.real * cold.value.imag + factor * cold.by_log_omega.imag
+        growth = heat.by_log_omega.real * warm.value.imag + factor * warm.by_log_omega.imag
         return Response(warm.value, by_theta, warm.by_log_omega - fall * growth)
+
+
+def _stiffened(factor: Real, warm: Response) -> Real:
+    """Slope by h of h - s P(h), above zero where the temperature is steady."""
+    slope = 1.0 + factor * warm.by_log_omega.imag
+    return np.where(slope > ALIKE, slope, 1.0)
+
+
+def _steady(body: Node, theta: Real, at: Points, factor: Real) -> tuple[Real, Response]:
+    """The shift h at which the loss of the warm specimen keeps it warm, and its response there.
+
+    By Newton's method from the cold, kept between shifts that are too small and too large.
+    """
+    shift, settled = np.zeros_like(factor), False
+    low, high = shift - LARGEST_SHIFT, shift + LARGEST_SHIFT
+    for _ in range(MOST_STEPS):
+        warm = body.respond(theta, at.shifted(-shift), FULL)
+        if settled:
+            break
+        missed = shift - factor * warm.value.imag
+        low, high = np.where(missed < 0.0, shift, low), np.where(missed > 0.0, shift, high)
+        new = shift - missed / _stiffened(factor, warm)
+        # A step from where nearly nothing is missed leaves no more than is rounded.
+        near = np.abs(missed) <= ALIKE * (1.0 + np.abs(shift))
+        shift = np.where(near | ((new > low) & (new < high)), new, 0.5 * (low + high))
+        settled = bool(near.all())
+    return shift, warm
 
 
 heated = Composing(Heated)

@@ -18,6 +18,7 @@ from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import is_even
+from springpot.memory import worth_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -199,9 +200,7 @@ def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> 
     Bayley & Hammersley (1946, doi:10.2307/2983560).
     """
     pairs = zip(residuals, noise, strict=True)
-    counts = [
-        len(value) * (1.0 - scatter.memory) / (1.0 + scatter.memory) for value, scatter in pairs
-    ]
+    counts = [len(value) * worth_of(scatter.memory) for value, scatter in pairs]
     # Two at least: the logarithm of their number is what a parameter costs.
     return max(float(sum(counts)), 2.0)
 

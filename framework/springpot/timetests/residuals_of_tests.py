@@ -17,7 +17,6 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import samples_of_one
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
@@ -26,6 +25,7 @@ from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
+from springpot.memory import samples_of_one
 from springpot.misfit.where import Where
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
+from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
@@ -118,7 +119,7 @@ class ResidualScatter:
     def independent_squares(self, count: int) -> float:
         """So many of the squares of `count` samples are independent (Satterthwaite 1946)."""
         if self.colour is None:
-            return count * (1.0 - self.memory**2) / (1.0 + self.memory**2)
+            return count * worth_of(self.memory**2)
         spectrum = self.colour.spectrum(frequencies(count))
         return float(np.sum(spectrum)) ** 2 / float(np.sum(spectrum**2))
 
@@ -136,7 +137,7 @@ class ResidualScatter:
     def spectrum(self, count: int) -> Real:
         """Variance of each number of the cosine transform of `count` samples."""
         if self.colour is None:
-            return _spectrum(frequencies(count), self.size, self.memory)
+            return spectrum_of(frequencies(count), self.size, self.memory)
         return self.colour.spectrum(frequencies(count))
 
     def surprise(self, residual: Real) -> float:
@@ -155,11 +156,7 @@ class ResidualScatter:
         """A residual of which noise would leave independent numbers of variance one."""
         if self.colour is not None:
             return transformed(residual) / np.sqrt(self.spectrum(len(residual)))
-        before = np.concatenate([[0.0], residual[:-1]])
-        # What each sample tells beyond the one before it.
-        white = (residual - self.memory * before) / (self.size * np.sqrt(1.0 - self.memory**2))
-        white[:1] = residual[:1] / self.size
-        return np.asarray(white, dtype=float)
+        return np.asarray(forgetting(residual, self.memory) / self.size, dtype=float)
 
 
 def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> ResidualScatter:
@@ -191,7 +188,7 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     excess = 2.0 * max(_of_what_is_smooth(residual), _of_a_jump(residual))
     found = ResidualScatter(*alone, excess - usual, _local(residual, above[1]))
     if found.doubtful:
-        colour = _colour_beside(residual, power, _spectrum(omega, *above))
+        colour = _colour_beside(residual, power, spectrum_of(omega, *above))
         # Another colour may excuse what a memory does not, and accuses of nothing.
         if colour is not None:
             coloured = _coloured(residual, colour, found, usual)
@@ -273,7 +270,7 @@ def _coloured(
     # White in time as in frequency: with no delay, a misfit stays where it is.
     white = transformed(transformed(residual) / np.sqrt(spectrum), back=True)
     power, omega = powers(residual)
-    first = _log_likelihood(power, _spectrum(omega, *_fitted(power)))
+    first = _log_likelihood(power, spectrum_of(omega, *_fitted(power)))
     # Where a first-order memory makes all of it likelier, that is the story without a misfit.
     alone = max(first - _log_likelihood(power, spectrum), 0.0)
     smooth = _beyond(transformed(residual / rougher(residual)) ** 2 / spectrum)
@@ -368,12 +365,6 @@ def powers(residual: Real) -> tuple[Real, Real]:
     return transformed(residual) ** 2, frequencies(len(residual))
 
 
-def _spectrum(omega: Real, size: float, memory: float) -> Real:
-    """Of an autoregression whose samples have the standard deviation `size`."""
-    spectrum: Real = size**2 * (1.0 - memory**2) / (1.0 + memory**2 - 2.0 * memory * np.cos(omega))
-    return spectrum
-
-
 def _of_what_is_smooth(residual: Real) -> float:
     """By how much something smooth beside the noise is likelier than noise alone.
 
@@ -381,9 +372,9 @@ def _of_what_is_smooth(residual: Real) -> float:
     """
     # Where the noise is plainly larger its slow part is too.
     power, omega = powers(residual / rougher(residual))
-    noise = _spectrum(omega, *_fitted(power, upper=True))
+    noise = spectrum_of(omega, *_fitted(power, upper=True))
     likely = _beyond(power / noise) + _log_likelihood(power, noise)
-    return likely - _log_likelihood(power, _spectrum(omega, *_fitted(power)))
+    return likely - _log_likelihood(power, spectrum_of(omega, *_fitted(power)))
 
 
 def _beyond(ratio: Real) -> float:
@@ -430,7 +421,7 @@ def _of_a_jump(residual: Real) -> float:
     likely = []
     for story in (even, taken):
         power, omega = powers(story)
-        likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power))))
+        likely.append(_log_likelihood(power, spectrum_of(omega, *_fitted(power))))
     return likely[1] - likely[0] - float(np.log(n))
 
 
@@ -593,7 +584,7 @@ def _of_memories(count: int, upper: bool) -> tuple[int, Real, Real]:
     """Number of the first frequency, the cosines of all, and each memory's mean log spectrum."""
     omega = frequencies(count)
     first = int(np.count_nonzero(omega <= UPPER * np.pi)) if upper else 0
-    logs = [float(np.mean(np.log(_spectrum(omega[first:], 1.0, each)))) for each in MEMORIES]
+    logs = [float(np.mean(np.log(spectrum_of(omega[first:], 1.0, each)))) for each in MEMORIES]
     return first, np.cos(omega[first:]), np.array(logs)
 
 
@@ -607,7 +598,7 @@ def _local(residual: Real, memory: float) -> float:
     white = residual[1:] - memory * residual[:-1]
     # Squares of neighbours are correlated by the square of their memory: so many of them are
     # independent.
-    alike = (1.0 - memory**2) / (1.0 + memory**2)
+    alike = worth_of(memory**2)
     # A short bump is smooth, and hardly there in what is new with each sample: so both are looked
     # at.
     return min(1.0, 2.0 * _worst(white, 0.0, 1.0), 2.0 * _worst(residual, memory, alike))

@@ -13,6 +13,7 @@ import numpy as np
 from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
+from springpot.memory import worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH
@@ -56,7 +57,7 @@ def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[li
     """The promises of the effects that are worth a fit."""
     scatter = before.scatters[0]
     # Of noise whose neighbours are alike so many samples are one independent number.
-    unit = scatter.size**2 * (1.0 + scatter.memory) / (1.0 - scatter.memory)
+    unit = scatter.size**2 / worth_of(scatter.memory)
     count = np.log(independent(before.residuals, before.scatters))
 
     def hope(of_effect: list[Promise]) -> float:
@@ -158,7 +159,7 @@ def nearly_fitted(
         # nothing ends there.
         search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
-        begun = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        begun = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
         try:
             u, _ = search.near(asked.quick, begun)
             # Not of the exponentials: by the part in a thousand that they are off, the right effect

@@ -210,9 +210,9 @@ EFFECTS = (
         "the specimen is warmed by its own loss and behaves as at a lower frequency, growing with"
         " power",
         Layer.SPECIMEN,
-        "first order in the power omega K'' X^2 / 2 at steady temperature",
-        approximate="first order: the power is that of the unheated specimen",
-        equation="K(omega * exp(-s * P)), P = omega * imag(K(omega)) * X^2 / 2",
+        "first order in the steady rise of temperature, which the power omega K'' X^2 / 2 of the"
+        " warm specimen keeps up",
+        equation="K(omega * exp(-s * P)), P = omega * imag(K(omega * exp(-s * P))) * X^2 / 2",
         largest_of_modulus=WARMEST,
     ),
     Effect.from_formula(

@@ -54,16 +54,16 @@ def headings_of(
     words: Vocabulary = SWEEPS,
 ) -> tuple[Heading, ...]:
     """Titles with the units from the row below them, at least `width` of them."""
-    titles = [unquoted(cell.strip()) for cell in uncommented(names)]
+    titles = [unquoted(cell.strip()) for cell in uncommented(names, width)]
     if len(titles) > width:
         titles = _rejoined(titles, names, width, words)
     units: list[str | None] = [None] * max(len(titles), width)
     titles += [""] * (len(units) - len(titles))
     for row in between:
-        if (row_units := units_in(row)) and len(row_units) <= len(units):
+        if (row_units := units_in(row, width)) and len(row_units) <= len(units):
             units = _beside_titles(row_units, titles, words)
         elif len(row) == len(titles):
-            below = [unquoted(cell.strip()) for cell in uncommented(row)]
+            below = [unquoted(cell.strip()) for cell in uncommented(row, width)]
             titles = _in_two_rows(titles, below, words)
     for place, (title, unit) in enumerate(zip(titles, units, strict=True)):
         if unit and not title and words.heading(unit).role:
@@ -187,9 +187,12 @@ def _rejoined(titles: list[str], names: Sequence[str], width: int, words: Vocabu
     return titles
 
 
-def units_in(row: Sequence[str]) -> list[str]:
-    """The units in a row that holds nothing else; none for other rows."""
-    cells = [cell.strip() for cell in uncommented(row)]
+def units_in(row: Sequence[str], width: int = 0) -> list[str]:
+    """The units in a row that holds nothing else; none for other rows.
+
+    Beside numbers in `width` columns, where that is known.
+    """
+    cells = [cell.strip() for cell in uncommented(row, width)]
     filled = [cell for cell in cells if cell and cell not in ("[]", "()")]
     known = [
         cell
@@ -232,12 +235,15 @@ def is_remark(row: Sequence[str]) -> bool:
     return sum(1 for cell in row if cell.strip()) == 1 and not units_in(row)
 
 
-def uncommented(row: Sequence[str]) -> list[str]:
-    """The cells without the sign of a comment before the first."""
+def uncommented(row: Sequence[str], width: int = 0) -> list[str]:
+    """The cells without the sign of a comment before the first.
+
+    In a cell of its own it is a comment only where it stands above none of `width` columns: above
+    one, "#" names a counter, and "%" is the unit of a strain.
+    """
     if not row or not row[0].strip().startswith(COMMENT):
         return list(row)
     bare = row[0].strip().lstrip("#%!/ ")
     if not bare:
-        # "#" in a cell of its own stands above no number.
-        return list(row[1:])
+        return list(row[len(row) > width :])
     return [bare, *row[1:]]

@@ -383,3 +383,19 @@ def test_two_tables_without_titles_one_below_the_other_are_told_what_they_lack(f
         'frequency [Hz]\tG" [Pa]\n0.5\t9.78\n1\t20.7\n'
     )
     assert folder.open(titled).loss.tolist() == [9.78, 20.7]
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["#;omega [rad/s];G' [Pa];G'' [Pa]", "#;omega;G';G''\n;rad/s;Pa;Pa"],
+)
+def test_a_counter_called_by_the_sign_of_a_comment_moves_no_column(head, folder):
+    found = folder.open(f"{head}\n1;0.5;5;2.6\n2;0.8;8;3.1\n3;2;10;3.4\n")
+    np.testing.assert_allclose(found.omega, [0.5, 0.8, 2.0])
+    np.testing.assert_allclose(found.stiffness, [5 + 2.6j, 8 + 3.1j, 10 + 3.4j])
+
+
+def test_a_row_of_units_begins_with_that_of_a_strain(folder):
+    found = folder.open("Strain;omega;G';G''\n%;rad/s;Pa;Pa\n0.1;0.5;5;0.2\n0.1;0.8;8;0.3\n")
+    np.testing.assert_allclose(found.conditions["amplitude"], 0.1)
+    assert found.units.amplitude == "%"
