@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from springpot import invention, superposition, timetests
+import springpot.invention as invention
+import springpot.superposition as superposition
+import springpot.timetests as timetests
 from springpot.comparison.comparing import compare as compare_objects
 from springpot.comparison.ranking import rank
 from springpot.comparison.result import Comparison
