@@ -6,7 +6,8 @@ import pytest
 from springpot import Measurement
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
-from springpot.misfit.floor import as_given, fitted_to_floor
+from springpot.memory import remembering
+from springpot.misfit.floor import as_given, fitted_to_floor, remembered
 from springpot.misfit.refit import refit
 from springpot.misfit.residual_tests import battery
 from springpot.registry import parse_model
@@ -102,3 +103,17 @@ def test_noise_that_was_doubted_keeps_its_memory_as_it_was_given():
     averaged = average_repeats(data)
     noise = Noise(averaged.mean.sd, 20.0, "estimated", memory=0.5)
     assert as_given(refit(parse_model("kelvin"), averaged, noise, starts=2)).noise.memory == 0.5
+
+
+def test_a_memory_in_one_sweep_is_told_unless_a_rival_explains_it_better():
+    omega = np.geomspace(0.1, 100.0, 36)
+    noise = remembering(np.random.default_rng(2).normal(size=(2, 36)), 0.7)
+    stiffness = (5.0 + 2.0j * omega) * (1.0 + 0.01 * (noise[0] + 1j * noise[1]))
+    data = average_repeats(Measurement(omega, stiffness))
+    white = Noise(0.005 * np.abs(stiffness) * (1.0 + 1.0j), 20.0, "estimated")
+    base = refit(parse_model("kelvin"), data, white, starts=2)
+    found = remembered(base, 0.0)
+    assert found.noise.memory == pytest.approx(0.6, abs=0.2)
+    assert found.noise.sd[0].real > 1.3 * white.sd[0].real
+    assert remembered(base, 100.0) is None
+    assert remembered(found, 0.0) is None
