@@ -217,7 +217,8 @@ def answer_of(
         noise = before.all_noise
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(_beside_narrow(weights, tried), verdict, best.chance)
-    alike = _class(tried, promises, noise)
+    limits = _limits(tried, parts, base.reference)
+    alike = [name for name in _class(tried, promises, noise) if name not in limits]
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
     candidates = _candidates(tried, chances, alike, after, verdict)
@@ -412,6 +413,28 @@ def _class(
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
+
+
+def _limits(tried: Sequence[Tried], parts: Sequence[TestPart], reference: float) -> set[str]:
+    """Effects that have become a simpler one, as for sweeps: the first one by another name.
+
+    One of their parameters is at its end or without influence, as the stiffness of a slider that is
+    friction alone. Never the first, nor one with no more parameters than it.
+    """
+    found = set()
+    for each in tried[1:]:
+        if not each.helps or each.left.count <= tried[0].left.count:
+            continue
+        theta, parameters = each.theta, each.model.parameters
+        at_end = np.array([theta[i] in (o.lower, o.upper) for i, o in enumerate(parameters)])
+        slopes = [part.residual(each.model, theta, reference).by_theta for part in parts]
+        # By natural units of each: of a logarithm, or of the scale itself.
+        unit = [theta[i] if one.scale == "log" else 1.0 for i, one in enumerate(parameters)]
+        influence = np.linalg.norm(np.concatenate(slopes) * unit, axis=0)
+        lost = at_end | (influence < EVIDENCE.least_influence)
+        if any(each.effect.own_of(dict(zip(each.model.names, lost, strict=True))).values()):
+            found.add(each.effect.name)
+    return found
 
 
 def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
