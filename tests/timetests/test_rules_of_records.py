@@ -227,6 +227,7 @@ def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
     [
         (1.1, False, {"temperature"}, "they are not of one specimen in one state"),
         (1.1, False, {}, "no column tells"),
+        (1.1, False, {}, "or the specimen is not linear"),
         (1.1, True, {}, ""),
         (verdict.VERDICT.agrees, False, {}, ""),
     ],

@@ -309,10 +309,11 @@ def said_apart(
     else:
         return ""
     if any("temperature" in part.conditions for part in parts):
-        return f"{says}: they are not of one specimen in one state"
+        return f"{says}: they are not of one specimen in one state, or it is not linear"
     return (
         f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
-        " of each, such as 'FILE#2?temperature=25[degC]'"
+        " of each, such as 'FILE#2?temperature=25[degC]'; or the specimen is not linear and answers"
+        " otherwise to another size or speed of the load"
     )
 
 
