@@ -79,6 +79,9 @@ class TimeTest:
         Which modulus stress and strain are of, see `Units`; empty where nobody says.
     marks : mapping of str to float
         Further conditions by name, such as the number of the specimen.
+    aside : mapping of int to float
+        Samples at its ends that a diagnosis has set aside, and by how many times the noise each of
+        them is off.
 
     Raises
     ------
@@ -106,6 +109,7 @@ class TimeTest:
     warmth: Real | None = None
     letter: str = ""
     marks: Mapping[str, float] = field(default_factory=dict)
+    aside: Mapping[int, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -358,7 +362,7 @@ class TimeTest:
         columns = {"time": self.time, "response": self.response, **self.conditions}
         columns |= {"knots": imposed.time, "imposed": imposed.value}
         units = (self.displacement_unit, self.force_unit)
-        about = (self.control, *units, imposed.sampled, imposed.before)
+        about = (self.control, *units, imposed.sampled, imposed.before, *sorted(self.aside))
         return digest_of_columns(about, columns, alone=("time", "knots"))
 
     def __repr__(self) -> str:

@@ -161,6 +161,8 @@ class TimeCase(NamedTuple):
         The model grown by each effect that was fitted.
     asked : AskedTests
         The tests and effects behind it.
+    aside : tuple of (int, int, float), optional
+        A sample at the end of a test that is all that is missed, see `Slip`.
     """
 
     diagnosis: Diagnosis
@@ -168,6 +170,7 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     tried: tuple[Tried, ...]
     asked: AskedTests
+    aside: tuple[int, int, float] | None = None
 
     @property
     def tests(self) -> Sequence[Test]:
@@ -248,7 +251,8 @@ def answer_of(
         quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
-    return TimeCase(diagnosis, base, fit, tuple(tried), asked)
+    aside = slip.aside if slipped and weights[-1] > EVIDENCE.credible else None
+    return TimeCase(diagnosis, base, fit, tuple(tried), asked, aside)
 
 
 def _over_one_noise(
