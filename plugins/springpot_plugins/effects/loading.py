@@ -244,8 +244,8 @@ EFFECTS = (
             (Parameter("share", "e", PURE, 0.0, 1.0 - LEAST_LEFT, "linear", 0.9),),
             _sooner,
         ),
-        "the step was over sooner than was said, or than the first sample, until which it is taken"
-        " to have risen in a straight line: '?ramp=0[s]' behind the file says that it took no time",
+        "the step was over sooner than was said, or than the first sample, until which it was taken"
+        " to have risen: '?ramp=0[s]' behind the file makes it a step",
         citation="Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
         applies_to=AppliesTo(suits=_risen),
         signature="early, up to some ten times the first sample: a relaxation begins lower, a creep"
