@@ -5,10 +5,11 @@ import pytest
 
 from springpot.memory import (
     Links,
+    covariance_along,
     forgetting,
-    likeliest,
     remembering,
     spectrum_of,
+    told_by,
     worth_of,
 )
 
@@ -32,8 +33,26 @@ def test_a_memory_is_told_beside_curves():
     noise = remembering(np.random.default_rng(2).normal(size=2000), 0.6)
     curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, 2000), 6)
     columns = np.column_stack([curves, noise + curves @ np.arange(7.0)])
-    assert likeliest(columns, Links()) == pytest.approx(0.6, abs=0.05)
+    told = told_by(columns, Links(), 0.9)
+    assert told.memory == pytest.approx(0.6, abs=0.05)
+    assert told.gain > 0.0
+    assert told.likeliest == told.memory
+    assert told_by(columns, Links(), 0.3).likeliest == told.memory
+    columns[:, -1] = np.random.default_rng(3).normal(size=2000)
+    assert told_by(columns, Links(), 0.9).gain < 0.0
 
 
 def test_slow_waves_hold_more_of_it_than_they_are_worth():
     assert spectrum_of(np.zeros(1), 2.0, 0.6) == pytest.approx(4.0 / worth_of(0.6))
+
+
+def test_what_columns_have_of_noise_is_by_its_correlations():
+    columns = np.random.default_rng(4).normal(size=(9, 2))
+    lines, alike = [np.arange(6), np.arange(8, 5, -1)], np.zeros((9, 9))
+    for line in lines:
+        alike[np.ix_(line, line)] = 0.7 ** np.abs(np.subtract.outer(line, line))
+    expected = columns.T @ alike @ columns
+    np.testing.assert_allclose(covariance_along(columns, 0.7, lines), expected)
+    alike[6:, 6:] = np.eye(3)
+    single = covariance_along(columns, 0.7, lines[:1])
+    np.testing.assert_allclose(single, columns.T @ alike @ columns)

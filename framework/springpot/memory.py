@@ -99,12 +99,33 @@ def remembering(new: Any, memory: float) -> Any:
     """Noise (..., n) of one line by what is new with each number, of the same size."""
     noise = new.copy()
     noise[..., 1:] *= np.sqrt(1.0 - memory**2)
-    # The sum of what faded by one step, then by two of these, by four and so on.
+    return _summed(noise, memory)
+
+
+def _summed(faded: Any, memory: float) -> Any:
+    """Values (..., n) and all before them, each faded once a step; in their place."""
+    # What faded by one step is added, then by two of these, by four and so on.
     step, share = 1, memory
-    while step < noise.shape[-1] and share > np.finfo(noise.dtype).eps:
-        noise[..., step:] += share * noise[..., :-step]
+    while step < faded.shape[-1] and share > np.finfo(faded.dtype).eps:
+        faded[..., step:] += share * faded[..., :-step]
         step, share = 2 * step, share**2
-    return noise
+    return faded
+
+
+def covariance_along(columns: Real, memory: float, lines: Sequence[NDArray[np.int64]]) -> Real:
+    """Covariance (q, q) of the sums over such noise of size one times columns (n, q).
+
+    What is in none of the lines is noise by itself.
+    """
+    alone = np.ones(len(columns), dtype=np.bool_)
+    alone[np.concatenate(lines)] = False
+    whole: Real = columns[alone].T @ columns[alone]
+    for rows in lines:
+        # By all that remembers it each new number counts.
+        new = _summed(columns[rows[::-1]].T, memory)
+        new[:, :-1] *= np.sqrt(1.0 - memory**2)
+        whole += new @ new.T
+    return whole
 
 
 def surprise(columns: Real, memory: float, links: Links) -> tuple[float, Real]:
@@ -121,9 +142,37 @@ def surprise(columns: Real, memory: float, links: Links) -> tuple[float, Real]:
     return float(logs + linked * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
 
 
-def likeliest(columns: Real, links: Links) -> float:
-    """The memory that such columns (n, q + 1) tell."""
+class Remembering(NamedTuple):
+    """What a residual tells of the memory of its noise.
+
+    Attributes
+    ----------
+    memory : float
+        The likeliest one, but for what is longer than a longest.
+    new : ndarray, shape (n,)
+        What is new with each number, of the size of the noise.
+    free : int
+        Numbers that nothing follows.
+    gain : float
+        Twice the logarithm of how much likelier it is than white noise, less the price of a number
+        by the Bayesian information criterion.
+    likeliest : float
+        The likeliest one of all.
+    """
+
+    memory: float
+    new: Real
+    free: int
+    gain: float
+    likeliest: float
+
+
+def told_by(columns: Real, links: Links, longest: float) -> Remembering:
+    """The memory of what curves leave of the last of such columns (n, q + 1)."""
     from scipy.optimize import minimize_scalar
 
-    found = minimize_scalar(lambda memory: surprise(columns, memory, links)[0], bounds=(0.0, 1.0))
-    return float(found.x)
+    likeliest = float(minimize_scalar(lambda m: surprise(columns, m, links)[0], bounds=(0, 1)).x)
+    memory, free = min(likeliest, longest), len(columns) - columns.shape[1] + 1
+    cost, new = surprise(columns, memory, links)
+    gain = surprise(columns, 0.0, links)[0] - cost - float(np.log(max(free, 1)))
+    return Remembering(memory, new, free, gain, likeliest)

@@ -29,6 +29,11 @@ FEW = 6
 """Rows or colours that are taken in at a glance, where not everything is asked for."""
 SHOWN = 5
 """Of what comes the most telling first, how many are shown."""
+NARROWEST, USUAL, WIDEST = 60, 120, 140
+"""Columns between which text is laid out: below, tables cannot be read; above, sentences cannot.
+
+The usual number where no window says it.
+"""
 PLAIN = 4
 """Decimals of what rounds to zero.
 

@@ -73,7 +73,11 @@ FILES = (
         ("strain-stiffening", "slack"),
         "TitinViscoelasticity: slack and toe",
     ),
-    Unseen("HS60_10las_full_15.xls", YIELDS, "rheofit: the emulsion yields"),
+    Unseen(
+        "HS60_10las_full_15.xls",
+        (*YIELDS, "strain-softening"),
+        "rheofit: the emulsion yields; loss above storage, and both fall beyond a strain",
+    ),
     Unseen(
         "extract_t1_1_1_18_18_s6_n10_100psi_first1200lines.csv?force=-N",
         ("force-offset", "asymmetric-damping", *YIELDS),

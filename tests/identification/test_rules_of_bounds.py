@@ -99,6 +99,7 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
         freedom=7,
         scale=4.0 / side,
         eliminated=None,
+        memory=0.0,
     )
     own._reach = lambda i: Uncertainty._reach(own, i)
     module = "springpot.identification.uncertainty"

@@ -1,5 +1,6 @@
 """Intervals: they cover the truth as often as they say, and say so where the data give none."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,9 +17,11 @@ from springpot.identification import (
     fitting,
     held_material,
     identify,
+    intervals,
     profile,
 )
 from springpot.measurement import Measurement
+from springpot.memory import remembering, worth_of
 from springpot.registry import parse_model
 
 TRIALS = 300
@@ -45,6 +48,39 @@ def test_coverage_is_that_of_the_level(name, given, rng):
         inside += (low <= theta) & (theta <= high)
     # Three standard errors of a binomial proportion around 0.95.
     assert inside / TRIALS == pytest.approx(0.95, abs=3.0 * np.sqrt(0.95 * 0.05 / TRIALS))
+
+
+def _remembering(memory, rng, points=30):
+    """A fractional Zener body in noise of 1 % that goes on from point to point."""
+    model, omega = parse_model("fractional-zener"), np.geomspace(0.1, 1e3, points)
+    noise = remembering(rng.normal(size=(2, points)), memory)
+    exact = model.stiffness(TRUTH, omega)
+    return fit(model, Measurement(omega, exact * (1.0 + 0.01 * (noise[0] + 1j * noise[1]))))
+
+
+TRUTH = np.array([1e6, 4e6, 2e6, 0.5])
+
+
+def test_errors_that_go_on_from_point_to_point_widen_intervals(rng):
+    known = Uncertainty.of(_remembering(0.8, rng, 60))
+    assert known.memory == pytest.approx(0.8, abs=0.15)
+    white = replace(known, memory=0.0)
+    wider = np.diag(known.covariance) / np.diag(white.covariance)
+    assert np.all((wider > 3.0) & (wider < 1.5 / worth_of(known.memory)))
+    assert known.widening(3) == pytest.approx(wider[3], rel=0.3)
+    assert known.quantile > white.quantile
+    drawn = intervals._errors(known.fit, 200, rng, True).real
+    assert np.mean(drawn[:, 1:] * drawn[:, :-1]) > 0.6 * np.mean(drawn**2)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.8])
+def test_intervals_cover_the_truth_beside_a_memory(memory, rng):
+    inside = []
+    for _ in range(TRIALS):
+        low, high = Uncertainty.of(_remembering(memory, rng)).interval()
+        inside.append((low <= TRUTH) & (high >= TRUTH))
+    assert 0.91 < np.mean(inside) < 0.98
 
 
 @pytest.fixture

@@ -48,3 +48,10 @@ def test_exact_values_lie_where_the_parameters_let_them_and_are_not_rounded_alik
     draws = frame._as_written(frame._steps, 400, rng)
     alike = np.mean(np.mean(draws, axis=0) ** 2) / np.mean(draws**2)
     assert alike < 0.9
+
+
+def test_written_draws_remember_as_the_noise_does(rng):
+    frame = replace(frame_of(0.05), jacobian=np.zeros((0, 40), dtype=complex), memory=0.8)
+    draws = frame._as_written(np.full(40, 1e-6 * (1 + 1j)), 400, rng)
+    draws -= draws.mean(axis=1, keepdims=True)
+    assert np.mean(draws[:, 1:40] * draws[:, :39]) > 0.5 * np.mean(draws**2)

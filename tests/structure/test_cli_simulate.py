@@ -155,7 +155,7 @@ def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
             ("slope = 30", "temperature = 60"),
             "damper 1: fractional-maxwell does not know temperature",
         ),
-        (("slope = 30", "slope = 90"), "below 89.9"),
+        (("slope = 30", "slope = 90"), "below 90"),
         (("storey = 1", "storey = 7"), "storey 7 of a frame of 2"),
         (('fit = "fit.json"', 'fit = "none.json"'), "none.json"),
         (('fit = "fit.json"', ""), "has a fit"),

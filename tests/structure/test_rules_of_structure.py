@@ -187,7 +187,7 @@ DAMPER = "[[damper]]\nmodel = 'kelvin'\nparameters = {k = 2.0, c = 3.0}\nunit = 
         ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "fit = 'a.json'", "has a fit ="),
         ("[structure]\nmass = 1\nstiffness = 2\n[[damper]]\nunit = 'N/m'", "damper 1 has a fit ="),
         ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "storey = 2", "braces storey 2 of"),
-        ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "slope = 89.9", "slope: 89.9 is no"),
+        ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "slope = 90", "slope: 90 is no"),
         ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "count = 0", "count: 0 is no number"),
         (
             "[structure]\nmass = 1\nstiffness = 2\n" + DAMPER.replace("N/m", "Pa"),

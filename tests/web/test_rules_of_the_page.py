@@ -262,19 +262,16 @@ DIGEST = "0" * 64
         ({"model": "x" * 200}, ""),
         ({"model": "x" * 201}, "is no name"),
         ({"model": 3}, "is no name"),
-        ({"accepted": ["a"] * 12}, ""),
-        ({"accepted": ["a"] * 13}, "at most 12"),
-        ({"accepted": "ab"}, "at most 12"),
+        ({"accepted": "ab"}, "a list is wanted"),
         ({"excluded": [3, 1, 3]}, ""),
         ({"excluded": [-1]}, "is no whole number"),
         ({"excluded": [True]}, "is no whole number"),
         ({"excluded": [1.0]}, "is no whole number"),
-        ({"seed": 2**32 - 1}, ""),
-        ({"seed": 2**32}, "is no whole number"),
+        ({"seed": -1}, "is no whole number"),
         ({"data": None}, "is no name"),
     ],
 )
-def test_a_state_is_small_and_of_its_kinds(more, says):
+def test_a_state_is_of_its_kinds(more, says):
     if says:
         with pytest.raises(DataError, match=says):
             State.of({"data": DIGEST} | more)
@@ -308,11 +305,9 @@ def session(**changed: Any) -> bytes:
 
 def test_a_session_holds_what_the_page_expects(stays):
     state = {"data": "x"}
-    branch = {"name": "n" * 60, "states": [state] * 300, "at": 999}
-    view = {"k" * 60: 1, "long": "v" * 80, "right": "v" * 79, "list": [1]}
-    view |= {f"key {i}": i for i in range(60)}
-    found = sessions.session_of(session(branches=[branch] * 20, branch=77, view=view))
-    assert [len(each["states"]) for each in found["branches"]] == [200] * 12
+    branch = {"name": "n" * 60, "states": [state] * 3, "at": 999}
+    view = {"right": "v", "list": [1]}
+    found = sessions.session_of(session(branches=[branch] * 2, branch=77, view=view))
     kept = {"branch": found["branch"], "at": found["branches"][0]["at"], "view": found["view"]}
     before = sessions.session_of(session(branches=[branch | {"at": -4}], branch=-3))
     plain = sessions.session_of(session())
@@ -335,11 +330,10 @@ def test_what_no_page_has_written_is_no_session(changed):
         sessions.session_of(session(**changed))
 
 
-def test_a_session_is_known_by_its_first_bytes():
+def test_a_session_is_known_by_its_schema():
     assert sessions.is_session(b"  " + session())
     assert not sessions.is_session(b"x" + session())
     assert not sessions.is_session(b"{}")
-    assert not sessions.is_session(b"{" + b" " * 400 + session()[1:])
 
 
 def test_rows_are_left_out_that_are_there():

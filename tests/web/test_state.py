@@ -294,9 +294,7 @@ def test_a_name_cannot_break_out_of_the_script(state: State):
         assert "os" not in compiled.co_names
 
 
-@pytest.mark.parametrize(
-    "fixed", [[], {"k": True}, {"k": "1"}, {"k": float("inf")}, {str(i): 1.0 for i in range(101)}]
-)
+@pytest.mark.parametrize("fixed", [[], {"k": True}, {"k": "1"}, {"k": float("inf")}])
 def test_what_is_held_is_a_finite_number_by_its_name(fixed):
     with pytest.raises(DataError, match="no state of the workbench"):
         State.of({"data": "x", "fixed": fixed})

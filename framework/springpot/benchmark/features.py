@@ -5,6 +5,7 @@ Those of a suite are measured with its optimum known, which nobody has for data 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
@@ -20,8 +21,6 @@ from .statistics import pooled_ranks
 
 STARTS, SAMPLES = 64, 1000
 """Descents from uniform points of the box, and points at which the objective is looked at."""
-ENDLESS = 1_000_000_000
-"""Evaluations that no descent comes to."""
 NEAR = 1e-3
 """Share of an objective within which two descents have ended in the same valley."""
 EASY = 0.5
@@ -65,7 +64,7 @@ class Features:
 def descents(problem: SpecimenProblem, points: Real) -> tuple[Real, Real]:
     """Where descents within the box end (s, d), from points (s, d), and their objectives (s,)."""
     with np.errstate(all="ignore"):
-        return BoundedDescent(Recorder(problem, ENDLESS)).from_points(points)
+        return BoundedDescent(Recorder(problem, sys.maxsize)).from_points(points)
 
 
 def uniform(problem: SpecimenProblem, count: int, seed: int = 0) -> Real:

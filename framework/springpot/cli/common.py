@@ -80,8 +80,6 @@ def _beginning(names: Iterable[str], start: str) -> list[str]:
     return sorted(name for name in names if name.startswith(start))
 
 
-NARROWEST, USUAL, WIDEST = 60, 120, 140
-"""Columns between which text is laid out: below, tables cannot be read; above, sentences cannot."""
 FOLDER = click.Path(path_type=Path)
 """Where a command puts files, or finds those of earlier ones."""
 POSITIVE = click.IntRange(min=1)
@@ -443,6 +441,8 @@ def verbose_option(command: F) -> F:
 
 def window() -> int:
     """Columns of the terminal; a usual window where the text goes elsewhere."""
+    from springpot.writing import NARROWEST, USUAL, WIDEST
+
     return max(NARROWEST, min(get_terminal_size((USUAL, USUAL)).columns, WIDEST))
 
 

@@ -13,7 +13,7 @@ from springpot.errors import DataError, OptionError
 from springpot.identification.space import require_conditions
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.floor import STARTS_OF_A_ROUND, fitted_to_floor
+from springpot.misfit.floor import STARTS_OF_A_ROUND, fitted_to_floor, likelihood_of_all
 from springpot.misfit.material import MaterialFloor, by_effects, effects_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
@@ -33,8 +33,8 @@ def compare(
 ) -> Comparison:
     """Fit models and judge each against the noise floor that they share.
 
-    The floor is the lowest that any of the models finds: a model that fails takes part of its
-    failure for noise.
+    The floor is that of the likeliest of them: a model that fails takes part of its failure for
+    noise, or what goes on from point to point in the noise for its failure.
 
     Parameters
     ----------
@@ -62,10 +62,9 @@ def compare(
     # Levels of which no point is left have no parameters either.
     models = [model.at_levels(np.unique(model.levels(measurement.points))) for model in models]
     fits = _fits(measurement, models, progress)
-    quiet = fits[0]
-    notes = []
-    if quiet.noise.doubt:
-        notes.append(quiet.noise.doubt)
+    noise, notes = fits[0].noise, []
+    if noise.doubt:
+        notes.append(noise.doubt)
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
     progress("looking how near any material comes")
@@ -75,7 +74,7 @@ def compare(
     if best.fails or best.unclear:
         one_test, why = one_test_of(best.refit.data.raw, column_behind(best.refit.frame()))
         notes += filter(None, [why])
-    return Comparison(measurement.name, each, harmonics_of(quiet), tuple(notes), one_test)
+    return Comparison(measurement.name, each, harmonics_of(fits[0]), tuple(notes), one_test)
 
 
 def harmonics_of(found: Refit) -> tuple[Finding, ...]:
@@ -130,16 +129,15 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
                 f" {fitted.model.name}, which has {len(fitted.theta)} parameters; measure at more"
                 " frequencies"
             )
-    # One noise for all, that of the model which leaves the least scatter: errors are then compared,
-    # not noises.
-    quiet = min(first, key=lambda fitted: fitted.floor)
+    # One noise for all, that of the likeliest fit: errors are then compared, not noises.
+    leader = max(first, key=likelihood_of_all)
     in_its_noise = []
     for fitted in first:
         # From where it ended: in another noise the minimum moves a little, and another one may be
         # the least.
-        if fitted is not quiet:
+        if fitted is not leader:
             fitted = refit(
-                fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS_OF_A_ROUND
+                fitted.model, leader.data, leader.noise, [fitted.theta], starts=STARTS_OF_A_ROUND
             )
         in_its_noise.append(fitted)
     return in_its_noise

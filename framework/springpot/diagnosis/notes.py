@@ -276,8 +276,8 @@ def _of_floor(search: Search) -> Iterator[str]:
     if base.noise.memory:
         yield (
             "the errors of neighbouring points of a sweep go together (correlation"
-            f" {base.noise.memory:.2f}): the floor and all chances count that, and intervals of"
-            " parameters do not; measured again, noise comes otherwise and a misfit does not"
+            f" {base.noise.memory:.2f}): the floor, all chances and all intervals count that;"
+            " measured again, noise comes otherwise and a misfit does not"
         )
     if base.noise.source != "estimated":
         return

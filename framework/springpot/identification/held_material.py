@@ -102,7 +102,7 @@ def widened(known: Uncertainty) -> Uncertainty:
             spreads.append(lack)
         spread = max(spreads, key=lambda one: one[0] * student(known.level, one[1]))
         if spread[0] > known.scale:
-            return replace(known, spread=spread)
+            return replace(known, spread=spread, memory=0.0)
     return known
 
 
@@ -265,6 +265,8 @@ def max_of_parts(known: Uncertainty) -> Real:
     fit, points = known.fit, known.fit.measurement.points
     own = fit.theta[: len(fit.model.material.parameters)]
     found, weights = fit.model.material.respond(own, points).value, fit.task.weights[0]
+    # A single point scatters no more for what it shares with the one before.
+    known = replace(known, memory=0.0)
     with np.errstate(all="ignore"):
         scatter = known.quantile * known.scale / np.array([weights.real, weights.imag])
     if fit.task.logarithmic:
@@ -309,7 +311,8 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
     for i in own:
         narrow = high[i] - low[i] < abs(fit.theta[i])
         if known.at_bound[i] == 0 and (len(own) == 1 or not narrow):
-            low[i], high[i] = profile_beside_material(fit, i, rise, (low[i], high[i]))
+            wider = rise * known.widening(i)
+            low[i], high[i] = profile_beside_material(fit, i, wider, (low[i], high[i]))
     return low, high
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import OptionError
+from springpot.memory import remembering
 from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED, ROUNDING
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
@@ -166,7 +167,8 @@ def bent(known: Uncertainty) -> list[int]:
     low, high = (bound[0] for bound in fit.task.coordinates.bounds)
     with np.errstate(all="ignore"):
         residual, _ = evaluate(np.clip(ends, low, high), np.arange(len(ends)))
-        risen = (np.sum(residual**2, axis=1) - fit.cost) / (allowed_cost(known) - fit.cost)
+        foretold = np.sum((np.concatenate([step, step]) @ known.slopes.T) ** 2, axis=1)
+        risen = (np.sum(residual**2, axis=1) - fit.cost) / foretold
     off = np.reshape(~((risen > 0.5) & (risen < 2.0)), (2, -1))
     return [int(i) for i in rows[off.any(axis=0)]]
 
@@ -457,9 +459,11 @@ def over_specimens(known: Uncertainty, n: int, rng: np.random.Generator) -> Real
 
 def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Complex:
     """Simulated weighted errors (n, points)."""
-    size, count = Uncertainty.of(fit).scale, len(fit.measurement)
+    known, count = Uncertainty.of(fit), len(fit.measurement)
     if parametric:
-        drawn = rng.standard_normal((n, 2 * count)) * size
+        drawn = rng.standard_normal((n, 2 * count)) * known.scale
+        for rows in known.lines if known.memory else ():
+            drawn[:, rows] = remembering(drawn[:, rows], known.memory)
     else:
         # The fit has taken its share of the scatter: residuals are smaller than the errors they
         # come from.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.numerics import MOST_STEPS
+from springpot.numerics import MOST_STEPS, REWEIGHTINGS
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -27,11 +27,6 @@ ENDS = 3
 """Points at an end of a sweep whose median tells what storage is there."""
 FITTED = 4.0
 """Falls up to so many times that are fitted: what comes later is another story."""
-ROUNDS = 6
-"""Times that the points before a fall are chosen by the last fit; they mostly stay from the second.
-"""
-LARGEST = 300.0
-"""Exponents beyond which powers have no number."""
 
 
 class Read(NamedTuple):
@@ -281,7 +276,8 @@ def linear_limit(x: Real, storage: Real) -> tuple[float, float, int] | None:
     """
     depth = -float(np.log1p(-FALL))
     level = float(np.median(storage[:ENDS]))
-    for _ in range(ROUNDS):
+    # The points before the fall are chosen by the last fit; they mostly stay from the second.
+    for _ in range(REWEIGHTINGS):
         deep = np.flatnonzero(level - storage > FITTED * depth)
         used = max(int(deep[0]) if len(deep) else len(x), FEWEST)
         theta, covariance, dof = _onset(x[:used], storage[:used], level, depth)
@@ -299,12 +295,15 @@ def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, in
     theta, dof = np.array([level, float(start), 2.0]), len(x) - 3
 
     def model(at: Real) -> tuple[Real, Real]:
-        power = np.exp(np.clip(at[2] * (x - at[1]), -LARGEST, LARGEST))
+        # Where it is no number, neither is the cost, and the step is halved.
+        with np.errstate(over="ignore"):
+            power = np.exp(at[2] * (x - at[1]))
         slopes = [np.ones_like(x), depth * at[2] * power, -depth * (x - at[1]) * power]
         return at[0] - depth * power, np.column_stack(slopes)
 
     def cost(at: Real) -> float:
-        return float(np.sum((y - model(at)[0]) ** 2))
+        with np.errstate(over="ignore"):
+            return float(np.sum((y - model(at)[0]) ** 2))
 
     for _ in range(MOST_STEPS):
         value, slopes = model(theta)

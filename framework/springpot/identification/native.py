@@ -5,6 +5,7 @@ Descents that keep to the search box and whose every model evaluation is recorde
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
@@ -488,6 +489,6 @@ def minima_in_box(problem: Problem, scans: int = 4, starts: int = 8) -> Real:
     scans, starts : int
         Scans, and descents from each.
     """
-    descent, rng = BoundedDescent(Recorder(problem, 10**9)), np.random.default_rng(0)
+    descent, rng = BoundedDescent(Recorder(problem, sys.maxsize)), np.random.default_rng(0)
     with np.errstate(all="ignore"):
         return np.sort(np.concatenate([descent.from_scan(rng, starts)[1] for _ in range(scans)]))

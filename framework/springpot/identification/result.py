@@ -541,7 +541,7 @@ class Identification(Known):
             by, spread = objective_again(kept, objective, data, objective_of)
             spent, converged = told["evaluations"], bool(kept["converged"])
             fit = Fit(model, data, by, theta, cost, spent, converged)
-            known = Uncertainty(fit, bool(kept["absolute"]), spread=spread)
+            known = replace(Uncertainty.of(fit), absolute=bool(kept["absolute"]), spread=spread)
             return _as_kept(cls.of_sweep(known, low, high, **told), kept)
         units, tests = Units(**kept["units"]), parts_of(answer["tests"])
         slopes, covariance = coordinates_of(answer["covariance"], model, units)

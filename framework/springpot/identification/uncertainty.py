@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
+from springpot.measurement.mixed_tests import longest_memory, sweeps_of
 from springpot.measurement.units import Units
+from springpot.memory import LIKENESS, Links, covariance_along, told_by, worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import WIDEST, SearchForm, box_of
 from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
-from springpot.thresholds import INTERVAL
+from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING
 from .fitted import Fit
@@ -33,6 +36,24 @@ from .normal import (
 from .population import Specimens, follows_specimens
 from .problem import weighted
 from .value import Value, printed
+
+
+class Followed(NamedTuple):
+    """What free parameters follow of the data.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (m, k)
+        Orthonormal columns.
+    spread : ndarray, shape (k, f)
+        By how much each free parameter moves with what the data have along these.
+    lost : ndarray of int
+        Numbers of the parameters of which the data say nothing.
+    """
+
+    basis: Real
+    spread: Real
+    lost: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +74,8 @@ class Uncertainty:
         scatter are not what the parameters are known by; see `lack_of_fit`.
     shared : ndarray, shape (p, p), optional
         Covariance in search coordinates of what all points have in common; see `calibration`.
+    memory : float
+        Correlation of the errors of neighbouring points of a sweep.
 
     Examples
     --------
@@ -70,13 +93,18 @@ class Uncertainty:
     level: float = INTERVAL
     spread: tuple[float, float] | None = None
     shared: Real | None = None
+    memory: float = 0.0
 
     @classmethod
     def of(cls, fit: Fit, level: float = INTERVAL) -> Uncertainty:
-        """Intervals at `level`, absolute where the objective uses given standard deviations."""
+        """Intervals at `level`, absolute where the objective uses given standard deviations.
+
+        With the memory that the noise has along the sweeps, where that is likelier than none.
+        """
         # Weights that are no standard deviations know shares only: what a residual of one means,
         # the scatter says.
-        return cls(fit, uses_sd(fit), level)
+        known = cls(fit, uses_sd(fit), level)
+        return replace(known, memory=known._memory_of_noise())
 
     @property
     def scale(self) -> float:
@@ -88,16 +116,15 @@ class Uncertainty:
         # As many parameters as numbers: whatever the scatter is, the fit goes through all of it.
         if self.fit.dof <= 0:
             return float("inf")
-        return float(np.sqrt(self.fit.cost / self.fit.dof))
+        return float(np.sqrt(self.fit.cost / (self.fit.dof * self._left)))
 
     @property
     def freedom(self) -> float:
         """Degrees of freedom of the scale: without end where it is known beforehand."""
-        if self.spread is not None:
-            return self.spread[1]
-        if self.absolute:
+        dof = self.fit.dof if self.spread is None else self.spread[1]
+        if self.spread is None and self.absolute:
             return float("inf")
-        return self.fit.dof
+        return dof * worth_of(self.memory)
 
     @property
     def quantile(self) -> float:
@@ -143,7 +170,7 @@ class Uncertainty:
 
         Infinite variance where the data say nothing, 0 at a bound.
         """
-        covariance = self._covariance(self.specimens)
+        covariance = self._covariance(self.specimens, self.memory)
         for beside in (self._moved, self.shared):
             if beside is not None:
                 covariance = matrix_of(covariance) + beside
@@ -161,16 +188,16 @@ class Uncertainty:
         return np.outer(moved, moved)
 
     def widening(self, i: int) -> float:
-        """Variance of parameter i by the scatter of specimens, over that by the points."""
-        if self.specimens is None:
+        """Variance of parameter i over that by points whose errors are independent."""
+        if self.specimens is None and not self.memory:
             return 1.0
-        points, specimens = (
-            float(printed_spread(self.fit, covariance)[i])
-            for covariance in (self._covariance(None), self._covariance(self.specimens))
+        alone, whole = (
+            float(printed_spread(self.fit, self._covariance(*by))[i])
+            for by in ((None, 0.0), (self.specimens, self.memory))
         )
-        if not (np.isfinite(specimens) and np.isfinite(points) and points > 0.0):
+        if not (np.isfinite(whole) and np.isfinite(alone) and alone > 0.0):
             return 1.0
-        return (specimens / points) ** 2
+        return (whole / alone) ** 2
 
     @cached_property
     def eliminated(self) -> Eliminated | None:
@@ -179,12 +206,66 @@ class Uncertainty:
             return None
         return Eliminated(self.fit.by_level, self.at_bound == 0)
 
-    def _covariance(self, specimens: Specimens | None) -> Covariance:
+    def _memory_of_noise(self) -> float:
+        """That of what the parameters leave; none where white noise is as likely.
+
+        Nor where specimens tell the scatter, or levels have parameters of their own.
+        """
+        fit = self.fit
+        if self.eliminated or self.specimens or not fit.dof >= VERDICT.enough_spare:
+            return 0.0
+        n, sweeps = len(fit.measurement), sweeps_of(fit.measurement)
+        columns = np.column_stack([self._followed.basis[: 2 * n], fit.residual])
+        if not np.all(np.isfinite(columns)):
+            return 0.0
+        told = told_by(columns, Links.along(self.lines), longest_memory(sweeps))
+        # What hardly ever comes back is no noise but a misfit, as wide as the intervals say it is.
+        return told.memory if told.gain > 0.0 and told.likeliest <= LIKENESS else 0.0
+
+    @property
+    def lines(self) -> list[NDArray[np.int64]]:
+        """Numbers of the residual (2n,) that follow one another."""
+        data = self.fit.measurement
+        return [rows + k for k in (0, len(data)) for rows, _ in sweeps_of(data)]
+
+    @property
+    def _left(self) -> float:
+        """Variance that fitted parameters leave of noise with a memory, over that of white noise.
+
+        They follow more of what is slow.
+        """
+        if not self.memory:
+            return 1.0
+        size, free = np.shape(self._followed.basis)
+        return float((size - np.trace(self._of_sums)) / max(size - free, 1))
+
+    @cached_property
+    def _of_sums(self) -> Real:
+        """Covariance (k, k) of what such noise of size one has along the basis."""
+        return covariance_along(self._followed.basis, self.memory, self.lines)
+
+    def _covariance(self, specimens: Specimens | None, memory: float) -> Covariance:
         if self.eliminated is not None:
             if specimens is None:
                 return self.eliminated.covariance(self.scale)
             unit, slopes = self.eliminated.covariance(1.0), self.eliminated.slopes
             return specimens.sandwich_of_levels(slopes, self.fit.residual, unit)
+        free, (_, spread, lost) = np.flatnonzero(self.at_bound == 0), self._followed
+        covariance: Real = np.zeros((len(self.fit.u),) * 2)
+        with np.errstate(invalid="ignore"):
+            inverse_square = spread.T @ spread
+            whole = self.scale**2 * inverse_square
+            if specimens is not None:
+                inner = self.slopes[:, free]
+                whole = specimens.sandwich(inner, self.fit.residual, inverse_square)
+            elif memory:
+                whole = self.scale**2 * spread.T @ self._of_sums @ spread
+            covariance[np.ix_(free, free)] = whole
+        covariance[lost, lost] = np.inf
+        return np.nan_to_num(covariance, nan=np.inf, posinf=np.inf)
+
+    @cached_property
+    def _followed(self) -> Followed:
         # What rests on a bound does not move with the data: it takes no part, and the others are
         # the surer for it.
         free = np.flatnonzero(self.at_bound == 0)
@@ -194,21 +275,12 @@ class Uncertainty:
         size[size == 0] = 1.0
         # Of the Jacobian itself: its square would lose half of the digits that tell what is
         # determined.
-        _, values, directions = np.linalg.svd(inner / size, full_matrices=False)
+        basis, values, directions = np.linalg.svd(inner / size, full_matrices=False)
         known = values > RANK * values.max(initial=0.0)
-        inverse = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)
-        spread = inverse[:, None] * directions / size
-        covariance: Real = np.zeros((len(self.fit.u),) * 2)
-        with np.errstate(invalid="ignore"):
-            inverse_square = spread.T @ spread
-            whole = self.scale**2 * inverse_square
-            if specimens is not None:
-                whole = specimens.sandwich(inner, self.fit.residual, inverse_square)
-            covariance[np.ix_(free, free)] = whole
+        spread = directions[known] / values[known, None] / size
         # A direction without a trace in the data takes all parameters along that have a part in it.
         lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
-        covariance[lost, lost] = np.inf
-        return np.nan_to_num(covariance, nan=np.inf, posinf=np.inf)
+        return Followed(basis[:, known], spread, lost)
 
     @property
     def surprise(self) -> Real:
@@ -292,12 +364,16 @@ class Uncertainty:
             others = self.fit.jacobian_u[:, self.at_bound == 0]
             if others.size:
                 made_up = np.asarray(np.linalg.lstsq(others, slope, rcond=RANK)[0])
-            size = float(np.linalg.norm(slope - others @ made_up))
+            slope = slope - others @ made_up
+            size = float(np.linalg.norm(slope))
         # From a bound there is one way only: the whole tail lies on that side.
         side = student(2.0 * self.level - 1.0, self.freedom)
         # What rounding leaves of a slope that the others make up for is none.
         if size > RANK * whole:
-            return side * self.scale / size, made_up
+            along = np.eye(1)
+            if self.memory:
+                along = covariance_along(slope[:, None] / size, self.memory, self.lines)
+            return side * self.scale * float(np.sqrt(along[0, 0])) / size, made_up
         return float("inf"), made_up
 
     def _one_sided(self, i: int) -> tuple[float, float]:

@@ -27,6 +27,7 @@ from springpot.thresholds import COURSE, VARIED
 
 from .independence import (
     DECIMALS,
+    SMOOTH_DEGREE,
     at_one_frequency,
     frequency_numbers,
     held_frequency_numbers,
@@ -517,6 +518,11 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
     # Nothing was held while something else was swept: all points in the order of frequency are the
     # best there is.
     return [_ordered(np.arange(len(measurement)), log_omega)]
+
+
+def longest_memory(sweeps: Sequence[Sweep]) -> float:
+    """Correlation of neighbours above which noise of a sweep is alike as slow curves are."""
+    return float(np.exp(-SMOOTH_DEGREE / max(len(rows) for rows, _ in sweeps)))
 
 
 def _parted(

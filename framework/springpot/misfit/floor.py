@@ -17,7 +17,7 @@ from springpot.distributions import f_quantile, f_sf
 from springpot.identification.searching import STARTS as STARTS_AGAIN
 from springpot.measurement.independence import SMOOTH_DEGREE
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import settings_of, sweeps_of
+from springpot.measurement.mixed_tests import longest_memory, settings_of, sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
 from springpot.measurement.scatter import (
     Noise,
@@ -26,7 +26,7 @@ from springpot.measurement.scatter import (
     plausible_variance,
     robust_noise_shape,
 )
-from springpot.memory import likeliest, surprise, worth_of
+from springpot.memory import Remembering, surprise, told_by, worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS, SCATTER, VERDICT
@@ -119,6 +119,17 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     return refit(model, data, noise, [first.theta], starts=STARTS_OF_A_ROUND)
 
 
+def likelihood_of_all(fitted: Refit) -> float:
+    """Log-likelihood of a fit with its own noise, of whatever size, less the price of its numbers.
+
+    Noise of another shape or memory makes the same data more or less likely.
+    """
+    frame, parts = fitted.frame(), fitted.noise.parts
+    cost, _ = surprise(frame.residual[:, None], fitted.noise.memory, frame.links)
+    price = (frame.size - fitted.dof) * float(np.log(frame.size))
+    return -0.5 * (cost + price) - float(np.sum(np.log(parts.real * parts.imag)))
+
+
 def beyond_floor(fitted: Refit) -> bool:
     """Whether an error is beyond the noise floor by more than chance.
 
@@ -172,7 +183,7 @@ def as_given(base: Refit) -> Refit:
     return refit(
         base.model,
         base.data,
-        Noise(base.data.mean.sd, inf, "given"),
+        Noise(base.data.mean.sd, inf, "given", memory=base.noise.memory),
         [base.theta],
         starts=STARTS_AGAIN,
     )
@@ -463,30 +474,6 @@ def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) ->
     return about
 
 
-class Remembering(NamedTuple):
-    """Noise of which neighbours share a part.
-
-    Attributes
-    ----------
-    memory : float
-        Correlation of neighbours in a sweep.
-    new : ndarray, shape (2n,)
-        What is new with each number, of the size of the noise.
-    free : int
-        Numbers that nothing follows.
-    gain : float
-        Twice the logarithm of how much likelier it is than white noise, less the price of a number.
-    slow : bool
-        It is alike over as long as slow structure, which it is then.
-    """
-
-    memory: float
-    new: Real
-    free: int
-    gain: float
-    slow: bool
-
-
 def remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Remembering | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
@@ -497,30 +484,17 @@ def remembering(frame: NoiseFrame, kept: NDArray[np.bool_]) -> Remembering | Non
     followed = orthonormal(np.concatenate([frame.absorbed, single], axis=1))
     # By itself where other sweeps show that it is no misfit, and beside all slow structure.
     alone = [np.zeros((frame.size, 0))] if frame.shared.shape[1] else []
+    longest = longest_memory(sweeps_of(frame.measurement))
     for curves in (*alone, frame.structured):
         beside = orthonormal(np.concatenate([followed, curves], axis=1))
-        found = _against_white(frame, beside)
-        told = found.gain > 0.0 and not found.slow
+        if frame.size - beside.shape[1] < FEWEST_OWN:
+            continue
+        found = told_by(np.column_stack([beside, frame.residual]), frame.links, longest)
+        # Unless other sweeps show that it is not, what is so slow is a misfit.
+        told = found.gain > 0.0 and (alone or found.likeliest <= longest)
         if told and found.gain > _best_misfit(frame, beside):
             return found
     return None
-
-
-def _against_white(frame: NoiseFrame, followed: Real) -> Remembering:
-    """The likeliest memory beside what is followed, orthonormal columns (2n, q)."""
-    columns = np.column_stack([followed, frame.residual])
-    free = frame.size - followed.shape[1]
-    if free < FEWEST_OWN:
-        return Remembering(0.0, frame.residual, free, 0.0, False)
-    told = likeliest(columns, frame.links)
-    longest = max(len(rows) for rows, _ in sweeps_of(frame.measurement))
-    most = float(np.exp(-SMOOTH_DEGREE / longest))
-    memory = min(told, most)
-    cost, new = surprise(columns, memory, frame.links)
-    gain = surprise(columns, 0.0, frame.links)[0] - cost - float(np.log(free))
-    # Unless other sweeps show that it is not.
-    slow = told > most and not frame.shared.shape[1]
-    return Remembering(memory, new, free, gain, slow)
 
 
 def _best_misfit(frame: NoiseFrame, followed: Real) -> float:

@@ -392,7 +392,8 @@ class NoiseFrame:
         absorbed = self.absorbed
         followed = rng.standard_normal((count, absorbed.shape[1])) @ absorbed.T
         told = exact + followed / weights
-        values = told + own * rng.standard_normal((count, self.size))
+        noise = self._remembered(rng.standard_normal((count, 2, n)))
+        values = told + own * noise.reshape(count, self.size)
         coarse = np.flatnonzero(step)
         values[:, coarse] = np.round(values[:, coarse] / step[coarse]) * step[coarse]
         return np.asarray((values - told) * weights, dtype=DRAWN)

@@ -588,4 +588,4 @@ def quantities_of(refit: Refit) -> Quantities:
 def _known(refit: Refit) -> Uncertainty:
     best = refit.identified
     fits = refit.relative_rms < VERDICT.misfit * refit.floor
-    return Uncertainty(best, absolute=fits and uses_sd(best))
+    return replace(Uncertainty.of(best), absolute=fits and uses_sd(best))

@@ -12,6 +12,7 @@ from springpot.identification.result import Identification
 from springpot.identification.value import Quantities
 from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
+from springpot.writing import USUAL
 
 from .answers import comparison_document, diagnosis_document, quantities_document
 from .fit_text import fit_document
@@ -19,9 +20,6 @@ from .invention import invention_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
 from .text import Passage, Prose, as_html, as_text
-
-USUAL = 120
-"""Columns of a window, where none is known."""
 
 
 @singledispatch

@@ -28,16 +28,10 @@ from springpot.rheology.points import KELVIN, Real
 from .damper import Damper
 from .frame import Frame
 
-MOST_DAMPERS = 1e6
-"""Dampers of one kind in a storey: more is a slip of the pen."""
-MOST_FACTOR = 100.0
-"""Beyond any property modification factor: those of codes lie between 0.5 and 2."""
 MOST_STOREYS = 300
 """The tallest buildings have half as many; the work grows with their cube."""
 HEAVIEST = 1e15
 """Of kg of a floor, or N/m of a storey: more than a mountain has."""
-STEEPEST = 89.9
-"""Degrees against the floor: an upright damper would feel no drift."""
 Fits = dict[tuple[Path, str], Known]
 FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
 DAMPER_KEYS = {
@@ -136,9 +130,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: Fits) -> Da
     whole = _known(entry, path, where, fits)
     known = whole.without(_without(entry, where))
     scale = _scale(entry, known, where)
-    cosine = float(
-        np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST)))
-    )
+    # Against the floor: an upright damper would feel no drift.
+    slope = _number(entry.get("slope", 0.0), f"{where}: slope", -90.0, 90.0)
     temperature = None
     if "temperature" in entry:
         temperature = _number(entry["temperature"], f"{where}: temperature", -KELVIN)
@@ -157,13 +150,13 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: Fits) -> Da
         known.model,
         known.theta,
         _count(entry.get("storey", 1), f"{where}: storey", MOST_STOREYS),
-        _number(entry.get("count", 1), f"{where}: count", 0.0, MOST_DAMPERS),
+        _number(entry.get("count", 1), f"{where}: count", 0.0),
         covariance,
         temperature,
         known.reference,
         known.units,
         known.covered,
-        cosine,
+        float(np.cos(np.radians(slope))),
         _capacity(entry, where),
         scale,
         _factors(entry, where),
@@ -193,7 +186,7 @@ def _factors(entry: Mapping[str, Any], where: str) -> tuple[float, float]:
     given = entry.get("factors", [1.0, 1.0])
     if not isinstance(given, list) or len(given) != 2:
         raise DataError(f"{where}: factors are the least and the largest, [0.8, 1.2]")
-    least, most = (_number(each, f"{where}: factors", 0.0, MOST_FACTOR) for each in given)
+    least, most = (_number(each, f"{where}: factors", 0.0) for each in given)
     if least > most:
         raise DataError(f"{where}: factors are the least and the largest, [{most:g}, {least:g}]")
     return least, most

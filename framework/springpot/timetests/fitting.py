@@ -423,13 +423,17 @@ def _scanned(
 ) -> list[Real]:
     """Starts (p,) with the last effect where a scan of the model without it puts it.
 
-    A threshold has a minimum for each way to share the force between it and the rest, and a drift
-    that a material has taken for slow modes never comes back: natural sizes find any of them.
+    A threshold has a minimum for each way to share the force between it and the rest, a drift that
+    a material has taken for slow modes never comes back, and a mass that swings has a minimum for
+    each cycle that it misses: natural sizes find any of them.
     """
-    effects = [each.effect for each in sorted_out(model)[1]]
+    inside, beside, _ = sorted_out(model)
+    effects = [each.effect for each in beside]
     # Of the tests alone where no nonlinear force stands there; any material is sought with them.
     if not effects and not is_material(model):
         effects = list(model.of_tests)
+    if not effects and any(test.control == "force" for test in given):
+        effects = [each.effect for each in inside]
     if not effects:
         return []
     last = effects[-1]

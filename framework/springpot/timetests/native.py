@@ -133,6 +133,12 @@ class TimeSearch:
         self.sizes, self.middle = (size, amplitude), middle
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
         self.size = self.coordinates.size[0]
+        # What goes as a power of time has its natural size at any time of the tests.
+        scales = Scales.of(parts)
+        times = [
+            0 if isinstance(each.unit.time, str) else each.unit.time for each in model.parameters
+        ]
+        self.far = FAR + 0.5 * np.log(scales.longest / scales.shortest) * np.abs(times)
         self._weights = 0
         if is_material(model):
             self._weights = len(model.material.parameters)
@@ -186,17 +192,15 @@ class TimeSearch:
     def inside(self, u: Real) -> Real:
         """A start away from the ends, where nothing would tell the way back."""
         low, high = (bound[0] for bound in self.coordinates.bounds)
-        # Read off data, a parameter may have come out as nothing or as endless.
-        ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
+        # Read off data, a parameter may have come out as nothing or as endless: it begins anew at
+        # its natural size.
+        astray = self.coordinates.log & (np.abs(u) > self.far)
+        ordinary = np.where(astray, 0.0, u)
         width = np.where(np.isfinite(high - low), high - low, 0.0)
         linear = ~self.coordinates.log & (width > 0.0)
         return np.where(
             linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary
         )
-
-    def centred(self, u: Real) -> Real:
-        """A start whose parameters that went astray begin anew at their natural size."""
-        return self.inside(np.where(self.coordinates.log & (np.abs(u) > FAR), 0.0, u))
 
     def theta(self, u: Real) -> Real:
         """Parameters (p,) at u (p,), within their bounds."""

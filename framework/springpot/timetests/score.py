@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from itertools import product
+from itertools import pairwise, product
 from math import prod
 
 import numpy as np
@@ -46,7 +46,7 @@ GIVING = (0.3, 1.0, 3.0, 10.0)
 K saturates there, which no
 small step foretells."""
 RESONANCES = 12
-"""Sizes at which an effect that makes the specimen swing is tried."""
+"""Bands of frequency in each of which an effect that makes the specimen swing is tried."""
 
 
 class TimeScan:
@@ -214,9 +214,12 @@ class TimeScan:
         self, effect: Effect, places: Sequence[tuple[float, ...]], view: View
     ) -> list[Atom]:
         """An effect at the sizes at which it balances the rest of what swings in a test."""
-        # It rings at the frequency at which it balances the rest: the record may show any that it
-        # resolves.
-        omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
+        # It rings at the frequency at which it balances the rest, and a ring of many cycles is met
+        # only near its own.
+        edges = np.geomspace(
+            1.0 / self.scales.longest, np.pi / self.scales.shortest, RESONANCES + 1
+        )
+        omega = loudest(view.residual, view.t, edges)
         at = points_at(omega, view.kelvin, self.base.reference)
         stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
@@ -345,6 +348,34 @@ def _different(promises: list[Promise]) -> list[Promise]:
         if all(abs(float(promise.direction @ direction)) < PARALLEL for direction in alike):
             kept.append(promise)
     return kept
+
+
+def loudest(residual: Real, t: Real, edges: Real) -> Real:
+    """Angular frequencies (b,) at which a residual (n,) has most power, in each of b bands.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        What is left of a record.
+    t : ndarray, shape (n,)
+        Times of its samples in s, evenly spaced or not.
+    edges : ndarray, shape (b + 1,)
+        Between which angular frequencies in rad/s the bands lie.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 100.0, 400)
+    >>> loudest(np.exp(-t / 50.0) * np.sin(3.1 * t), t, np.array([1.0, 2.0, 4.0]))[1].round(1)
+    np.float64(3.1)
+    """
+    found = []
+    for low, high in pairwise(edges.tolist()):
+        # Two to a line's width; n samples tell no more than n numbers.
+        count = min(int(2.0 * (high - low) * np.ptp(t) / np.pi) + 2, len(t))
+        omega = np.linspace(low, high, count)
+        power = np.abs(np.exp(-1j * np.multiply.outer(omega, t)) @ residual)
+        found.append(omega[np.argmax(power)])
+    return np.array(found)
 
 
 class _Change:

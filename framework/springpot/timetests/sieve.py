@@ -159,7 +159,7 @@ def nearly_fitted(
         # nothing ends there.
         search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
-        begun = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        begun = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
         try:
             u, _ = search.near(asked.quick, begun)
             # Not of the exponentials: by the part in a thousand that they are off, the right effect

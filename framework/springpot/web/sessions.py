@@ -230,13 +230,6 @@ LONGEST_NAME = 200
 
 The longest installed model with six effects has 120.
 """
-MOST_EFFECTS = 12
-"""Twice what `discover --auto` accepts: each one doubles nothing but costs a diagnosis."""
-MOST_ROWS = 1_000_000
-"""Rows that may be left out: more than any file within the limit of an upload holds."""
-LARGEST_SEED = 2**32
-MOST_HELD = 100
-"""Parameters that may be held: more than any model has."""
 
 
 @dataclass(frozen=True)
@@ -281,16 +274,14 @@ class State:
         Raises
         ------
         DataError
-            If something of it is missing, of the wrong kind or too large.
+            If something of it is missing or of the wrong kind.
         """
         try:
             state = cls(
                 _text(given["data"]),
                 _text(given.get("model", "")),
-                tuple(_text(name) for name in _listed(given.get("accepted", ()), MOST_EFFECTS)),
-                tuple(
-                    sorted({_number(row) for row in _listed(given.get("excluded", ()), MOST_ROWS)})
-                ),
+                tuple(_text(name) for name in _listed(given.get("accepted", ()))),
+                tuple(sorted({_number(row) for row in _listed(given.get("excluded", ()))})),
                 _number(given.get("seed", 0)),
                 _held(given.get("fixed", {})),
                 _text(given.get("options", "")),
@@ -346,41 +337,33 @@ def _text(value: object) -> str:
 
 def _number(value: object) -> int:
     # True is an int to Python.
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < LARGEST_SEED:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
         raise ValueError(f"{str(value)[:40]!r} is no whole number from 0 on")
     return value
 
 
 def _held(value: object) -> tuple[tuple[str, float], ...]:
-    if not isinstance(value, dict) or len(value) > MOST_HELD:
-        raise ValueError(f"what is held is at most {MOST_HELD} names with their values")
+    if not isinstance(value, dict):
+        raise ValueError("what is held are names with their values")
     for number in value.values():
         if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
             raise ValueError(f"{str(number)[:40]!r} is no number")
     return tuple(sorted((_text(name), float(number)) for name, number in value.items()))
 
 
-def _listed(value: object, most: int) -> list[object]:
-    if not isinstance(value, list | tuple) or len(value) > most:
-        raise ValueError(f"a list of at most {most} is wanted")
+def _listed(value: object) -> list[object]:
+    if not isinstance(value, list | tuple):
+        raise ValueError("a list is wanted")
     return list(value)
 
 
 SCHEMA = "springpot.session/1"
-MOST_BRANCHES, MOST_STATES = 12, 200
-"""Branches of a session, and states that undo can go back through."""
-HEAD = 400
-"""Bytes by which a file is known: the schema stands first."""
-LONGEST_KEY, LONGEST_VALUE = 40, 80
-"""Signs of the name and of the value of a setting that are kept: a strange file may hold any."""
-MOST_VIEW = 40
-"""Settings of the page: which view, which planes."""
 
 
 def is_session(content: bytes) -> bool:
-    """Whether a file looks like one, by its first bytes."""
+    """Whether a file looks like one."""
     # Not by its name, which a browser or a mail program may have changed.
-    return content[:HEAD].lstrip()[:1] == b"{" and SCHEMA.encode() in content[:HEAD]
+    return content.lstrip()[:1] == b"{" and SCHEMA.encode() in content
 
 
 def session_of(content: bytes) -> dict[str, Any]:
@@ -401,7 +384,7 @@ def session_of(content: bytes) -> dict[str, Any]:
             raise ValueError("its data are no text")
         # What the file says of it is not believed: states go by the data that are really there.
         digest = digest_of(text)
-        branches = [_branch(branch, digest) for branch in list(given["branches"])[:MOST_BRANCHES]]
+        branches = [_branch(branch, digest) for branch in list(given["branches"])]
         if not branches:
             raise ValueError("it has no branch")
         # Which branch lay open may be any number in a strange file: it is kept within those that
@@ -435,8 +418,7 @@ def session_of(content: bytes) -> dict[str, Any]:
 
 def _branch(branch: Mapping[str, Any], digest: str) -> dict[str, Any]:
     states = [
-        replace(State.of({**state, "data": digest}), data=digest)
-        for state in branch["states"][:MOST_STATES]
+        replace(State.of({**state, "data": digest}), data=digest) for state in branch["states"]
     ]
     if not states:
         raise ValueError("a branch has no state")
@@ -450,10 +432,5 @@ def _branch(branch: Mapping[str, Any], digest: str) -> dict[str, Any]:
 
 def _view(view: Mapping[str, Any]) -> dict[str, Any]:
     """Words, numbers and switches only."""
-    # The page sets what it knows and passes over the rest; neither may be of any size.
-    few = list(view.items())[:MOST_VIEW]
-    return {
-        str(key)[:LONGEST_KEY]: value
-        for key, value in few
-        if isinstance(value, str | int | float) and len(str(value)) < LONGEST_VALUE
-    }
+    # The page sets what it knows and passes over the rest.
+    return {str(key): value for key, value in view.items() if isinstance(value, str | int | float)}
