@@ -332,8 +332,10 @@ def test_exponentials_follow_a_material_and_the_force_of_what_is_beside_it(contr
     assert amounts[1] == pytest.approx(beside[0], abs=0.01)
 
 
-@pytest.mark.parametrize(("stiffness", "limits"), [(1e9, {"elasto-sliding"}), (90.0, set())])
-def test_a_slider_without_give_is_friction_by_another_name(stiffness, limits):
+@pytest.mark.parametrize(
+    ("stiffness", "named"), [(1e9, ["friction"]), (90.0, ["friction", "elasto-sliding"])]
+)
+def test_a_slider_without_give_is_friction_by_another_name(stiffness, named):
     time = np.linspace(0.0, 3.0, 80)
     test = TimeTest.of_history(time, np.sin(6.0 * time), 30.0 * np.cos(6.0 * time), "mm", "N")
     model = springpot.parse_model("kelvin + elasto-sliding")
@@ -342,9 +344,9 @@ def test_a_slider_without_give_is_friction_by_another_name(stiffness, limits):
         effect=plugins().effect("elasto-sliding"),
         model=model,
         theta=model.vector(own),
-        helps=True,
         left=SimpleNamespace(count=4),
     )
-    dry = SimpleNamespace(helps=True, left=SimpleNamespace(count=3))
-    assert verdict._limits([dry, slider], parts_of_specimen([test]), 293.15) == limits
-    assert verdict._limits([slider], parts_of_specimen([test]), 293.15) == set()
+    dry = SimpleNamespace(effect=plugins().effect("friction"), left=SimpleNamespace(count=3))
+    both, parts = ["friction", "elasto-sliding"], parts_of_specimen([test])
+    assert trying.without_limits(both, [dry, slider], parts, 293.15) == named
+    assert trying.without_limits(both, [slider, dry], parts, 293.15) == both

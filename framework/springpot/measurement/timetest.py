@@ -390,11 +390,12 @@ class TimeTest:
 
     def subset(self, rows: NDArray[np.bool_]) -> TimeTest:
         """The same test with some of its samples, under all that was imposed."""
-        warmth = self.warmth
-        if warmth is not None:
-            warmth = warmth[rows]
+        warmth = None if self.warmth is None else self.warmth[rows]
         _require_samples(int(np.count_nonzero(rows)), self.name)
-        return replace(self, time=self.time[rows], response=self.response[rows], warmth=warmth)
+        place = np.cumsum(rows) - 1
+        aside = {int(place[row]): off for row, off in self.aside.items() if rows[row]}
+        time, response = self.time[rows], self.response[rows]
+        return replace(self, time=time, response=response, warmth=warmth, aside=aside)
 
     @property
     def answered(self) -> str:
@@ -440,9 +441,7 @@ class TimeTest:
     @property
     def kelvin(self) -> float | None:
         """The temperature in kelvin."""
-        if self.temperature is None:
-            return None
-        return self.temperature + KELVIN
+        return None if self.temperature is None else self.temperature + KELVIN
 
     @cached_property
     def duration(self) -> float:

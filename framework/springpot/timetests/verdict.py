@@ -42,7 +42,15 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import TWINS, AskedTests, Left, Promise, Tried, told_apart
+from .left import (
+    TWINS,
+    AskedTests,
+    Left,
+    Promise,
+    Tried,
+    explains_as_well,
+    without_limits,
+)
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 
@@ -216,12 +224,10 @@ def answer_of(
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
     verdict = rule_for(facts_of(before.beside(noise), tried, slipped)).verdict
-    if verdict == "adequate":
-        noise = before.all_noise
+    noise = before.all_noise if verdict == "adequate" else noise
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(_beside_narrow(weights, tried), verdict, best.chance)
-    limits = _limits(tried, parts, base.reference)
-    alike = [name for name in _class(tried, promises, noise) if name not in limits]
+    alike = without_limits(_class(tried, promises, noise), tried, parts, base.reference)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
     candidates = _candidates(tried, chances, alike, after, verdict)
@@ -414,50 +420,10 @@ def _class(
     best = max(tried, key=lambda each: each.delta)
     # Two roads to a class: effects that fit as well, and such that add the same shape but were
     # never fitted.
-    alike = [each for each in tried if each is tried[0] or _as_well(each, best, noise)]
+    alike = [each for each in tried if each is tried[0] or explains_as_well(each, best, noise)]
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
-
-
-def _limits(tried: Sequence[Tried], parts: Sequence[TestPart], reference: float) -> set[str]:
-    """Effects that have become a simpler one, as for sweeps: the first one by another name.
-
-    One of their parameters is at its end or without influence, as the stiffness of a slider that is
-    friction alone. Never the first, nor one with no more parameters than it.
-    """
-    found = set()
-    for each in tried[1:]:
-        if not each.helps or each.left.count <= tried[0].left.count:
-            continue
-        theta, parameters = each.theta, each.model.parameters
-        at_end = np.array([theta[i] in (o.lower, o.upper) for i, o in enumerate(parameters)])
-        slopes = [part.residual(each.model, theta, reference).by_theta for part in parts]
-        # By natural units of each: of a logarithm, or of the scale itself.
-        unit = [theta[i] if one.scale == "log" else 1.0 for i, one in enumerate(parameters)]
-        influence = np.linalg.norm(np.concatenate(slopes) * unit, axis=0)
-        lost = at_end | (influence < EVIDENCE.least_influence)
-        if any(each.effect.own_of(dict(zip(each.model.names, lost, strict=True))).values()):
-            found.add(each.effect.name)
-    return found
-
-
-def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
-    """Whether an effect explains the tests as well as the best one.
-
-    More parameters do not exclude one that helps beyond doubt, nor does a lead that is no more than
-    its own scatter where both leave noise alone.
-    """
-    if best.delta - each.delta <= EVIDENCE.rivals:
-        return True
-    if not each.helps:
-        return False
-    worse = each.left.squares(noise) - best.left.squares(noise)
-    if worse <= EVIDENCE.rivals:
-        return True
-    if any(one.left.beside(noise).misfit for one in (best, each)):
-        return False
-    return not told_apart(zip(best.left.whitened(noise), each.left.whitened(noise), strict=True))
 
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
