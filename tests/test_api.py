@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot import api
+from springpot import api, timetests
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.errors import SpringpotError
 from springpot.measurement import PROMISED, TimeTest
@@ -163,10 +163,10 @@ def test_another_test_of_any_kind_is_predicted_from_a_fit(tmp_path):
 def test_of_tests_in_time_named_models_are_compared_and_all_that_are_installed_ranked(monkeypatch):
     compared, ranked = [], []
     monkeypatch.setattr(
-        api, "compare_in_time", lambda tests, models, progress: compared.append(models)
+        timetests, "compare", lambda tests, models, progress: compared.append(models)
     )
     monkeypatch.setattr(
-        api, "rank_in_time", lambda tests, models, library, progress: ranked.append(models)
+        timetests, "rank", lambda tests, models, library, progress: ranked.append(models)
     )
     relaxation = TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.0], "MPa")
     springpot.compare(relaxation, [MODEL])

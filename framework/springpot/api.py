@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+import springpot.invention as invention
+import springpot.superposition as superposition
+import springpot.timetests as timetests
 from springpot.comparison.comparing import compare as compare_objects
 from springpot.comparison.ranking import rank
 from springpot.comparison.result import Comparison
@@ -34,8 +37,6 @@ from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.searching import searched
 from springpot.identification.space import require_conditions
-from springpot.invention.inventing import invent as invent_objects
-from springpot.invention.result import Invention
 from springpot.measurement.conversion import joined
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import PROMISED, Test, sweep_of
@@ -45,18 +46,13 @@ from springpot.misfit.material import any_material
 from springpot.registry import effect_of, open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.superposition.curve import MasterCurve, mastercurve as mastercurve_of
-from springpot.superposition.laws import level_of
-from springpot.timetests.comparing import compare as compare_in_time, standing_of
-from springpot.timetests.diagnosis import diagnose as diagnose_in_time
-from springpot.timetests.discovery import discover as discover_in_time
-from springpot.timetests.fitting import identify as identify_in_time
-from springpot.timetests.prediction import predict_test
-from springpot.timetests.ranking import rank as rank_in_time
-from springpot.timetests.residuals_of_tests import units_of
-from springpot.timetests.where import TestPrediction
 
 from .thresholds import INTERVAL, INTERVALS
+
+if TYPE_CHECKING:
+    from springpot.invention.result import Invention
+    from springpot.superposition.curve import MasterCurve
+    from springpot.timetests.where import TestPrediction
 
 Data: TypeAlias = Test | str | Path | Sequence[Test | str | Path]
 """What users give: a test, its file or name, or several of one specimen."""
@@ -183,7 +179,7 @@ def identify(
         raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
-    units = units_of(tests)
+    units = timetests.units_of(tests)
     held = constrained(_model(model), units, fix, bounds, tie)
     judged, tests = owning(held, tests, own, share, specimen)
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
@@ -193,7 +189,7 @@ def identify(
     if data is None:
         if robust is not None:
             raise OptionError("a robust fit is one of sweeps: leave robust out beside time")
-        fit = identify_in_time(tests, judged, **search)
+        fit = timetests.identify(tests, judged, **search)
     else:
         search["robust"] = robust
         parts = [_model(part) for part in simpler]
@@ -202,7 +198,7 @@ def identify(
         fit = _calibrated(fit, tests, search["objective"], promised)
     # Floors are judged by a room above identification, which must not know it: so its judge is
     # handed down.
-    return replace(fit, judge=standing_of)
+    return replace(fit, judge=timetests.standing_of)
 
 
 def _calibrated(
@@ -213,7 +209,7 @@ def _calibrated(
     def again(moved: Sequence[Test]) -> Mapping[str, float]:
         data, seeds = sweep_of(moved), [fit.theta]
         if data is None:
-            found: Identification | Fit = identify_in_time(
+            found: Identification | Fit = timetests.identify(
                 moved, fit.model, objective=objective, seeds=seeds, thorough=False, near=True
             )
         else:
@@ -290,14 +286,14 @@ def diagnose(
     'inertia'
     """
     tests = excluded(_tests(measurement), exclude)
-    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    held = constrained(_judged(model), timetests.units_of(tests), fix, bounds, tie)
     judged, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     if data is None:
         progress(f"judging {judged.name}")
         known = library(effects, only, without)
-        return diagnose_in_time(tests, judged, known, accuracy=promised)
+        return timetests.diagnose(tests, judged, known, accuracy=promised)
     rng = np.random.default_rng(seed)
     known = library(effects, only, without, data)
     return diagnose_objects(data, judged, known, rng, progress, promised)
@@ -372,7 +368,7 @@ def discover(
     ['24.1%', '4.4%']
     """
     tests = excluded(_tests(measurement), exclude)
-    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    held = constrained(_judged(model), timetests.units_of(tests), fix, bounds, tie)
     begin, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
@@ -383,7 +379,7 @@ def discover(
         asked = enumerate(_listed(accept), 1)
         wanted = [_met(_effect(effect, known, number), data) for number, effect in asked]
     if data is None:
-        return discover_in_time(
+        return timetests.discover(
             tests, begin, known, wanted, progress, reached, promised, begun, fitted
         )
     grown = begin
@@ -448,14 +444,14 @@ def invent(
     'none'
     """
     tests = excluded(_tests(measurement), exclude)
-    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    held = constrained(_judged(model), timetests.units_of(tests), fix, bounds, tie)
     judged, tests = owning(held, tests, own, share, specimen)
     data = sweep_of(tests)
     if data is None:
         raise DataError("a law is sought in sweeps: tests in time are read by diagnose")
     rng = np.random.default_rng(seed)
     columns = None if along is None else _listed(along)
-    return invent_objects(data, judged, library(data=data), rng, columns, progress)
+    return invention.invent(data, judged, library(data=data), rng, columns, progress)
 
 
 def _promised(accuracy: Accuracy | str | None, tests: Sequence[Test]) -> Accuracy | None:
@@ -518,10 +514,10 @@ def compare(
     if judged is None:
         installed = list(plugins().items("model"))
         if data is None:
-            return rank_in_time(tests, installed, library(), progress)
+            return timetests.rank(tests, installed, library(), progress)
         return rank(data, installed, library(), rng, progress)
     if data is None:
-        return compare_in_time(tests, judged, progress)
+        return timetests.compare(tests, judged, progress)
     return compare_objects(data, judged, rng, progress)
 
 
@@ -559,7 +555,7 @@ def predict(
     asked = _tests(test)
     if len(asked) > 1:
         raise DataError(f"{len(asked)} tests: predict one at a time")
-    return predict_test(fit, asked[0], level)
+    return timetests.predict_test(fit, asked[0], level)
 
 
 def mastercurve(
@@ -603,7 +599,7 @@ def mastercurve(
     """
     # Words first: a mistyped one is told before a large file is read.
     if isinstance(reference, str):
-        reference = level_of(reference, column)
+        reference = superposition.level_of(reference, column)
     how = _objective(objective)
     tests = _tests(measurement)
     sweep = sweep_of(tests)
@@ -614,7 +610,7 @@ def mastercurve(
         raise DataError(
             "a master curve is made of sweeps or of tests in time, not of several kinds together"
         )
-    return mastercurve_of(
+    return superposition.mastercurve(
         data, column=column, reference=reference, vertical=vertical, objective=how
     )
 

@@ -8,8 +8,8 @@ are measured by ``studies/hidden_effect.py`` on data from which nothing is missi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log, pi, sqrt
+from typing import NamedTuple
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
 """Ways in which intervals of parameters are worked out, the usual first.
@@ -21,8 +21,7 @@ INTERVAL = 0.95
 """Probability of an interval unless another is asked for (JCGM 100:2008, 6.3.3 and annex G)."""
 
 
-@dataclass(frozen=True)
-class SignalLevels:
+class SignalLevels(NamedTuple):
     """What is made of recorded signals."""
 
     motion: float = 0.999
@@ -44,8 +43,7 @@ class SignalLevels:
 SIGNALS = SignalLevels()
 
 
-@dataclass(frozen=True)
-class VariedLevels:
+class VariedLevels(NamedTuple):
     """What was set, what was held, and what only wandered."""
 
     amplitude_wanders: float = 0.1
@@ -85,8 +83,7 @@ class VariedLevels:
 VARIED = VariedLevels()
 
 
-@dataclass(frozen=True)
-class ScatterLevels:
+class ScatterLevels(NamedTuple):
     """How large the noise is.
 
     As given, as repeats tell, or as estimated from the scatter about a fit.
@@ -118,8 +115,7 @@ class ScatterLevels:
 SCATTER = ScatterLevels()
 
 
-@dataclass(frozen=True)
-class SearchLevels:
+class SearchLevels(NamedTuple):
     """Which grown models are fitted."""
 
     singles: int = 12
@@ -174,8 +170,7 @@ class SearchLevels:
 SEARCH = SearchLevels()
 
 
-@dataclass(frozen=True)
-class EvidenceLevels:
+class EvidenceLevels(NamedTuple):
     """What a model's parameters cost, and prior odds."""
 
     credible: float = 0.93
@@ -258,8 +253,7 @@ class EvidenceLevels:
 EVIDENCE = EvidenceLevels()
 
 
-@dataclass(frozen=True)
-class VerdictLevels:
+class VerdictLevels(NamedTuple):
     """From evidence to a word."""
 
     arithmetic: float = 2e-5
@@ -408,8 +402,7 @@ class VerdictLevels:
 VERDICT = VerdictLevels()
 
 
-@dataclass(frozen=True)
-class OutliersLevels:
+class OutliersLevels(NamedTuple):
     """Single points that stand out."""
 
     rare: float = 0.0001
@@ -439,8 +432,7 @@ class OutliersLevels:
 OUTLIERS = OutliersLevels()
 
 
-@dataclass(frozen=True)
-class WhereLevels:
+class WhereLevels(NamedTuple):
     """Places at which a model fails."""
 
     alarm: float = 0.003
@@ -462,8 +454,7 @@ class WhereLevels:
 WHERE = WhereLevels()
 
 
-@dataclass(frozen=True)
-class SuperpositionLevels:
+class SuperpositionLevels(NamedTuple):
     """Whether sweeps at several temperatures are one curve."""
 
     nearly: float = 1.5
@@ -530,8 +521,7 @@ class SuperpositionLevels:
 SUPERPOSITION = SuperpositionLevels()
 
 
-@dataclass(frozen=True)
-class ExperimentLevels:
+class ExperimentLevels(NamedTuple):
     """What could be measured next."""
 
     telling: float = 2.0
@@ -548,8 +538,7 @@ class ExperimentLevels:
 EXPERIMENT = ExperimentLevels()
 
 
-@dataclass(frozen=True)
-class RepeatsLevels:
+class RepeatsLevels(NamedTuple):
     """What repeats and replicates tell."""
 
     enough: float = 8.0
@@ -569,8 +558,7 @@ class RepeatsLevels:
 REPEATS = RepeatsLevels()
 
 
-@dataclass(frozen=True)
-class ComparisonLevels:
+class ComparisonLevels(NamedTuple):
     """Which of many models are as good as any material, and which are one curve."""
 
     chance: float = 0.001
@@ -591,8 +579,7 @@ class ComparisonLevels:
 COMPARISON = ComparisonLevels()
 
 
-@dataclass(frozen=True)
-class CourseLevels:
+class CourseLevels(NamedTuple):
     """When a specimen is held to change with time."""
 
     fewest_times: int = 6
@@ -619,8 +606,7 @@ class CourseLevels:
 COURSE = CourseLevels()
 
 
-@dataclass(frozen=True)
-class InventionLevels:
+class InventionLevels(NamedTuple):
     """When a law is called found, and what it costs to write it."""
 
     refined: int = 24

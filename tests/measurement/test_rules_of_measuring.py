@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -258,12 +257,12 @@ def test_runs_differ_by_an_analysis_of_variance(monkeypatch):
     chance = float(f.sf(by_gain, spent, free))
     assert float(f.sf(by_slope, spent, free)) > 0.1 > chance
     for share, differ in ((1.001, True), (0.999, False)):
-        levels = replace(replicates.OUTLIERS, rare=share * chance)
+        levels = replicates.OUTLIERS._replace(rare=share * chance)
         monkeypatch.setattr(replicates, "OUTLIERS", levels)
         found = average_repeats(data)
         assert (found.gains is not None) is differ
     # Each row pays its share of what the gains have taken.
-    monkeypatch.setattr(replicates, "OUTLIERS", replace(levels, rare=1.001 * chance))
+    monkeypatch.setattr(replicates, "OUTLIERS", levels._replace(rare=1.001 * chance))
     found = average_repeats(data)
     np.testing.assert_allclose(found.scatter.dof, 2.0 * (1.0 - (runs - 1) / 16.0))
     np.testing.assert_allclose(found.mean.stiffness, exact, rtol=0.02)

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from springpot import Measurement
-from springpot.misfit.floor import fitted_to_floor
+from springpot.measurement.replicates import average_repeats
+from springpot.measurement.scatter import Noise
+from springpot.misfit.floor import as_given, fitted_to_floor
+from springpot.misfit.refit import refit
 from springpot.misfit.residual_tests import battery
 from springpot.registry import parse_model
 
@@ -91,3 +94,11 @@ def test_noise_with_a_memory_excuses_no_misfit():
 def test_slow_curves_of_short_sweeps_hide_no_memory():
     """They follow most of what goes on from point to point: that is the other of two stories."""
     assert _swept(0.7, seed=1).noise.memory == pytest.approx(0.6, abs=0.2)
+
+
+def test_noise_that_was_doubted_keeps_its_memory_as_it_was_given():
+    omega = np.geomspace(0.1, 10.0, 12)
+    data = Measurement(omega, 5.0 + 2.0j * omega, sd=np.full(12, 0.1 + 0.1j))
+    averaged = average_repeats(data)
+    noise = Noise(averaged.mean.sd, 20.0, "estimated", memory=0.5)
+    assert as_given(refit(parse_model("kelvin"), averaged, noise, starts=2)).noise.memory == 0.5

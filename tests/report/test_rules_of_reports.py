@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.identification.value import LOST
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import fit_text, html, invention, ladder_text, sweeps
@@ -102,8 +103,8 @@ def test_a_floor_about_a_model_that_is_not_good_enough_may_be_too_high(good, sou
 
 @pytest.mark.parametrize("ratio", [0.999, 1.001])
 def test_a_parameter_that_moved_far_is_told_in_words(ratio):
-    assert ladder_text._in_numbers(ladder_text.FAR * ratio) is (ratio < 1.0)
-    assert ladder_text._in_numbers(ratio / ladder_text.FAR) is (ratio > 1.0)
+    assert ladder_text._in_numbers(LOST * ratio) is (ratio < 1.0)
+    assert ladder_text._in_numbers(ratio / LOST) is (ratio > 1.0)
 
 
 def test_as_many_sweeps_as_are_shown_leave_none():

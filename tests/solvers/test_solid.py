@@ -71,4 +71,3 @@ def test_poisson_ratio_rises_towards_rest_where_the_bulk_modulus_is_constant():
     assert solid.poisson_beside(solid.shear.instantaneous) == pytest.approx(0.3)
     at_rest = solid.poisson_beside(solid.shear.equilibrium)
     assert 0.499 < at_rest < 0.5
-    assert solid.young_at_rest == pytest.approx(2.0 * (1.0 + at_rest) * solid.shear.equilibrium)

@@ -74,7 +74,7 @@ def test_solid_of_a_modulus(measured, stays):
             found[f"{poisson} {bulk}"] = [solid]
             if not isinstance(solid, str):
                 at_rest = solid.poisson_beside(solid.shear.equilibrium)
-                words = [solid.young, solid.young_at_rest, at_rest, solid.says]
+                words = [solid.young, at_rest, solid.says]
                 found[f"{poisson} {bulk}"] += [*words, answer(partial(young_of, solid))]
     stays(found)
 

@@ -10,8 +10,9 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
+from springpot.rheology.grammar import LONGEST
 from springpot.web import launch, leaving, tasks, trying, understanding, watching
-from springpot.web.sessions import LONGEST_NAME, State
+from springpot.web.sessions import State
 from springpot.web.specimen import Specimen
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
@@ -137,9 +138,9 @@ def test_a_number_of_a_page_is_finite_and_no_word(value, number):
 
 
 @pytest.mark.parametrize("more", [0, 1])
-def test_a_law_may_be_as_long_as_a_name(more):
+def test_a_law_may_be_as_long_as_a_formula(more):
     state, text = State("x", "kelvin"), "my-law = parallel: -m*omega^2"
-    text = text.replace("=", "=" + " " * (LONGEST_NAME + more - len(text)))
+    text = text.replace("=", "=" + " " * (LONGEST + more - len(text)))
     if more:
         with pytest.raises(DataError, match="at most"):
             trying.with_law(state, text)

@@ -259,8 +259,8 @@ DIGEST = "0" * 64
     ("more", "says"),
     [
         ({}, ""),
-        ({"model": "x" * 200}, ""),
-        ({"model": "x" * 201}, "is no name"),
+        ({"model": "x" * 1000}, ""),
+        ({"model": "x" * 1001}, "is no name"),
         ({"model": 3}, "is no name"),
         ({"accepted": "ab"}, "a list is wanted"),
         ({"excluded": [3, 1, 3]}, ""),

@@ -32,6 +32,8 @@ FLAT = 1e-13
 REACH = 3.0
 """Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm.
 """
+AGREE = 3
+"""Starts that must end in the same optimum for it to be believed."""
 
 WHOLE = Whole()
 
@@ -114,7 +116,6 @@ class _Rules:
     upper: Real
     floors: Real
     team: Rows | None
-    confirm: int
     flat: float
     alike: float
     equations: Equations
@@ -127,7 +128,6 @@ class _Rules:
         upper: Real,
         floor: Real | float,
         team: Rows | None,
-        confirm: int,
         flat: float,
         alike: float,
         equations: Equations,
@@ -135,7 +135,7 @@ class _Rules:
         """The rules with one box and one floor for each row of `u0`."""
         floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
         boxes = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
-        return cls(*boxes, floors, team, confirm, flat, alike, equations)
+        return cls(*boxes, floors, team, flat, alike, equations)
 
     def of_rows(self, rows: Rows) -> _Rules:
         """Those of the rows still at work."""
@@ -152,7 +152,6 @@ def levenberg_marquardt(
     *,
     floor: Real | float = 0.0,
     team: Rows | None = None,
-    confirm: int = 3,
     iterations: int = 100,
     damping: float = START_DAMPING,
     flat: float = FLAT,
@@ -174,9 +173,7 @@ def levenberg_marquardt(
         Objective at which nothing but rounding is left.
     team : ndarray of int, shape (R,), optional
         Rows that are starts of one problem: they stop together once one reaches its floor, or once
-        `confirm` of them have converged to the best objective seen.
-    confirm : int
-        How many rows of a team must agree.
+        `AGREE` of them have converged to the best objective seen.
     iterations : int
         Steps at most.
     damping : float
@@ -213,7 +210,7 @@ def levenberg_marquardt(
     array([[1.414214],
            [1.414214]])
     """
-    rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat, alike, equations)
+    rules = _Rules.of(u0, lower, upper, floor, team, flat, alike, equations)
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted
     # for it.
     with np.errstate(all="ignore"):
@@ -341,7 +338,7 @@ def _done_teams(
     agree = converged & (cost <= best[team] * (1.0 + rules.alike))
     votes = np.bincount(team, weights=agree, minlength=teams)
     reached = np.bincount(team, weights=converged & (cost <= rules.floors), minlength=teams)
-    settled: NDArray[np.bool_] = (votes >= rules.confirm) | (reached > 0)
+    settled: NDArray[np.bool_] = (votes >= AGREE) | (reached > 0)
     return settled
 
 

@@ -306,7 +306,7 @@ def _neighbours(combinations: NDArray[np.int64]) -> Iterator[tuple[int, int, int
 SETTINGS = 6
 """Settings that are tried of each parameter of an effect for each start."""
 STARTS = 8
-"""Starts for which settings are tried at most, and where nothing else is known."""
+"""Starts of a native fit, for each restart; of a material, those for which settings are tried."""
 MOST_SETTINGS = 192
 """Settings that are tried at most, however many effects there are: each costs a convex problem."""
 KEPT = 2

@@ -22,7 +22,7 @@ from springpot.rheology.points import Real
 from springpot.writing import counted
 
 from .fitted import Fit, task_of
-from .leastsquares import FLAT, Solution, levenberg_marquardt
+from .leastsquares import AGREE, FLAT, Solution, levenberg_marquardt
 from .material import QUICK, STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .problem import Objective, Problem, default_objective, weighted
@@ -38,8 +38,6 @@ LAST = 20
 STOPS = 10.0
 """Ends within so many times what is not worth a step are one end: each may stop that far above it.
 """
-AGREE = 3
-"""Starts that must end in the same optimum for it to be believed."""
 JITTERS = 32
 """Places to which a scan can be moved: few, so that scans on one grid are made once."""
 CONFIRMED = 2

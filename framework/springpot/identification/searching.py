@@ -19,6 +19,7 @@ from .fitted import Fit
 from .free_factors import superposed_fit
 from .levels_alone import usual_objective
 from .material import is_material, shifted_by
+from .material_fit import STARTS as STARTS
 from .native import fit
 from .problem import Objective, Searched
 from .runs import Optimiser, Run, contradiction, run
@@ -118,8 +119,6 @@ def _told(optimiser: Optimiser, problem: Searched, told: dict[str, Any]) -> Run:
 NATIVE = "native"
 BUDGET = 8000
 """Evaluations of a restart: 20 particles and 400 time instances, as in section 5.1 of the paper."""
-STARTS = 8
-"""Starts of a native fit, for each restart."""
 MORE_STARTS = 32
 """Starts of a fit that has not been confirmed, or that a simpler model beats."""
 

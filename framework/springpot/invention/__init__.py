@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from .inventing import invent as invent
     from .result import Invention as Invention
 
 __getattr__, __dir__ = offered(
     __name__,
     {
+        "inventing": "invent",
         "result": "Invention",
     },
 )

@@ -100,14 +100,6 @@ class Geometry(ABC):
         """K / G in m, or in m^3 per radian where it turns."""
         return self.strain_factor / self.stress_factor
 
-    def stress_and_strain(self, force: Real, displacement: Real) -> tuple[Real, Real]:
-        """Stress in Pa and strain, from N and m, or from torque in N m and angle in rad."""
-        return force * self.stress_factor, displacement * self.strain_factor
-
-    def force_and_displacement(self, stress: Real, strain: Real) -> tuple[Real, Real]:
-        """The way back from `stress_and_strain`."""
-        return stress / self.stress_factor, strain / self.strain_factor
-
 
 @dataclass(frozen=True)
 class ShearPads(Geometry):

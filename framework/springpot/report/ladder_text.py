@@ -10,6 +10,7 @@ import numpy as np
 
 from springpot.comparison.result import Judgement, Ranking
 from springpot.diagnosis.ladder import Ladder, Step
+from springpot.identification.value import LOST
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import sweep_of
 from springpot.misfit.error import over_floor, plain
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-FAR = 1e3
-"""Factor beyond which a parameter's move is told in words."""
 MOVED = 1.1
 """Ratio of noise floors that are shown as two different numbers.
 
@@ -160,7 +159,7 @@ def changes_text(step: Step) -> str:
 
 def _in_numbers(ratio: float) -> bool:
     """Whether a parameter moved so little that a number tells it."""
-    return 1.0 / FAR <= ratio <= FAR
+    return 1.0 / LOST <= ratio <= LOST
 
 
 def moves_text(step: Step) -> str:
@@ -184,12 +183,12 @@ def change(ratio: float) -> str:
         return "changed sign"
     if ratio < NEGLIGIBLE:
         return "fell to nothing"
-    if ratio < 1.0 / FAR:
-        return f"fell more than {FAR:.0f}-fold"
+    if ratio < 1.0 / LOST:
+        return f"fell more than {LOST:.0f}-fold"
     if ratio > 1.0 / NEGLIGIBLE:
         return "rose beyond all bounds"
-    if ratio > FAR:
-        return f"rose more than {FAR:.0f}-fold"
+    if ratio > LOST:
+        return f"rose more than {LOST:.0f}-fold"
     # Beyond half and double per cent mislead: -90 % is a tenth, +90 % is not ten times.
     if not 0.5 < ratio < 2.0:
         return f"by a factor of {number(ratio, 3)}"

@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, TypeAlias
 from springpot.errors import OutputError
 from springpot.files import write_text, write_with
 from springpot.identification.value import Value
-from springpot.writing import guarded, number as digits
+from springpot.writing import DIGITS, guarded, number as digits
 
 from .text import halved
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e6
 """Sizes between which numbers stand without a power of ten."""
-WHOLE_FROM = 1e4
-"""From here on four digits would be a power of ten, which is harder to compare down a column."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,8 @@ def number(value: float) -> str:
     # Zero is neither large nor small: it has no power of ten.
     if value and not SMALLEST_PLAIN <= abs(value) < LARGEST_PLAIN:
         return f"{value:.3e}"
-    if abs(value) >= WHOLE_FROM:
+    # With four digits it would be a power of ten, which is harder to compare down a column.
+    if abs(value) >= 10.0**DIGITS:
         return f"{value:.0f}"
     return f"{value:.4g}"
 

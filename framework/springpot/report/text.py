@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from unicodedata import combining, east_asian_width
 
 from springpot.errors import below, plain, plain_json
-from springpot.identification.value import Value
+from springpot.identification.value import LOST, Value
 from springpot.plain_data import jsonable
 from springpot.writing import Html, at_place, exponent_of, joined, number, tag, wide_table
 
@@ -411,8 +411,6 @@ def as_html(document: Iterable[Passage]) -> Html:
 
 
 OPEN = "not determined"
-NOTHING = 1e-3
-"""Share of its upper end below which a parameter that may be zero is printed as zero."""
 
 
 def shown(value: Value) -> tuple[str, str]:
@@ -423,7 +421,7 @@ def shown(value: Value) -> tuple[str, str]:
     if value.fixed:
         return number(value.value), "fixed"
     # A value that is one thousandth of what it may be is not known to be anything.
-    if value.low == 0.0 and value.value < NOTHING * value.high < inf:
+    if value.low == 0.0 and LOST * value.value < value.high < inf:
         return "0", f"[0, {number(value.high, 2)}]"
     # Zero and what is below it have no decades to count, but an interval without an end says
     # nothing of them either.

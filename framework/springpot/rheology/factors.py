@@ -115,7 +115,7 @@ def _vogel(at: Points, b: Any, pole: Any) -> Any:
     )
 
 
-def vogel(b: str = "B", pole: str = "T0") -> Formula:
+def vogel() -> Formula:
     """Ln a_T = B / (T - T0) - B / (Tr - T0) (Vogel, Fulcher and Tammann).
 
     WLF with B = ln(10) C1 C2, T0 = Tr - C2.
@@ -132,8 +132,8 @@ def vogel(b: str = "B", pole: str = "T0") -> Formula:
     """
     kelvin = Dimension(label="K")
     free = (
-        Parameter(b, "B", kelvin, 0.0, 1e5, typical=1000.0),
-        Parameter(pole, "T₀", kelvin, 0.0, 2000.0, "linear", 150.0),
+        Parameter("B", "B", kelvin, 0.0, 1e5, typical=1000.0),
+        Parameter("T0", "T₀", kelvin, 0.0, 2000.0, "linear", 150.0),
     )
     return Formula(free, _vogel, NEEDS_TEMPERATURE, "vogel")
 

@@ -357,11 +357,6 @@ class Solid:
         """Young's modulus at once, E = 2 (1 + nu) G."""
         return 2.0 * (1.0 + self.poisson) * self.shear.instantaneous
 
-    @property
-    def young_at_rest(self) -> float:
-        """Young's modulus in the long term, from 1 / E = 1 / (3 G) + 1 / (9 K)."""
-        return 1.0 / (1.0 / (3.0 * self.shear.equilibrium) + 1.0 / (9.0 * self.bulk.equilibrium))
-
     def poisson_beside(self, shear: float) -> float:
         """Poisson's ratio where the shear modulus has this value: (3 K - 2 G) / (6 K + 2 G)."""
         if not self.constant:

@@ -31,7 +31,7 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import FULL
 from springpot.rheology.points import HALF_PI, KELVIN, ROOM, Complex, Points, Real
 
-from ..numerics import MOST_STEPS, NEGLIGIBLE, ROUNDING
+from ..numerics import HALVINGS, MOST_STEPS, NEGLIGIBLE, ROUNDING
 
 
 def _by_factors(model: Model, theta: Real) -> NDArray[np.bool_]:
@@ -290,11 +290,6 @@ CALM = 8
 
 Near rest a power of the speed may be steep.
 """
-SWEEPS = 200
-"""Over the dampers that stick.
-
-Those of neighbouring storeys feel each other by half, so that each sweep halves.
-"""
 
 
 class Beside:
@@ -424,7 +419,9 @@ def _at_rest_if_it_can(
         return low.copy()
     ends = list(zip(low.tolist(), high.tolist(), strict=True))
     now, matrix, speeds = force.tolist(), by_force.tolist(), free_speed.tolist()
-    for _ in range(SWEEPS):
+    # Dampers of neighbouring storeys that stick feel each other by half: each sweep halves what
+    # is left.
+    for _ in range(HALVINGS):
         change = 0.0
         for i, (row, (least, most)) in enumerate(zip(matrix, ends, strict=True)):
             others = speeds[i] + sum(a * b for a, b in zip(row, now, strict=True)) - row[i] * now[i]

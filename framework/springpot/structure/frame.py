@@ -349,8 +349,8 @@ def steady_of(frame: Frame, omega: Real) -> SteadyState:
     return SteadyState(frame, omega, steady_state(frame, omega))
 
 
-def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:
-    """Amplitudes of the floors relative to the ground, whose acceleration has that amplitude.
+def steady_state(frame: Frame, omega: Real) -> Complex:
+    """Amplitudes of the floors relative to the ground, accelerated by 1 m/s^2.
 
     Parameters
     ----------
@@ -358,8 +358,6 @@ def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Comple
         The frame.
     omega : ndarray, shape (w,)
         Angular frequencies in rad/s.
-    acceleration : float
-        In m/s^2.
 
     Returns
     -------
@@ -389,5 +387,5 @@ def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Comple
             " ever higher there: give it a damping, or another frequency"
         )
     # Seen from the ground each floor is pushed by its own inertia.
-    load = -frame.mass * acceleration * np.ones((len(value), 1))
+    load = -frame.mass * np.ones((len(value), 1))
     return np.asarray(np.linalg.solve(value, load[:, :, None])[:, :, 0])

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .curve import MasterCurve as MasterCurve
+    from .curve import MasterCurve as MasterCurve, mastercurve as mastercurve
     from .laws import level_of as level_of
 
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "curve": "MasterCurve",
+        "curve": "MasterCurve mastercurve",
         "laws": "level_of",
     },
 )

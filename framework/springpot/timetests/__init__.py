@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .comparing import compare as compare
+    from .comparing import compare as compare, standing_of as standing_of
     from .diagnosis import diagnose as diagnose, examine as examine
     from .discovery import discover as discover
     from .fitting import identify as identify
     from .prediction import predict_test as predict_test
+    from .ranking import rank as rank
     from .recording import predicted as predicted, recorded as recorded
-    from .residuals_of_tests import Test as Test
+    from .residuals_of_tests import Test as Test, units_of as units_of
     from .specimen import answered as answered, as_had_by as as_had_by
     from .where import TestPrediction as TestPrediction
 
@@ -22,11 +23,12 @@ __getattr__, __dir__ = offered(
     {
         "diagnosis": "diagnose examine",
         "discovery": "discover",
-        "comparing": "compare",
+        "comparing": "compare standing_of",
         "fitting": "identify",
         "prediction": "predict_test",
+        "ranking": "rank",
         "recording": "predicted recorded",
-        "residuals_of_tests": "Test",
+        "residuals_of_tests": "Test units_of",
         "specimen": "answered as_had_by",
         "where": "TestPrediction",
     },

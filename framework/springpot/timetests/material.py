@@ -218,10 +218,9 @@ def _best(
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
     search, place = min(ends, key=lambda end: end[1].cost)
     # The convex form knows one test and no effect: beside others the lattice is as coarse as at the
-    # start. A creep, which is not linear in the weights, would take a fit with effects too long.
+    # start.
     known = len(parts) == 1 and not len(place.u)
-    quick = search.linear or not spared or not len(place.u)
-    if not known and quick and np.any(place.weights[2:]):
+    if not known and np.any(place.weights[2:]):
         samples = sum(len(part.signal) for part in parts)
         for share in SPACINGS:
             closer, there = search.closer(place, share, spared)

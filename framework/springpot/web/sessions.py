@@ -30,6 +30,7 @@ from springpot.measurement.conversion import FILE, joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
 from springpot.registry import open_measurement, open_tests, parts_of, plugins
+from springpot.rheology.grammar import LONGEST
 from springpot.rheology.typed import is_law
 
 from .specimen import Opened, Specimen, as_file, is_specimen, safe_name, specimen_of
@@ -225,13 +226,6 @@ def _files(data: Measurement) -> NDArray[np.str_]:
     return data.labels.get(FILE, np.full(len(data), data.name))
 
 
-LONGEST_NAME = 200
-"""Signs of a model expression or of the name of an effect.
-
-The longest installed model with six effects has 120.
-"""
-
-
 @dataclass(frozen=True)
 class State:
     """One rung of one ladder.
@@ -330,7 +324,7 @@ def digest_of(text: str) -> str:
 
 
 def _text(value: object) -> str:
-    if not isinstance(value, str) or len(value) > LONGEST_NAME:
+    if not isinstance(value, str) or len(value) > LONGEST:
         raise ValueError(f"{str(value)[:40]!r} is no name")
     return value
 

@@ -30,6 +30,7 @@ from springpot.report.interactive.answers import Preview, drawn_at_once, preview
 from springpot.report.interactive.in_time import DrawnTests, TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
+from springpot.rheology.grammar import LONGEST
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
@@ -38,7 +39,7 @@ from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import as_had_by
 from springpot.writing import LISTED
 
-from .sessions import LONGEST_NAME, State, kept
+from .sessions import State, kept
 from .specimen import Opened, Specimen, tests_in
 
 FEW = 100
@@ -132,8 +133,8 @@ def with_law(state: State, typed: object) -> tuple[State, Effect | None]:
     """
     if not typed:
         return state, None
-    if not isinstance(typed, str) or len(typed) > LONGEST_NAME:
-        raise DataError(f"a law has at most {LONGEST_NAME} signs")
+    if not isinstance(typed, str) or len(typed) > LONGEST:
+        raise DataError(f"a law has at most {LONGEST} signs")
     own = law(typed, _next_name(state))
     # Without its brackets, but with its name: a later one would be called otherwise.
     return state.accepting(own.expression[1:-1]), own

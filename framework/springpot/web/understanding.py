@@ -21,14 +21,6 @@ from springpot.writing import csv_text
 
 from .specimen import Opened, Specimen, tests_in
 
-MOST_LEVELS = 40
-"""Levels of a condition that are offered for a choice of rows.
-
-Of more, hardly a row would belong to each.
-"""
-MOST_RUNS = 200
-"""Sweeps that are listed of one measurement."""
-
 
 def understood(data: Opened, parts: tuple[Part, ...] = ()) -> dict[str, Any]:
     """What was understood of data, as `springpot.web.tasks.understand` tells it."""
@@ -69,7 +61,7 @@ def _of_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict[str, A
         repeats = len(np.unique(measurement.repeat))
     return {
         "scene": PageScene(measurement).to_dict(),
-        "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]],
+        "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs],
         "levels": _levels(measurement),
         "repeats": repeats,
         "deviations": measurement.sd is not None,
@@ -88,7 +80,7 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
         numbers = measurement.levels(name)
         count = int(numbers.max()) + 1
         # A column that goes on with each row was measured, and not set.
-        if not 1 < count <= min(MOST_LEVELS, len(measurement) / 2):
+        if not 1 < count <= len(measurement) / 2:
             continue
         for number in range(count):
             rows = np.flatnonzero(numbers == number)

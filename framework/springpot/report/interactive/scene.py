@@ -19,6 +19,7 @@ from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import settings_of, told_apart
 from springpot.measurement.opening import Test
+from springpot.measurement.replicates import MOST_POINTS as MOST_POINTS
 from springpot.measurement.units import Units
 from springpot.misfit.refit import Refit
 from springpot.numerics import rms
@@ -31,11 +32,6 @@ from ..residuals import plane_name, plane_of
 from ..sweeps import MOST_DRAWN, DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
-MOST_POINTS = 1500
-"""Measured points that are drawn.
-
-As SVG, each is an element of the page, and a screen has hardly more columns.
-"""
 MOST_IN_CLOUD = 20_000
 """Further rows that are drawn as a density: more would look the same."""
 MOST_ON_CURVES = 480
