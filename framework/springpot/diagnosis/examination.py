@@ -247,9 +247,8 @@ def _in_sharper_noise(
     )
     gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
     # What goes on from point to point may be noise, unless an effect explains it better.
-    if (
-        noisier := remembered(search.base, gain - 2.0 * float(np.log(max(len(library), 1))))
-    ) is not None:
+    tried = 2.0 * float(np.log(max(len(library), 1)))
+    if (noisier := remembered(search.base, gain - tried)) is not None:
         return seek(noisier, library, rng)
     if gain >= SEARCH.decisive and (sharper := sharpened(search.base, nearest)) is not None:
         return seek(sharper, library, rng)
