@@ -69,6 +69,20 @@ def test_a_slow_step_is_a_ramp():
     )
 
 
+@pytest.mark.parametrize(("effect", "size"), [("finite-ramp", 0.25), ("sudden-step", 1.0 / 6.0)])
+def test_a_ramp_that_was_said_may_have_been_slower_or_quicker(effect, size):
+    said, true = (0.05, 0.3) if effect == "finite-ramp" else (0.36, 0.3)
+    t = np.geomspace(0.01, 100.0, 50)
+    test, was = (TimeTest.of_relaxation(t, t, "kPa", rise=rise) for rise in (said, true))
+    assert plugins().effect(effect).applies_to.suits(test)
+    clean = recorded(MODEL, THETA, was).value
+    assert held(effect, [size], test) == pytest.approx(clean, rel=1e-6)
+    slope = (held(effect, [size + 1e-6], test) - held(effect, [size - 1e-6], test)) / 2e-6
+    grown = MODEL + plugins().effect(effect)
+    exact = recorded(grown, np.concatenate([THETA, [size]]), test).by_theta[:, -1]
+    assert exact == pytest.approx(slope, rel=1e-4, abs=1e-4 * np.abs(slope).max())
+
+
 def test_play_is_what_is_left_of_a_spring_with_a_slider():
     x = np.sin(1.3 * T) * (1.0 + 0.3 * np.sin(0.31 * T))
     test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N")

@@ -31,9 +31,12 @@ SIGNS = {
 def test_friction_is_named_first_whoever_knew_the_sign(sign):
     """At 1.25 Hz each turn falls upon a sample."""
     test = record(1.25, SIGNS[sign])
-    library = [plugins().effect(name) for name in ("friction", "power-law-damper", "inertia")]
+    names = ("friction", "power-law-damper", "inertia", "elasto-sliding")
+    library = [plugins().effect(name) for name in names]
     found = diagnose(test, "kelvin", library)
     assert (found.verdict, found.leading[0]) == ("effect-missing", "friction")
+    # As stiff a slider as this is friction by another name.
+    assert "elasto-sliding" not in found.leading
     assert found.best.over_floor == pytest.approx(1.0, abs=0.1)
 
 

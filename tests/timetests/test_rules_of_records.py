@@ -20,7 +20,7 @@ from springpot.timetests import (
     verdict,
     where,
 )
-from springpot.timetests.left import Left
+from springpot.timetests.left import Left, explains_as_well
 from springpot.timetests.material import spectrum_of
 from springpot.timetests.scatter import ResidualScatter
 
@@ -190,7 +190,7 @@ def test_an_effect_explains_as_well_by_its_criterion_or_by_its_squares(
         return SimpleNamespace(left=left, delta=delta, helps=helps)
 
     best = of(50.0, 100.0, True)
-    assert verdict._as_well(of(50.0 + squares, 100.0 - delta, helps), best, None) is alike
+    assert explains_as_well(of(50.0 + squares, 100.0 - delta, helps), best, None) is alike
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
         )
         for value, delta in ((one, 100.0), (other, 60.0))
     )
-    assert verdict._as_well(each, best, [noise]) is alike
+    assert explains_as_well(each, best, [noise]) is alike
 
 
 @pytest.mark.parametrize(
@@ -227,6 +227,7 @@ def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
     [
         (1.1, False, {"temperature"}, "they are not of one specimen in one state"),
         (1.1, False, {}, "no column tells"),
+        (1.1, False, {}, "or the specimen is not linear"),
         (1.1, True, {}, ""),
         (verdict.VERDICT.agrees, False, {}, ""),
     ],

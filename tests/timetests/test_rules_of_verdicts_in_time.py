@@ -330,3 +330,23 @@ def test_exponentials_follow_a_material_and_the_force_of_what_is_beside_it(contr
         curve = amounts[0] + amounts[1] * s + (amounts[3:] * turned / (1.0 + turned)).sum(1)
     np.testing.assert_allclose(curve[:-2], change[:-2], rtol=1e-3)
     assert amounts[1] == pytest.approx(beside[0], abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "named"), [(1e9, ["friction"]), (90.0, ["friction", "elasto-sliding"])]
+)
+def test_a_slider_without_give_is_friction_by_another_name(stiffness, named):
+    time = np.linspace(0.0, 3.0, 80)
+    test = TimeTest.of_history(time, np.sin(6.0 * time), 30.0 * np.cos(6.0 * time), "mm", "N")
+    model = springpot.parse_model("kelvin + elasto-sliding")
+    own = {"k": 3.0, "c": 5.0, "elasto-sliding.k": stiffness, "elasto-sliding.F": 20.0}
+    slider = SimpleNamespace(
+        effect=plugins().effect("elasto-sliding"),
+        model=model,
+        theta=model.vector(own),
+        left=SimpleNamespace(count=4),
+    )
+    dry = SimpleNamespace(effect=plugins().effect("friction"), left=SimpleNamespace(count=3))
+    both, parts = ["friction", "elasto-sliding"], parts_of_specimen([test])
+    assert trying.without_limits(both, [dry, slider], parts, 293.15) == named
+    assert trying.without_limits(both, [slider, dry], parts, 293.15) == both

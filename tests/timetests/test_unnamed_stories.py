@@ -119,3 +119,15 @@ def test_what_only_bends_is_no_jump():
     found = diagnose(test, parse_model("material"), library("asymmetric-stiffness", "inertia"))
     assert "a jump in" not in found.says
     assert "asymmetric-stiffness" in found.says
+
+
+def test_a_last_sample_that_is_off_is_set_aside_and_told():
+    """Its neighbours tell less of it than of one within; an effect would follow it alone."""
+    time, rng = np.geomspace(0.01, 30.0, 70), np.random.default_rng(7)
+    exact = ZENER.creep(np.array([30.0, 60.0, 18.0]), time)
+    noise = 0.005 * exact.max() * rng.normal(size=70)
+    noise[-1] += 12.0 * 0.005 * exact.max()
+    test = TimeTest.of_compliance(time, exact + noise, name="creep")
+    found = diagnose(test, ZENER, [])
+    assert found.verdict == "adequate"
+    assert any("creep: the sample at 30 s is off by 1" in note for note in found.notes)

@@ -420,7 +420,7 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     >>> strays(TimeTest.of_relaxation(t, signal + 0.2 * (np.arange(60) == 30)))
     array([30])
     """
-    none = np.zeros(0, dtype=np.int64)
+    none = np.array(sorted(test.aside), dtype=np.int64)
     if not test.measured or len(test) < FEWEST + ORDER:
         return none
     clock = clock_of(test)
@@ -434,7 +434,7 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     alone = [i for i in found if _by_itself(i, clock, differences, factors)]
     if len(alone) > OUTLIERS.most * len(test):
         return none
-    return np.array(alone, dtype=np.int64)
+    return np.union1d(none, np.array(alone, dtype=np.int64))
 
 
 def said_of_strays(test: TimeTest) -> str:
@@ -442,7 +442,10 @@ def said_of_strays(test: TimeTest) -> str:
     rows = strays(test)
     if len(rows) == 0:
         return ""
-    most = float(np.abs(_off(*_over_noise(test))[rows]).max())
+    off = [test.aside.get(row, 0.0) for row in rows.tolist()]
+    if len(test) >= FEWEST + ORDER:
+        off += _off(*_over_noise(test))[rows].tolist()
+    most = float(np.abs(off).max())
     named = ", ".join(f"{t:.4g}" for t in test.time[rows[:SHOWN]]) + (
         ", ..." if len(rows) > SHOWN else ""
     )

@@ -79,6 +79,9 @@ class TimeTest:
         Which modulus stress and strain are of, see `Units`; empty where nobody says.
     marks : mapping of str to float
         Further conditions by name, such as the number of the specimen.
+    aside : mapping of int to float
+        Samples at its ends that a diagnosis has set aside, and by how many times the noise each of
+        them is off.
 
     Raises
     ------
@@ -106,6 +109,7 @@ class TimeTest:
     warmth: Real | None = None
     letter: str = ""
     marks: Mapping[str, float] = field(default_factory=dict)
+    aside: Mapping[int, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -358,7 +362,7 @@ class TimeTest:
         columns = {"time": self.time, "response": self.response, **self.conditions}
         columns |= {"knots": imposed.time, "imposed": imposed.value}
         units = (self.displacement_unit, self.force_unit)
-        about = (self.control, *units, imposed.sampled, imposed.before)
+        about = (self.control, *units, imposed.sampled, imposed.before, *sorted(self.aside))
         return digest_of_columns(about, columns, alone=("time", "knots"))
 
     def __repr__(self) -> str:
@@ -386,11 +390,12 @@ class TimeTest:
 
     def subset(self, rows: NDArray[np.bool_]) -> TimeTest:
         """The same test with some of its samples, under all that was imposed."""
-        warmth = self.warmth
-        if warmth is not None:
-            warmth = warmth[rows]
+        warmth = None if self.warmth is None else self.warmth[rows]
         _require_samples(int(np.count_nonzero(rows)), self.name)
-        return replace(self, time=self.time[rows], response=self.response[rows], warmth=warmth)
+        place = np.cumsum(rows) - 1
+        aside = {int(place[row]): off for row, off in self.aside.items() if rows[row]}
+        time, response = self.time[rows], self.response[rows]
+        return replace(self, time=time, response=response, warmth=warmth, aside=aside)
 
     @property
     def answered(self) -> str:
@@ -436,9 +441,7 @@ class TimeTest:
     @property
     def kelvin(self) -> float | None:
         """The temperature in kelvin."""
-        if self.temperature is None:
-            return None
-        return self.temperature + KELVIN
+        return None if self.temperature is None else self.temperature + KELVIN
 
     @cached_property
     def duration(self) -> float:

@@ -61,12 +61,16 @@ class Slip(NamedTuple):
         At how many samples it might have been.
     shown : bool
         Whether the two samples beside it differ as it says.
+    aside : tuple of (int, int, float), optional
+        Of a sample at an end that is off by itself: the number of its test and its own, and by how
+        many times the noise it is off.
     """
 
     says: str
     left: Left
     places: int
     shown: bool = True
+    aside: tuple[int, int, float] | None = None
 
     def delta(self, before: Left, noise: Sequence[ResidualScatter]) -> float:
         """By how much the Bayesian information criterion falls, its place one of all samples."""
@@ -121,7 +125,13 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
         theta = stepped(base.model, theta, jump.moved)
     scatters = [part.scatter(value) for part, value in zip(plain, jump.left, strict=True)]
     part, (value, slopes) = plain[jump.number], residuals[jump.number]
-    says = f"a jump in {part.test.name} at {part.at[jump.row]:.3g} s, as of what slips or lets go"
+    name, when = part.test.name, f"{part.at[jump.row]:.3g} s"
+    says, aside = f"a jump in {name} at {when}, as of what slips or lets go", None
+    if jump.alone:
+        off = (value + slopes @ jump.moved - jump.left[jump.number])[jump.row]
+        off = float(abs(off) / scatters[jump.number].size)
+        aside = jump.number, jump.row, off
+        says = f"the sample of {name} at {when}, off by {off:.2g} x the noise"
     # Its size is one number, and the choice of its place costs as much as two.
     left = replace(
         before,
@@ -129,7 +139,7 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
         residuals=tuple(jump.left),
         scatters=tuple(scatters),
     )
-    return Slip(says, left, jump.places, _is_shown(value + slopes @ jump.moved, jump))
+    return Slip(says, left, jump.places, _is_shown(value + slopes @ jump.moved, jump), aside)
 
 
 def _is_shown(story: Real, jump: Jump) -> bool:
@@ -138,9 +148,9 @@ def _is_shown(story: Real, jump: Jump) -> bool:
     A bend may be missed like a jump, from where on the model lies beside the test: at it neighbours
     differ little.
     """
-    if jump.row == 0 or len(story) <= ORDER:
-        # None was found, or nothing tells the noise.
-        return jump.row > 0
+    if jump.alone or jump.row == 0 or len(story) <= ORDER:
+        # None was found, or nothing tells the noise, or nothing beside it has moved.
+        return jump.alone or jump.row > 0
     height = float((story - jump.left[jump.number])[jump.row])
     steps = np.sign(height) * np.diff(story)
     row = jump.row - 1

@@ -559,3 +559,45 @@ def weight_of(effect: Effect) -> float:
     if effect.of_apparatus:
         return effect.prior * EVIDENCE.apparatus
     return effect.prior
+
+
+def without_limits(
+    names: Sequence[str], tried: Sequence[Tried], parts: Sequence[TestPart], reference: float
+) -> list[str]:
+    """Names but those of effects that have become a simpler one, the first by another name.
+
+    One of their parameters is at its end or without influence, as the stiffness of a slider that is
+    friction alone. Never the first, nor one with no more parameters than it.
+    """
+    limits = set()
+    for each in tried[1:]:
+        if each.effect.name not in names or each.left.count <= tried[0].left.count:
+            continue
+        theta, parameters = each.theta, each.model.parameters
+        at_end = np.array([theta[i] in (o.lower, o.upper) for i, o in enumerate(parameters)])
+        slopes = [part.residual(each.model, theta, reference).by_theta for part in parts]
+        # By natural units of each: of a logarithm, or of the scale itself.
+        unit = [theta[i] if one.scale == "log" else 1.0 for i, one in enumerate(parameters)]
+        influence = np.linalg.norm(np.concatenate(slopes) * unit, axis=0)
+        lost = at_end | (influence < EVIDENCE.least_influence)
+        if any(each.effect.own_of(dict(zip(each.model.names, lost, strict=True))).values()):
+            limits.add(each.effect.name)
+    return [name for name in names if name not in limits]
+
+
+def explains_as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
+    """Whether an effect explains the tests as well as the best one.
+
+    More parameters do not exclude one that helps beyond doubt, nor does a lead that is no more than
+    its own scatter where both leave noise alone.
+    """
+    if best.delta - each.delta <= EVIDENCE.rivals:
+        return True
+    if not each.helps:
+        return False
+    worse = each.left.squares(noise) - best.left.squares(noise)
+    if worse <= EVIDENCE.rivals:
+        return True
+    if any(one.left.beside(noise).misfit for one in (best, each)):
+        return False
+    return not told_apart(zip(best.left.whitened(noise), each.left.whitened(noise), strict=True))

@@ -14,13 +14,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
+from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
 
@@ -426,18 +426,20 @@ def _of_a_jump(residual: Real) -> float:
 
 
 class Jump(NamedTuple):
-    """What slips or lets go at one instant of one test, whatever it is.
+    """What slips or lets go at one instant of one test, or a sample at an end that is off.
 
     Attributes
     ----------
     number, row : int
-        Which test, and the first sample behind it.
+        Which test, and the first sample behind it, or the one that is off.
     left : list of ndarray, shape (m,)
         The residual of each test without it, the model having made way for it.
     moved : ndarray, shape (p,)
         By how much the parameters have.
     places : int
         At how many it might have been.
+    alone : bool
+        Whether only that sample is off.
     """
 
     number: int
@@ -445,6 +447,7 @@ class Jump(NamedTuple):
     left: list[Real]
     moved: Real
     places: int
+    alone: bool = False
 
 
 def likeliest_jump(
@@ -479,24 +482,48 @@ def likeliest_jump(
     basis, turn = basis[:, good], (turn[good].T / values[good]) / size[:, None]
     missed = value - basis @ (basis.T @ value)
     rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
-    largest, number, row, column = 0.0, 0, 0, np.zeros(len(value))
-    for i, weight in enumerate(weights):
-        if weight is None:
-            continue
-        drops, columns = _jumps(weight, noise[i], missed[rows[i]], basis[rows[i]])
+    followed = [i for i, weight in enumerate(weights) if weight is not None]
+    places = sum(len(white[i]) for i in followed), 2 * ORDER * len(followed)
+    # None is better than one that is not there.
+    best, found, column = -np.inf, Jump(0, 0, [], np.zeros(0), places[0]), np.zeros(len(value))
+    for i, which in product(followed, (0, 1)):
+        told = np.asarray(weights[i]), noise[i], missed[rows[i]], basis[rows[i]]
+        drops, columns = (_jumps, _strays)[which](*told)
         k = int(np.argmax(drops))
-        if drops[k] > largest:
-            largest, number, row, column = float(drops[k]), i, k, np.zeros(len(value))
+        # The choice of its place costs as much as two numbers.
+        gain = float(drops[k]) - 2.0 * float(np.log(places[which]))
+        if drops[k] > 0.0 and gain > best:
+            best, found = gain, Jump(i, k, [], np.zeros(0), places[which], alone=which == 1)
+            column = np.zeros(len(value))
             column[rows[i]] = columns(k)
     alone = column - basis @ (basis.T @ column)
     height = float(alone @ missed) / max(float(alone @ alone), SMALLEST)
     moved = turn @ (basis.T @ (value - height * column))
     left = [value - by_theta @ moved for value, by_theta in residuals]
-    if largest > 0.0:
-        left[number][row:] -= height * np.asarray(weights[number])[row:]
-    return Jump(
-        number, row, left, -moved, sum(len(weight) for weight in weights if weight is not None)
-    )
+    if best > -np.inf:
+        moves = slice(found.row, found.row + 1 if found.alone else None)
+        left[found.number][moves] -= height * np.asarray(weights[found.number])[moves]
+    return found._replace(left=left, moved=-moved)
+
+
+def _strays(
+    weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
+) -> tuple[Real, Callable[[int], Real]]:
+    """By how much the sum of squares of a test falls without each of the samples (m,) at its ends.
+
+    And the whitened column (m,) of one of them. Of the others their neighbours tell.
+    """
+    count, drops = len(weight), np.zeros(len(weight))
+
+    def column(k: int) -> Real:
+        return scatter.whitened(weight * (np.arange(count) == k))
+
+    for k in {*range(min(ORDER, count)), *range(max(count - ORDER, 0), count)}:
+        one = column(k)
+        left = one @ one - np.sum((basis.T @ one) ** 2)
+        if left > ALIKE * (one @ one):
+            drops[k] = (one @ missed) ** 2 / left
+    return drops, column
 
 
 def _jumps(

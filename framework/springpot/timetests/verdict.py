@@ -42,7 +42,15 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import TWINS, AskedTests, Left, Promise, Tried, told_apart
+from .left import (
+    TWINS,
+    AskedTests,
+    Left,
+    Promise,
+    Tried,
+    explains_as_well,
+    without_limits,
+)
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 
@@ -161,6 +169,8 @@ class TimeCase(NamedTuple):
         The model grown by each effect that was fitted.
     asked : AskedTests
         The tests and effects behind it.
+    aside : tuple of (int, int, float), optional
+        A sample at the end of a test that is all that is missed, see `Slip`.
     """
 
     diagnosis: Diagnosis
@@ -168,6 +178,7 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     tried: tuple[Tried, ...]
     asked: AskedTests
+    aside: tuple[int, int, float] | None = None
 
     @property
     def tests(self) -> Sequence[Test]:
@@ -213,11 +224,10 @@ def answer_of(
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
     verdict = rule_for(facts_of(before.beside(noise), tried, slipped)).verdict
-    if verdict == "adequate":
-        noise = before.all_noise
+    noise = before.all_noise if verdict == "adequate" else noise
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(_beside_narrow(weights, tried), verdict, best.chance)
-    alike = _class(tried, promises, noise)
+    alike = without_limits(_class(tried, promises, noise), tried, parts, base.reference)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
     candidates = _candidates(tried, chances, alike, after, verdict)
@@ -247,7 +257,8 @@ def answer_of(
         quantities=base.quantities if verdict == "adequate" else None,
     )
     fit = _going_on_from(base, tried, alike[:1])
-    return TimeCase(diagnosis, base, fit, tuple(tried), asked)
+    aside = slip.aside if slipped and weights[-1] > EVIDENCE.credible else None
+    return TimeCase(diagnosis, base, fit, tuple(tried), asked, aside)
 
 
 def _over_one_noise(
@@ -308,10 +319,11 @@ def said_apart(
     else:
         return ""
     if any("temperature" in part.conditions for part in parts):
-        return f"{says}: they are not of one specimen in one state"
+        return f"{says}: they are not of one specimen in one state, or it is not linear"
     return (
         f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
-        " of each, such as 'FILE#2?temperature=25[degC]'"
+        " of each, such as 'FILE#2?temperature=25[degC]'; or the specimen is not linear and answers"
+        " otherwise to another size or speed of the load"
     )
 
 
@@ -408,28 +420,10 @@ def _class(
     best = max(tried, key=lambda each: each.delta)
     # Two roads to a class: effects that fit as well, and such that add the same shape but were
     # never fitted.
-    alike = [each for each in tried if each is tried[0] or _as_well(each, best, noise)]
+    alike = [each for each in tried if each is tried[0] or explains_as_well(each, best, noise)]
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
-
-
-def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
-    """Whether an effect explains the tests as well as the best one.
-
-    More parameters do not exclude one that helps beyond doubt, nor does a lead that is no more than
-    its own scatter where both leave noise alone.
-    """
-    if best.delta - each.delta <= EVIDENCE.rivals:
-        return True
-    if not each.helps:
-        return False
-    worse = each.left.squares(noise) - best.left.squares(noise)
-    if worse <= EVIDENCE.rivals:
-        return True
-    if any(one.left.beside(noise).misfit for one in (best, each)):
-        return False
-    return not told_apart(zip(best.left.whitened(noise), each.left.whitened(noise), strict=True))
 
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:

@@ -42,9 +42,14 @@ GROWTHS = (1.0, 4.0, 16.0)
 
 
 def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
-    """Each step as a ramp of tau seconds; the derivative by tau is a ramp down and a jump back."""
+    """Each step as a ramp of tau seconds; the derivative by tau is a ramp down and a jump back.
+
+    A ramp that was said, and not recorded, takes tau seconds more.
+    """
     # Only jumps become ramps: what was recorded in between is followed as it was.
     when, sizes = loading.jumps
+    if len(when) == 0:
+        return lengthened(loading, tau)
     smooth = loading.smooth
     corners = [when, when + tau]
     if smooth is not None:
@@ -64,17 +69,38 @@ def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
     return bent, (_summed(when, -sizes / tau, tau),)
 
 
+def _up(loading: Loading) -> tuple[float, float, Real, int]:
+    """When an even rise began and how long it took, its values at both ends, and its last knot."""
+    rates = (loading.value[1:] - loading.value[0]) / (loading.time[1:] - loading.time[0])
+    uneven = np.flatnonzero(~np.isclose(rates, rates[0], atol=0.0))
+    last = int(uneven[0]) if len(uneven) else len(rates)
+    begin = float(loading.time[0])
+    return begin, float(loading.time[last]) - begin, loading.value[[0, last]], last
+
+
+def lengthened(loading: Loading, more: Any) -> tuple[Loading, tuple[Loading]]:
+    """A ramp up that took some time more than was said, up to what was held from then on."""
+    begin, long, ends, _ = _up(loading)
+    over = begin + long + more
+    later = loading.time > over
+    slow = Loading(
+        np.concatenate([[begin, over], loading.time[later]]),
+        np.concatenate([ends, loading.value[later]]),
+    )
+    depth = -(ends[1] - ends[0]) / (long + more)
+    return slow, (Loading(np.array([begin, over, over]), np.array([0.0, depth, 0.0])),)
+
+
 def sooner(loading: Loading, share: Any) -> tuple[Loading, tuple[Loading]]:
-    """A ramp up to the first sample that was over sooner, by a share of the time until then."""
-    begin, first = loading.time[:2]
-    long, size = first - begin, loading.value[1] - loading.value[0]
+    """A ramp up that was over sooner, by a share of its time."""
+    begin, long, ends, last = _up(loading)
     over = begin + (1.0 - share) * long
     quick = Loading(
-        np.concatenate([[begin, over], loading.time[1:]]),
-        np.concatenate([loading.value[:2], loading.value[1:]]),
+        np.concatenate([[begin, over], loading.time[last:]]),
+        np.concatenate([ends, loading.value[last:]]),
     )
     # Until it is over it is the higher the sooner that is: a ramp up that jumps back.
-    height = size / (1.0 - share)
+    height = (ends[1] - ends[0]) / (1.0 - share)
     return quick, (Loading(np.array([begin, over, over]), np.array([0.0, height, 0.0])),)
 
 
@@ -157,12 +183,21 @@ def _sooner(_: TimeTest) -> list[tuple[float]]:
     return [(share,) for share in (0.5, 0.99)]
 
 
-def _is_presumed(test: TimeTest) -> bool:
-    return rise_is_presumed(test.loading, test.kind, test.time[0])
+def _risen(test: TimeTest) -> bool:
+    """Whether a step is taken to have risen evenly, as was said or presumed, not as recorded."""
+    loading = test.loading
+    if test.kind not in ("relaxation", "creep") or loading.sampled or len(loading.time) < 2:
+        return False
+    return bool(loading.value[0] == 0.0 and loading.time[0] < loading.time[1])
 
 
 def _stepped(test: TimeTest) -> bool:
     return len(test.loading.jumps[0]) > 0
+
+
+def _stepped_or_said(test: TimeTest) -> bool:
+    presumed = rise_is_presumed(test.loading, test.kind, test.time[0])
+    return _stepped(test) or (_risen(test) and not presumed)
 
 
 def _returns(test: TimeTest) -> bool:
@@ -195,9 +230,9 @@ EFFECTS = (
         "finite-ramp",
         on_loading,
         StageLaw(ramped, (relaxation_time("rise"),)),
-        "the step was no step: it took some time, in a straight line",
+        "the step was no step: it took some time, in a straight line, or more than was said",
         citation="Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
-        applies_to=AppliesTo(suits=_stepped),
+        applies_to=AppliesTo(suits=_stepped_or_said),
         signature="early, up to some ten times the rise: a relaxation begins lower, a creep later",
         aliases=("slow-step",),
     ),
@@ -209,10 +244,10 @@ EFFECTS = (
             (Parameter("share", "e", PURE, 0.0, 1.0 - LEAST_LEFT, "linear", 0.9),),
             _sooner,
         ),
-        "the step was over sooner than the first sample, until which it is taken to have risen in a"
-        " straight line: '?ramp=0[s]' behind the file says that it took no time",
+        "the step was over sooner than was said, or than the first sample, until which it was taken"
+        " to have risen: '?ramp=0[s]' behind the file makes it a step",
         citation="Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
-        applies_to=AppliesTo(suits=_is_presumed),
+        applies_to=AppliesTo(suits=_risen),
         signature="early, up to some ten times the first sample: a relaxation begins lower, a creep"
         " higher",
         aliases=("quick-step",),
