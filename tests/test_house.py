@@ -330,8 +330,10 @@ FACTS = {
     "benchmark/plan.py": "SCHEME",
     "benchmark/schema.py": "SCHEMA NO_REFERENCES",
     "benchmark/statistics.py": "PRIOR",
+    "cli/common.py": "POSITIVE",
     "cli/group.py": "BAD_INPUT",
     "diagnosis/notes.py": "MEANINGS",
+    "diagnosis/verdict.py": "RULES",
     "errors.py": "STDERR",
     "identification/robust.py": "TUNED",
     "identification/value.py": "MOST_POINTS",
@@ -340,6 +342,7 @@ FACTS = {
     "measurement/units.py": "FORCE_UNITS LENGTH_UNITS TORQUE_UNITS ANGLE_UNITS PRESSURE_UNITS"
     " STRAIN_UNITS FREQUENCY_UNITS TIME_UNITS TEMPERATURE_UNITS MODULUS_UNITS _USUAL _PREFIXES",
     "misfit/regions.py": "MAINS",
+    "misfit/residual_tests.py": "TESTS",
     "misfit/where.py": "AMPLITUDE_POWERS FREQUENCY_POWERS",
     "numerics.py": "DECADE NORMAL MEDIAN_WORTH",
     "processes.py": "ADOPT",
@@ -348,18 +351,20 @@ FACTS = {
     "rheology/hysteresis.py": "STAGE",
     "rheology/nodes.py": "VALUE _ABSENT MOVING_SERIES FIXED_SERIES _SERIES",
     "rheology/parameters.py": "STIFFNESS VISCOSITY INERTANCE FORCE AMPLITUDE SECOND"
-    " RADIAN_PER_SECOND MARGIN",
+    " RADIAN_PER_SECOND MARGIN MAXWELL_FORM KELVIN_FORM",
     "rheology/points.py": "KELVIN GAS_CONSTANT",
     "rheology/terms.py": "FOUR_OVER_PI JOINED CALLED",
+    "structure/answers.py": "LARGEST",
     "structure/records.py": "ACCELERATIONS HEADER",
     "testreport/code.py": "_KINDS MEANS",
+    "testreport/quantities.py": "QUANTITIES",
     "testreport/report.py": "LONGEST",
     "timetests/scatter.py": "EFFICIENT",
 }
-"""Constants that nobody could choose otherwise: units, dimensions, series, versions, formats, and
-numbers of a source.
+"""Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,
+numbers of a source, signs and positions.
 """
-NUMBERS, WITH_PLUGINS = 664, 822
+NUMBERS, WITH_PLUGINS = 656, 814
 """Constants of modules that hold a number and are no facts, those of the framework and all; may
 only fall.
 

@@ -15,8 +15,6 @@ from springpot.processes import LEAVING
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """The matrices of a fit are small: more threads only wait for one another."""
-LONGEST_LINE = 256 << 20
-"""Bytes of an answer: that to the largest upload with all its previews has a tenth."""
 KEPT = 64 << 20
 """Bytes of answers that are kept: some hundred rungs."""
 
@@ -52,7 +50,8 @@ class DeskWorker:
             # A pipe that nobody reads would fill, and stop the worker.
             stderr=asyncio.subprocess.DEVNULL,
             env=os.environ | dict.fromkeys(THREADS, "1"),
-            limit=LONGEST_LINE,
+            # Our own process answers in lines of any length.
+            limit=sys.maxsize,
         )
 
     async def perform(
