@@ -83,6 +83,18 @@ def test_a_ramp_that_was_said_may_have_been_slower_or_quicker(effect, size):
     assert exact == pytest.approx(slope, rel=1e-4, abs=1e-4 * np.abs(slope).max())
 
 
+def test_a_load_that_came_between_two_samples_may_have_come_at_once():
+    t = np.linspace(0.0, 60.0, 31)
+    load = np.where((t > 0.0) & (t < 31.0), 5.0, 0.0)
+    test = TimeTest.of_history(t, load, load, "mm", "N", control="force")
+    assert plugins().effect("sudden-step").applies_to.suits(test)
+    exact = 5.0 * MODEL.creep(THETA, t[1:16])
+    assert held("sudden-step", [0.999], test)[1:16] == pytest.approx(exact, rel=2e-3)
+    # A ramp that was recorded came as it was recorded.
+    ramp = TimeTest.of_history(t, t, t, "mm", "N", control="force")
+    assert not plugins().effect("sudden-step").applies_to.suits(ramp)
+
+
 def test_play_is_what_is_left_of_a_spring_with_a_slider():
     x = np.sin(1.3 * T) * (1.0 + 0.3 * np.sin(0.31 * T))
     test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N")

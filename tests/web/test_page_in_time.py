@@ -245,6 +245,7 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     here.open("relax.csv", relaxation(every=2), "maxwell")
     assert here.reads("#facts") == "20 points, 1 test"
     assert "effect-missing" in here.reads("#verdict")
+    assert here.reads("#fails").startswith("relax is missed most")
     words_stand_apart(here)
     here.page.hover("#effect-parallel-springpot")
     assert here.page.locator("#plot-view .line.preview").count() == 1

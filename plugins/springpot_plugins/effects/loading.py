@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.imposed import STEADY
 from springpot.measurement.steady_start import rise_is_presumed
 from springpot.rheology import (
     AMPLITUDE,
@@ -183,12 +184,21 @@ def _sooner(_: TimeTest) -> list[tuple[float]]:
     return [(share,) for share in (0.5, 0.99)]
 
 
-def _risen(test: TimeTest) -> bool:
+def _said(test: TimeTest) -> bool:
     """Whether a step is taken to have risen evenly, as was said or presumed, not as recorded."""
     loading = test.loading
     if test.kind not in ("relaxation", "creep") or loading.sampled or len(loading.time) < 2:
         return False
     return bool(loading.value[0] == 0.0 and loading.time[0] < loading.time[1])
+
+
+def _risen(test: TimeTest) -> bool:
+    """The same, or a record has nothing of the rise but what was there before and after."""
+    loading = test.loading
+    if _said(test) or not loading.sampled or len(loading.time) < FEWEST:
+        return _said(test)
+    first, second, third = loading.value[:3]
+    return bool(first == 0.0 and abs(third - second) <= STEADY * abs(second) > 0.0)
 
 
 def _stepped(test: TimeTest) -> bool:
@@ -197,7 +207,7 @@ def _stepped(test: TimeTest) -> bool:
 
 def _stepped_or_said(test: TimeTest) -> bool:
     presumed = rise_is_presumed(test.loading, test.kind, test.time[0])
-    return _stepped(test) or (_risen(test) and not presumed)
+    return _stepped(test) or (_said(test) and not presumed)
 
 
 def _returns(test: TimeTest) -> bool:

@@ -2,7 +2,7 @@
 
 import { changed, enable, h, put } from "./dom.js";
 import { capital, number, percent, pretty, times } from "./numbers.js";
-import { inBrief, spotOf } from "./spots.js";
+import { sentence, spotOf } from "./spots.js";
 
 // The name under which parameters that were moved are a cause like others.
 export const BY_HAND = "by hand";
@@ -67,7 +67,7 @@ export class Hero {
     // What is moved by hand is told while it moves.
     this.count({ ...diagnosis.error, relative_rms: edited?.error ?? diagnosis.error.relative_rms }, answer.of);
     this.big.className = edited ? "edited" : answer.discovery.verdict;
-    if (diagnosis.where.length) this.place.textContent = `${capital(inBrief(spotOf(diagnosis.where[0], answer.spots[0], scene)))}.`;
+    if (diagnosis.where.length) this.place.textContent = sentence(spotOf(diagnosis.where[0], answer.spots[0], scene));
     if (diagnosis.verdict === "effect-missing" && found?.parameters) this.place.textContent += ` ${explained(found)}`;
     this.place.title = this.place.textContent;
     if (found) this.add.textContent = `Add ${found.effect.split(" =")[0]} → ${fallTo(found, diagnosis.error)}`;

@@ -1,6 +1,6 @@
 // Where a model fails: the points that a sentence about it is of.
 
-import { pretty } from "./numbers.js";
+import { capital, pretty } from "./numbers.js";
 
 const NEAR = 1e-5; // share by which a value may differ that is drawn with six digits
 
@@ -13,6 +13,12 @@ export function spotOf(place, { part, levels }, scene) {
 // How it changes along frequency and conditions is told after a comma.
 export const modelled = ({ place, part }) => pretty(part ? `the model's ${place.says}` : place.says);
 export const inBrief = (spot) => (spot.part ? modelled(spot).split(", ")[0] : modelled(spot));
+
+// As a sentence, in which the name of a test keeps its letters.
+export function sentence(spot) {
+  const [text, name] = [inBrief(spot), spot.place.condition];
+  return `${name && text.startsWith(name) ? text : capital(text)}.`;
+}
 
 // The sign of data less model there, as in the picture and beside each point.
 export const signOf = ({ place, part }) => (part ? `Δ ${place.size < 0 ? "<" : ">"} 0: ` : "");
