@@ -39,7 +39,7 @@ PLACES = {
     (KELVIN, SLOW): "cubic-damping",
     (KELVIN, TEMPERATURES): "arrhenius-shift wlf-shift vertical-shift",
     (WARM_FLUID, TEMPERATURES): "entropic-spring",
-    (WARM, TEMPERATURES): "arrhenius-dashpot rig-drag",
+    (WARM, TEMPERATURES): "arrhenius-dashpot arrhenius-springpot rig-drag",
 }
 """A base and a design on which each effect can be seen.
 

@@ -78,6 +78,7 @@ class TestModels(PluginContract):
 @pytest.mark.soak_cases(
     "effect ageing",
     "effect arrhenius-dashpot",
+    "effect arrhenius-springpot",
     "effect arrhenius-shift",
     "effect asymmetric-damping",
     "effect asymmetric-stop",

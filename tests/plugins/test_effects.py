@@ -230,6 +230,7 @@ LABELS = {
     "arrhenius-shift": {"Ea": "kJ/mol"},
     "wlf-shift": {"C1": "-", "C2": "K"},
     "arrhenius-dashpot": {"c": "kN s/m", "Ea": "kJ/mol"},
+    "arrhenius-springpot": {"c": "kN s^alpha/m", "alpha": "-", "Ea": "kJ/mol"},
 }
 
 

@@ -12,6 +12,7 @@ from springpot.rheology import (
     free_vertical_factors,
     parallel,
     shift,
+    springpot,
     steady_dashpot,
     stiffness,
     temperature_power,
@@ -71,6 +72,17 @@ EFFECTS = (
         layer=Layer.SPECIMEN,
         citation="van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
         aliases=("second-activation",),
+        prior=0.3,
+    ),
+    Effect.from_formula(
+        "arrhenius-springpot",
+        "parallel: c * (s * exp(Ea / R * (1 / T - 1 / Tr)))^alpha",
+        "a branch of many relaxation times with an activation energy of its own: sweeps at"
+        " different temperatures do not superpose",
+        (*springpot().parameters, activation_energy(typical=20.0)),
+        "springpot",
+        layer=Layer.SPECIMEN,
+        citation="van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
         prior=0.3,
     ),
     Effect(
