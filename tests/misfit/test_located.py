@@ -80,16 +80,21 @@ def test_one_frequency_is_told_as_such():
 
 
 @pytest.mark.parametrize(
-    ("left", "says"), [(0.0, "no part of the material"), (72.0, "is a part of the material")]
+    ("left", "celsius", "says"),
+    [
+        (0.0, (20.0, 20.0), "no part of the material"),
+        (0.0, (20.0, 40.0), "no part of such a one"),
+        (72.0, (20.0, 20.0), "is a part of the material"),
+    ],
 )
-def test_words_on_the_material_agree_with_the_errors_beside_them(left, says):
+def test_words_on_the_material_agree_with_the_errors_beside_them(left, celsius, says):
     """The noise was estimated from the very fit that fails.
 
     So that its sum of squares is what noise leaves.
     """
-    base = SimpleNamespace(
-        model=springpot.parse_model("kelvin"), rss=72.0 + left, fit=SimpleNamespace(dof=72)
-    )
+    data = Measurement([1.0, 2.0], [1j, 2j], conditions={"temperature": celsius})
+    fit = SimpleNamespace(dof=72, measurement=data)
+    base = SimpleNamespace(model=springpot.parse_model("kelvin"), rss=72.0 + left, fit=fit)
     refit = SimpleNamespace(rss=72.0, fit=SimpleNamespace(dof=72), floor=0.1)
     floor = SimpleNamespace(refit=refit, relative_rms=0.21, chance=1e-4)
     assert says in split_in_words(base, floor)

@@ -240,8 +240,11 @@ def split_in_words(base: Refit, floor: MaterialFloor) -> str:
     something_left = floor.chance < VERDICT.structure_alarm
     # Where the noise was estimated from this very fit, both are zero, and no material comes nearer.
     if left > VERDICT.mostly * misfit or (misfit == 0.0 and something_left):
-        would = f"any linear material would be {percent(floor.relative_rms)} off"
-        return f"{would}: what is missing is no part of the material"
+        would = f"would be {percent(floor.relative_rms)} off: what is missing is no part of"
+        if temperatures_differ(base.fit.measurement):
+            law = "that goes with temperature as the model does"
+            return f"any linear material {law} {would} such a one"
+        return f"any linear material {would} the material"
     if not something_left:
         return (
             f"{could}: a spring, dashpot, springpot or mode is missing,"

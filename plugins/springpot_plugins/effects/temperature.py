@@ -76,7 +76,7 @@ EFFECTS = (
     ),
     Effect.from_formula(
         "arrhenius-springpot",
-        "parallel: c * (s * exp(Ea / R * (1 / T - 1 / Tr)))^alpha",
+        "parallel: c * s^alpha * exp(alpha * Ea / R * (1 / T - 1 / Tr))",
         "a branch of many relaxation times with an activation energy of its own: sweeps at"
         " different temperatures do not superpose",
         (*springpot().parameters, activation_energy(typical=20.0)),
