@@ -200,6 +200,7 @@ def test_labels_that_make_one_file_name_get_folders_of_their_own(tmp_path):
         }
 
 
+@pytest.mark.soak_cases("pandas")
 @pytest.mark.parametrize("library", ["pandas", "polars"])
 def test_frames(results, sound, library):
     pytest.importorskip(library, reason=f"{library} is in the extra 'ecosystem'")
