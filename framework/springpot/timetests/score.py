@@ -214,12 +214,8 @@ class TimeScan:
         self, effect: Effect, places: Sequence[tuple[float, ...]], view: View
     ) -> list[Atom]:
         """An effect at the sizes at which it balances the rest of what swings in a test."""
-        # It rings at the frequency at which it balances the rest, and a ring of many cycles is met
-        # only near its own.
-        edges = np.geomspace(
-            1.0 / self.scales.longest, np.pi / self.scales.shortest, RESONANCES + 1
-        )
-        omega = loudest(view.residual, view.t, edges)
+        # It rings at the frequency at which it balances the rest.
+        omega = view.loudest
         at = points_at(omega, view.kelvin, self.base.reference)
         stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
@@ -362,6 +358,11 @@ def loudest(residual: Real, t: Real, edges: Real) -> Real:
     edges : ndarray, shape (b + 1,)
         Between which angular frequencies in rad/s the bands lie.
 
+    Returns
+    -------
+    ndarray, shape (b,)
+        One a band, in rad/s.
+
     Examples
     --------
     >>> t = np.linspace(0.0, 100.0, 400)
@@ -469,6 +470,15 @@ class View:
         if self.part.test.control != "displacement":
             answer = 1.0 / answer
         return self.quick.followed(answer[None])[:, 0]
+
+    @cached_property
+    def loudest(self) -> Real:
+        """Angular frequencies (b,) at one of which it rings, if it does.
+
+        A ring of many cycles is met only near its own.
+        """
+        slow, fast = self.part.test.seen
+        return loudest(self.residual, self.t, np.geomspace(slow, np.pi * fast, RESONANCES + 1))
 
     def swings(self, change: _Change) -> bool:
         """Whether a change of K is so steep that a specimen under a force would swing."""
