@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.identification.held_material import parameters_of
 from springpot.measurement import Measurement, Units
 from springpot.misfit import outliers, residual_causes, residual_tests, where
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.material import printed
 from springpot.thresholds import VERDICT
 
 LEVELS = np.array([1.0, 2.0, 4.0, 8.0])
@@ -155,7 +155,7 @@ def test_values_are_printed_in_units_of_their_own():
     k = (100.0 + 2.0j * omega - 0.05 * omega**2) * noise
     model = springpot.parse_model("kelvin + inertia")
     found = fitted_to_floor(model, Measurement(omega, k, units=Units("kN/m", "mm")))
-    told = printed(found)
+    told = parameters_of(found.known)
     factors = {p.name: found.fit.measurement.units.of(p.unit)[0] for p in model.parameters}
     assert {round(factor, 9) for factor in factors.values()} != {1.0}
     for i, name in enumerate(model.names):

@@ -43,12 +43,10 @@ from .frame import (
     phase_of,
 )
 from .outliers import MOST_TURNS, Trimmed, trimmed
-from .refit import Refit, refit
+from .refit import Refit, in_noise, refit
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
-STARTS_OF_A_ROUND = 2
-"""The same for noise that only changed its size or shape: the minima stay nearly where they are."""
 NEARLY = 2.0
 """Error over noise floor up to which a model may be right, and its scatter tell where the noise is
 larger.
@@ -116,7 +114,7 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     noise = replace(checked_noise(first.noise, told.variance, told.dof), memory=told.memory)
     if noise.source == "given":
         return replace(first, noise=noise)
-    return refit(model, data, noise, [first.theta], starts=STARTS_OF_A_ROUND)
+    return in_noise(first, noise)
 
 
 def likelihood_of_all(fitted: Refit) -> float:
@@ -180,13 +178,8 @@ def is_hardly_known(fitted: Refit) -> bool:
 def as_given(base: Refit) -> Refit:
     """The fit in units of the given standard deviations, though they were doubted."""
     assert base.data.mean.sd is not None, "only what was given can be doubted"
-    return refit(
-        base.model,
-        base.data,
-        Noise(base.data.mean.sd, inf, "given", memory=base.noise.memory),
-        [base.theta],
-        starts=STARTS_AGAIN,
-    )
+    given = Noise(base.data.mean.sd, inf, "given", memory=base.noise.memory)
+    return in_noise(base, given, STARTS_AGAIN)
 
 
 def borne_out(best: Refit) -> bool:
@@ -201,10 +194,10 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     first = refit(
         model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS
     )
-    usual = _in_rounds(model, data, first)
+    usual = _in_rounds(first)
     # What noise would nearly explain, of a law that the others allow, is no misfit yet.
     if _over(usual) > VERDICT.misfit and not np.all(telling(usual.frame())):
-        cautious = _in_rounds(model, data, first, cautious=True)
+        cautious = _in_rounds(first, cautious=True)
         if _over(cautious) <= NEARLY:
             usual = cautious
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
@@ -219,9 +212,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
-    return _in_rounds(
-        model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True
-    )
+    return _in_rounds(in_noise(first, shape), uneven=True)
 
 
 def _over(fitted: Refit) -> float:
@@ -241,37 +232,32 @@ def _misses_where_quiet(fitted: Refit, shape: Noise) -> bool:
     return bool(misfit > NEARLY**2 * told)
 
 
-def _in_rounds(
-    model: Model, data: Averaged, fitted: Refit, uneven: bool = False, cautious: bool = False
-) -> Refit:
+def _in_rounds(fitted: Refit, uneven: bool = False, cautious: bool = False) -> Refit:
     """The fit in units of a noise that is estimated about it, in turns; see `_shapes`."""
-    free, inside = fitted, np.ones(len(data.mean), dtype=bool)
+    free, data = fitted, fitted.data
+    inside = np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
         tried = [
-            _scaled(model, data, shape, fitted)
-            for shape in _shapes(free, data.mean, inside, uneven, cautious)
+            _scaled(fitted, shape) for shape in _shapes(free, data.mean, inside, uneven, cautious)
         ]
         fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
     return fitted
 
 
-def _scaled(
-    model: Model, data: Averaged, shape: Noise, before: Refit
-) -> tuple[Refit, Refit, NDArray[np.bool_]]:
+def _scaled(before: Refit, shape: Noise) -> tuple[Refit, Refit, NDArray[np.bool_]]:
     """The fit in units of a noise of this shape and of the size that the scatter gives it.
 
     See `undragged`.
     """
-    shaped = refit(model, data, shape, [before.theta], starts=STARTS_OF_A_ROUND)
+    shaped = in_noise(before, shape)
     # The shape first and then its size: what stands out is told beside a fit in units of the right
     # shape.
     free, inside = undragged(shaped)
     variance, dof, memory = scatter_about(free.frame())
     noise = replace(shape.scaled(float(np.sqrt(variance))), dof=dof, memory=memory)
-    noise = noise.at_least_rounding(data.mean)
     # Of all points again: those that stand out are left out of the noise, not of the data.
-    return refit(model, data, noise, [shaped.theta], starts=STARTS_OF_A_ROUND), free, inside
+    return in_noise(shaped, noise.at_least_rounding(before.data.mean)), free, inside
 
 
 def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
@@ -328,7 +314,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     other_axes = (noise.along is None) != (base.noise.along is None) and not beyond_floor(best)
     if not sharper and not other_axes:
         return None
-    return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
+    return in_noise(base, noise, STARTS_AGAIN)
 
 
 def _shapes(
@@ -499,7 +485,7 @@ def remembered(base: Refit, gain: float) -> Refit | None:
     if base.noise.source == "estimated":
         size = float(np.sqrt(found.new @ found.new / found.free))
         noise = replace(noise.scaled(size), dof=worth_of(found.memory**2) * found.free)
-    return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
+    return in_noise(base, noise, STARTS_AGAIN)
 
 
 def remembering(
