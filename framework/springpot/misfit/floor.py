@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import comb, inf
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,9 +69,52 @@ LEAST_SPARE = 0.4
 Of nine points a free spectrum, a
 filter and a resonance follow the noise to a fiftieth of it."""
 
-Sums: TypeAlias = tuple[Real, Real]
-"""Of shapes (s, m, ...) over lines: of their products with columns (l, s, m, 2, c), and with one
-another (l, s, m, m, 2, 2)."""
+
+class Shapes(NamedTuple):
+    """Misfits of s shapes, each of m functions along the points that gain and phase may follow.
+
+    They are known by their products, summed over the points.
+
+    Attributes
+    ----------
+    along : ndarray, shape (s, m, 2, c)
+        With columns, of which the first is the residual.
+    squares : ndarray, shape (s, m, 2, m, 2)
+        With one another.
+    """
+
+    along: Real
+    squares: Real
+
+    @classmethod
+    def of_sweeps(cls, along: Real, squares: Real) -> Shapes:
+        """Shapes of another size in each of l sweeps: so many times as many functions.
+
+        By the sums over each sweep, (l, s, m, 2, c + 2) and (l, s, m, m, 2, 2); the last columns
+        are gain and phase.
+        """
+        apart = np.einsum("lk,lsmtab->slmaktb", np.eye(len(squares)), squares)
+        s, lines, m = apart.shape[:3]
+        inner = np.moveaxis(along[..., :-2], 0, 1).reshape(s, lines * m, 2, -1)
+        return cls(inner, apart.reshape(s, lines * m, 2, lines * m, 2))
+
+    def explained(self, of: slice) -> tuple[Real, NDArray[np.int64]]:
+        """Shares (s,) of the residual that gain, phase or both follow beside the other columns.
+
+        And by how many numbers each does.
+        """
+        along, squares = self.along[:, :, of], self.squares[:, :, of, :, of]
+        count = along.shape[1] * along.shape[2]
+        rest, beside = np.split(along.reshape(len(along), count, -1), [1], axis=2)
+        squares = squares.reshape(-1, count, count)
+        # Functions of one size, so that what is hardly seen of one is told by a share.
+        size = np.sqrt(np.maximum(np.einsum("sqq->sq", squares), SMALLEST))[:, :, None]
+        rest, beside, squares = rest / size, beside / size, squares / size / size.transpose(0, 2, 1)
+        # The residual has no part in the other columns: only the functions lose what these follow.
+        sizes, ways = np.linalg.eigh(squares - beside @ beside.transpose(0, 2, 1))
+        seen = sizes > LEAST_SEEN**2
+        told = np.einsum("sqk,sq->sk", ways, rest[:, :, 0]) ** 2
+        return np.sum(told / np.where(seen, sizes, np.inf), axis=1), np.sum(seen, axis=1)
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -526,36 +569,21 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
     columns = np.column_stack([rest / max(float(np.linalg.norm(rest)), SMALLEST), followed, faults])
     products = (faults[:, :, None] * columns[:, None, :]).reshape(2, -1, 2, columns.shape[1])
     best = 0.0
-    for sums, squares in _misfits(frame.measurement, products.sum(axis=0)):
+    gain, phase, both = slice(0, 1), slice(1, 2), slice(0, 2)
+    for shapes in _misfits(frame.measurement, products.sum(axis=0)):
         # As noise itself is told, beside what leaves enough of it.
-        if free - 2 * sums.shape[1] < REPEATS.enough:
+        if free - 2 * shapes.along.shape[1] < REPEATS.enough:
             continue
-        tried += len(sums)
-        for part in (slice(0, 1), slice(1, 2), slice(0, 2)):
-            explained, ranks = _explained(sums[:, :, part], squares[:, :, part, :, part])
+        tried += len(shapes.along)
+        for part in (gain, phase, both):
+            explained, ranks = shapes.explained(part)
             gains = -free * np.log(np.maximum(1.0 - explained, SMALLEST)) - ranks * np.log(free)
             best = max(best, float(np.max(gains)))
     return best - 2.0 * float(np.log(max(tried, 1)))
 
 
-def _explained(sums: Real, squares: Real) -> tuple[Real, NDArray[np.int64]]:
-    """Shares (s,) of the first of some columns that shapes follow beside the others, and ranks.
-
-    By their products with the columns (s, m, f, c), and with one another (s, m, f, m, f).
-    """
-    count = sums.shape[1] * sums.shape[2]
-    along, beside = np.split(sums.reshape(len(sums), count, -1), [1], axis=2)
-    squares = squares.reshape(-1, count, count)
-    size = np.sqrt(np.maximum(np.einsum("sqq->sq", squares), SMALLEST))[:, :, None]
-    along, beside, squares = along / size, beside / size, squares / size / np.swapaxes(size, 1, 2)
-    sizes, ways = np.linalg.eigh(squares - beside @ np.swapaxes(beside, 1, 2))
-    seen = sizes > LEAST_SEEN**2
-    told = np.einsum("sqk,sq->sk", ways, along[:, :, 0]) ** 2
-    return np.sum(told / np.where(seen, sizes, np.inf), axis=1), np.sum(seen, axis=1)
-
-
-def _misfits(measurement: Measurement, products: Real) -> Iterator[Sums]:
-    """Shapes that a misfit may have: slow ones, humps and ripples of m functions along sweeps.
+def _misfits(measurement: Measurement, products: Real) -> Iterator[Shapes]:
+    """Shapes that a misfit may have: slow ones, humps and ripples along sweeps.
 
     Alike in all sweeps, or of another size in each; and those of a column that no effect knows.
 
@@ -563,13 +591,8 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[Sums]:
     ----------
     measurement : Measurement
         The data.
-    products : ndarray, shape (n, 2, c)
-        Gain and phase times some columns, of which gain and phase are the last two.
-
-    Yields
-    ------
-    tuple of ndarray, shape (s, m, 2, c - 2) and (s, m, 2, m, 2)
-        Sums over the shapes times these, and over the shapes times one another.
+    products : ndarray, shape (n, 2, c + 2)
+        Gain and phase at each point times some columns, of which these two are the last.
     """
     sweeps = sweeps_of(measurement)
     n, longest = len(measurement), max(len(rows) for rows, _ in sweeps)
@@ -584,34 +607,26 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[Sums]:
     slow = np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T
     for lines in (together, apart)[: len(sweeps)]:
         for degree in range(SMOOTH_DEGREE + 1):
-            yield _of_lines(*_summed(slow[None, : degree + 1, lines], products[lines]))
+            yield Shapes.of_sweeps(*_summed(slow[None, : degree + 1, lines], products[lines]))
         for sums in _along(x[lines], products[lines], longest):
-            yield _of_lines(*sums)
+            yield Shapes.of_sweeps(*sums)
     for number in settings_of(measurement).values():
         at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
         # At each value of a column a level, a slope or a bend.
         for degree in range(3):
             shapes = (slow[: degree + 1, None, :n] * at_each).reshape(1, -1, 1, n)
-            yield _of_lines(*_summed(shapes, products[together]))
+            yield Shapes.of_sweeps(*_summed(shapes, products[together]))
 
 
-def _of_lines(sums: Real, squares: Real) -> Sums:
-    """Of shapes that are of another size in each of l lines: so many times as many functions."""
-    apart = np.einsum("lk,lsmtab->slmaktb", np.eye(len(squares)), squares)
-    s, lines, m = apart.shape[:3]
-    inner = np.moveaxis(sums[..., :-2], 0, 1).reshape(s, lines * m, 2, -1)
-    return inner, apart.reshape(s, lines * m, 2, lines * m, 2)
-
-
-def _summed(shapes: Real, products: Real) -> Sums:
-    """Of a few shapes (s, m, l, j), with products (l, j, 2, c)."""
+def _summed(shapes: Real, products: Real) -> tuple[Real, Real]:
+    """What `Shapes.of_sweeps` takes, of a few shapes (s, m, l, j); products (l, j, 2, c + 2)."""
     sums = np.einsum("smlj,ljac->lsmac", shapes, products, optimize=True)
     pairs = shapes[:, :, None] * shapes[:, None]
     return sums, np.einsum("smtlj,ljab->lsmtab", pairs, products[..., -2:], optimize=True)
 
 
-def _along(x: Real, products: Real, longest: int) -> Iterator[Sums]:
-    """Of half waves and humps at places (l, j), with products (l, j, 2, c), by one transform."""
+def _along(x: Real, products: Real, longest: int) -> Iterator[tuple[Real, Real]]:
+    """The same of half waves and of humps at places (l, j), all of them by one transform."""
     # Cells a quarter as wide as the points are apart, and as many again thrice behind a sweep.
     cells = 4 * max(longest - 1, 1)
     lines = np.zeros((len(x), cells + 1, *products.shape[2:]))
