@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from springpot.misfit.floor import Shapes, _along
+from springpot.misfit.floor import MisfitShapes, _along
 
 
 def test_one_transform_sums_all_waves_and_humps():
@@ -34,7 +34,9 @@ def test_a_shape_that_is_followed_explains_nothing():
     other = rng.normal(size=40)
     both = np.stack([shape, other], axis=1)
     columns = np.column_stack([rest / np.linalg.norm(rest), known])
-    shapes = Shapes((both.T @ columns)[None, :, None, :], (both.T @ both)[None, :, None, :, None])
+    shapes = MisfitShapes(
+        (both.T @ columns)[None, :, None, :], (both.T @ both)[None, :, None, :, None]
+    )
     share, ranks = shapes.explained(slice(None))
     left = other - known * (known @ other)
     assert ranks.tolist() == [1]

@@ -70,7 +70,7 @@ Of nine points a free spectrum, a
 filter and a resonance follow the noise to a fiftieth of it."""
 
 
-class Shapes(NamedTuple):
+class MisfitShapes(NamedTuple):
     """Misfits of s shapes, each of m functions along the points that gain and phase may follow.
 
     They are known by their products, summed over the points.
@@ -87,8 +87,8 @@ class Shapes(NamedTuple):
     squares: Real
 
     @classmethod
-    def of_sweeps(cls, along: Real, squares: Real) -> Shapes:
-        """Shapes of another size in each of l sweeps: so many times as many functions.
+    def of_sweeps(cls, along: Real, squares: Real) -> MisfitShapes:
+        """MisfitShapes of another size in each of l sweeps: so many times as many functions.
 
         By the sums over each sweep, (l, s, m, 2, c + 2) and (l, s, m, m, 2, 2); the last columns
         are gain and phase.
@@ -582,8 +582,8 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
     return best - 2.0 * float(np.log(max(tried, 1)))
 
 
-def _misfits(measurement: Measurement, products: Real) -> Iterator[Shapes]:
-    """Shapes that a misfit may have: slow ones, humps and ripples along sweeps.
+def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]:
+    """MisfitShapes that a misfit may have: slow ones, humps and ripples along sweeps.
 
     Alike in all sweeps, or of another size in each; and those of a column that no effect knows.
 
@@ -607,19 +607,19 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[Shapes]:
     slow = np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T
     for lines in (together, apart)[: len(sweeps)]:
         for degree in range(SMOOTH_DEGREE + 1):
-            yield Shapes.of_sweeps(*_summed(slow[None, : degree + 1, lines], products[lines]))
+            yield MisfitShapes.of_sweeps(*_summed(slow[None, : degree + 1, lines], products[lines]))
         for sums in _along(x[lines], products[lines], longest):
-            yield Shapes.of_sweeps(*sums)
+            yield MisfitShapes.of_sweeps(*sums)
     for number in settings_of(measurement).values():
         at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
         # At each value of a column a level, a slope or a bend.
         for degree in range(3):
             shapes = (slow[: degree + 1, None, :n] * at_each).reshape(1, -1, 1, n)
-            yield Shapes.of_sweeps(*_summed(shapes, products[together]))
+            yield MisfitShapes.of_sweeps(*_summed(shapes, products[together]))
 
 
 def _summed(shapes: Real, products: Real) -> tuple[Real, Real]:
-    """What `Shapes.of_sweeps` takes, of a few shapes (s, m, l, j); products (l, j, 2, c + 2)."""
+    """What `MisfitShapes.of_sweeps` takes, of a few shapes (s, m, l, j); products (l, j, 2, c + 2)."""
     sums = np.einsum("smlj,ljac->lsmac", shapes, products, optimize=True)
     pairs = shapes[:, :, None] * shapes[:, None]
     return sums, np.einsum("smtlj,ljab->lsmtab", pairs, products[..., -2:], optimize=True)
