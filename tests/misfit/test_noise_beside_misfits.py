@@ -37,7 +37,7 @@ def test_a_shape_that_is_followed_explains_nothing():
     shapes = MisfitShapes(
         (both.T @ columns)[None, :, None, :], (both.T @ both)[None, :, None, :, None]
     )
-    share, ranks = shapes.explained(slice(None))
+    share, ranks = MisfitShapes(along, squares).explained(slice(None))
     left = other - known * (known @ other)
     assert ranks.tolist() == [1]
     np.testing.assert_allclose(share, (left @ rest) ** 2 / (left @ left) / (rest @ rest))

@@ -619,7 +619,7 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]
 
 
 def _summed(shapes: Real, products: Real) -> tuple[Real, Real]:
-    """What `MisfitShapes.of_sweeps` takes, of a few shapes (s, m, l, j); products (l, j, 2, c + 2)."""
+    """What `of_sweeps` takes, of a few shapes (s, m, l, j); products (l, j, 2, c + 2)."""
     sums = np.einsum("smlj,ljac->lsmac", shapes, products, optimize=True)
     pairs = shapes[:, :, None] * shapes[:, None]
     return sums, np.einsum("smtlj,ljab->lsmtab", pairs, products[..., -2:], optimize=True)
