@@ -34,9 +34,7 @@ def test_a_shape_that_is_followed_explains_nothing():
     other = rng.normal(size=40)
     both = np.stack([shape, other], axis=1)
     columns = np.column_stack([rest / np.linalg.norm(rest), known])
-    shapes = MisfitShapes(
-        (both.T @ columns)[None, :, None, :], (both.T @ both)[None, :, None, :, None]
-    )
+    along, squares = (both.T @ columns)[None, :, None], (both.T @ both)[None, :, None, :, None]
     share, ranks = MisfitShapes(along, squares).explained(slice(None))
     left = other - known * (known @ other)
     assert ranks.tolist() == [1]
