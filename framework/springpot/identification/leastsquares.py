@@ -16,15 +16,13 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, ROUNDING, SMALLEST
+from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING, SMALLEST
 from .normal import Equations, Whole
 
 Rows: TypeAlias = NDArray[np.intp]
 Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
 
 START_DAMPING = 1e-2
-LEAST_DAMPING = 1e-13
-"""Damping that is left in the end, so that a singular matrix still has an inverse."""
 SHRINK = 0.05
 """Strongest reduction of the damping after a step that did as foretold."""
 FLAT = 1e-13
@@ -303,7 +301,8 @@ def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
     miss = 2.0 * ratio - 1.0
     trust = np.maximum(1.0 - miss * miss * miss, SHRINK)
     damping = state.damping * np.where(better, trust, state.growth)
-    state.damping = np.maximum(damping, LEAST_DAMPING)
+    # Some is left in the end, so that a singular matrix still has an inverse.
+    state.damping = np.maximum(damping, ROUNDING)
     state.growth = np.where(better, 2.0, 2.0 * state.growth)
 
 
@@ -342,10 +341,6 @@ def _done_teams(
     return settled
 
 
-SHORTEST = 1e-7
-"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
-
-
 @dataclass(frozen=True, eq=False)
 class Trial:
     """The best spectrum at given parameters of the effects."""
@@ -382,7 +377,7 @@ class Way:
         """Take the next step in view, and tell whether it is one."""
         # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
         self.ahead = np.clip(self.trial.u + _damped_step(*self.slopes, self.damping), low, high)
-        self.at_rest = bool(np.max(np.abs(self.ahead - self.trial.u)) < SHORTEST)
+        self.at_rest = bool(np.max(np.abs(self.ahead - self.trial.u)) < NEGLIGIBLE)
         return not self.at_rest
 
     def take(self, other: Trial, still: float) -> None:

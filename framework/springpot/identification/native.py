@@ -49,8 +49,6 @@ SCANNED, NEAR = 1e-4, 1e-6
 
 There a step of Gauss and Newton is right.
 """
-POLISHED = 3
-"""Shapes that go on to the search in all parameters."""
 
 
 @dataclass(frozen=True)
@@ -350,7 +348,8 @@ def _search(
     # Descents that stop that far above their end agree as the quick ones do; else all would go on
     # to the last step.
     valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES), alike=alike)
-    keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
+    # As many as must agree go on to the search in all parameters.
+    keen = valley.u[np.argsort(valley.cost)[:AGREE]]
     near_ends = np.concatenate([task.full(keen[None])[0], best])[None]
     last = task.solve(near_ends, damping=NEAR, flat=effort.negligible, alike=alike)
     return last, evaluations + valley.evaluations + last.evaluations
