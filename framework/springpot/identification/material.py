@@ -313,16 +313,13 @@ class SpectrumSearch:
             each = network.respond(theta, self.points, GRADIENT)
         return each.value, each.by_theta
 
-    def solve(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
-        """The best spectrum for the effects' `u`; of infinite cost where K is no number.
-
-        The weights of a trial nearby, if it has the same lines, are a start.
-        """
-        [best] = self.solve_each([self.begun(u, log_rates, near)])
+    def solve(self, u: Real, log_rates: Real | None = None) -> Trial:
+        """The best spectrum for the effects' `u`; of infinite cost where K is no number."""
+        [best] = self.solve_each([self.begun(u, log_rates)])
         return best
 
     def begun(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
-        """What `solve` begins with."""
+        """What `solve_each` begins with: weights of a trial nearby, if it has the same lines."""
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
@@ -386,20 +383,10 @@ class SpectrumSearch:
         return not self.linear
 
     def descend(
-        self,
-        trial: Trial,
-        iterations: int = MOST_STEPS,
-        still: float = STILL,
-        hopeless: float = np.inf,
-        lines: Real | None = None,
+        self, trial: Trial, iterations: int = MOST_STEPS, lines: Real | None = None
     ) -> tuple[Trial, bool]:
-        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest.
-
-        Ended where it is hopeless.
-
-        The spectrum has the given lines, by default those of the first lattice.
-        """
-        [end] = self.descend_each([trial], iterations, still, hopeless, lines)
+        """`descend_each` from one trial."""
+        [end] = self.descend_each([trial], iterations, lines=lines)
         return end
 
     def descend_each(
@@ -410,7 +397,11 @@ class SpectrumSearch:
         hopeless: float = np.inf,
         lines: Real | None = None,
     ) -> list[tuple[Trial, bool]]:
-        """The same from several trials, side by side."""
+        """Levenberg-Marquardt on the effects' parameters from several trials, side by side.
+
+        Where each ended, and whether it came to rest; ended early where it is hopeless. The
+        spectrum has the given lines, by default those of the first lattice.
+        """
         ways = [Way(trial) for trial in trials]
         going = [way for way in ways if len(way.trial.u) and np.isfinite(way.trial.cost)]
         self._turn(going)
