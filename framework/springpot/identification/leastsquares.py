@@ -78,6 +78,27 @@ class Solution:
         return int(np.argmin(np.where(alike, self.cost, np.inf)))
 
 
+@dataclass(frozen=True)
+class Effort:
+    """How far a fit goes.
+
+    Attributes
+    ----------
+    negligible : float
+        Share of the objective that is not worth a further step.
+    hopeless : float
+        Objective above which the model is of no interest: what the first steps leave above it is
+        not searched further.
+    """
+
+    negligible: float = FLAT
+    hopeless: float = np.inf
+
+    def of_part(self, share: float) -> Effort:
+        """The same for a share of the points."""
+        return Effort(self.negligible, self.hopeless * share)
+
+
 @dataclass
 class _State:
     """The rows still at work."""
@@ -117,23 +138,6 @@ class _Rules:
     flat: float
     alike: float
     equations: Equations
-
-    @classmethod
-    def of(
-        cls,
-        u0: Real,
-        lower: Real,
-        upper: Real,
-        floor: Real | float,
-        team: Rows | None,
-        flat: float,
-        alike: float,
-        equations: Equations,
-    ) -> _Rules:
-        """The rules with one box and one floor for each row of `u0`."""
-        floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
-        boxes = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
-        return cls(*boxes, floors, team, flat, alike, equations)
 
     def of_rows(self, rows: Rows) -> _Rules:
         """Those of the rows still at work."""
@@ -208,7 +212,9 @@ def levenberg_marquardt(
     array([[1.414214],
            [1.414214]])
     """
-    rules = _Rules.of(u0, lower, upper, floor, team, flat, alike, equations)
+    box = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
+    floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
+    rules = _Rules(*box, floors, team, flat, alike, equations)
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted
     # for it.
     with np.errstate(all="ignore"):

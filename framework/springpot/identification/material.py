@@ -11,7 +11,7 @@ lines that carry weight.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 
@@ -105,31 +105,6 @@ def surprise_slopes(expected: Real, own: Real, by_u: Real) -> Real:
     """Slopes (r, p) of these departures, from those (q, p) of the parameters."""
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ (by_u[known] / own[known, None]), dtype=np.float64)
-
-
-@dataclass(frozen=True, eq=False)
-class Spectral:
-    """A material with effects at fitted parameters.
-
-    Attributes
-    ----------
-    model : Model
-        With the lines that carry weight.
-    theta : ndarray, shape (p,)
-        K_e, c, the weights of the lines, and the effects' parameters.
-    cost : float
-        Sum of squared weighted residuals.
-    evaluations : int
-        Evaluations spent.
-    converged : bool
-        Whether the last step changed nothing.
-    """
-
-    model: Model
-    theta: Real
-    cost: float
-    evaluations: int
-    converged: bool
 
 
 class SpectrumSearch:
@@ -531,8 +506,8 @@ class SpectrumSearch:
             trial = self.solve(trial.u, np.sort(trial.log_rates[strongest]))
         return trial
 
-    def result(self, trial: Trial, converged: bool) -> Spectral:
-        """The fitted model with the lines that carry weight."""
+    def result(self, trial: Trial) -> tuple[Model, Real, float]:
+        """The model with the lines that carry weight, its parameters (p,) and the objective."""
         trial = self.affordable(trial)
         # Lines without weight are no parameters: they would have intervals, and cost degrees of
         # freedom.
@@ -542,7 +517,7 @@ class SpectrumSearch:
         surprise = self.surprise(trial.u)
         # What was expected guides the search; the objective that is told is that of the data.
         cost = trial.cost - float(surprise @ surprise)
-        return Spectral(model, theta, cost, self.evaluations, converged)
+        return model, theta, cost
 
 
 def shifted_by(model: Model) -> str:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +29,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 
-from .leastsquares import Trial
-from .material import STILL, Spectral, SpectrumSearch
+from .fitted import Fit
+from .leastsquares import Effort, Trial
+from .material import STILL, SpectrumSearch
 from .problem import Objective, relative_objective
+from .space import Expected
 from .starts import Window, settings, thinned
 
 NEAR = 0.02
@@ -325,18 +328,16 @@ def fit_spectrum(
     measurement: Measurement,
     objective: Objective,
     seeds_theta: Sequence[Real] = (),
-    starts: int = 8,
-    *,
-    still: float = STILL,
-    hopeless: float = np.inf,
-    expected: Real | None = None,
-) -> Spectral:
+    starts: int = STARTS,
+    effort: Effort | None = None,
+    expected: Expected | None = None,
+) -> Fit:
     """Fit a material, and the effects around it, to a measurement.
 
     Parameters
     ----------
     model : Model
-        Its material is a `Continuum`.
+        Its material is a `Continuum`; the fitted one has the lines that carry weight.
     measurement : Measurement
         The data.
     objective : Objective
@@ -346,30 +347,49 @@ def fit_spectrum(
     starts : int
         How many starts read off the data settings of the effects' parameters stand for; 0 where
         the seeds are to be the only ones.
-    still : float
-        Relative drop of the objective below which a descent ends.
-    hopeless : float
-        Objective above which a descent ends after its first steps.
-    expected : ndarray, shape (r, q), optional
-        What is known of the effects' q parameters beforehand: the squares of these rows times their
+    effort : Effort, optional
+        How far it goes.
+    expected : Expected, optional
+        What is known of the effects' parameters beforehand: the squares of its rows times their
         logarithms are added to the objective (Tikhonov's regularisation).
     """
-    search = coarse = SpectrumSearch.of(model, measurement, objective, expected)
-    # A material alone is a convex problem: nothing is searched but its lines.
-    if not search.own:
-        return search.result(search.refined(search.solve(np.zeros(0))), True)
-    rows = thinned(measurement.points.log_omega, COARSE_POINTS)
+    began = perf_counter()
+    weighted = None if expected is None else expected.weighted
+    search = SpectrumSearch.of(model, measurement, objective, weighted)
+    if search.own:
+        count = len(search.own)
+        seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
+        best, converged = _with_effects(
+            search, measurement, objective, seeds, starts, effort or Effort()
+        )
+    else:
+        # A material alone is a convex problem: nothing is searched but its lines.
+        best, converged = search.refined(search.solve(np.zeros(0))), True
+    found, theta, cost = search.result(best)
+    spent, seconds = search.evaluations, perf_counter() - began
+    return Fit(
+        found, measurement, objective, theta, cost, spent, converged, seconds, expected=expected
+    )
+
+
+def _with_effects(
+    search: SpectrumSearch,
+    measurement: Measurement,
+    objective: Objective,
+    seeds: Sequence[Real],
+    starts: int,
+    effort: Effort,
+) -> tuple[Trial, bool]:
+    """The best spectrum and effects' parameters, from seeds (q,) of these; whether at rest."""
+    rows, coarse = thinned(measurement.points.log_omega, COARSE_POINTS), search
     part = len(rows) / len(measurement)
     if len(rows) < len(measurement):
-        if expected is not None:
-            # What is expected weighs against the points: of fewer points as much less.
-            expected = np.sqrt(part) * expected
+        # What is expected weighs against the points: of fewer points as much less.
+        expected = np.sqrt(part) * search.expected
         turn = None if search.turn is None else search.turn[rows]
         coarse = SpectrumSearch(
-            model, measurement.subset(rows), search.weights[rows], expected, turn
+            search.model, measurement.subset(rows), search.weights[rows], expected, turn
         )
-    count = len(search.own)
-    seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
     settings_of_each = 0
     if not seeds:
         settings_of_each = SETTINGS * STARTS
@@ -380,19 +400,20 @@ def fit_spectrum(
     places = [seeds]
     if settings_of_each:
         tried = list(_settings(search, measurement, settings_of_each))
-        places += [tried, laid_over(model, measurement, tried[0])]
-    best, converged = _deepest(coarse, places, still, hopeless * part)
+        places += [tried, laid_over(search.model, measurement, tried[0])]
+    still = max(STILL, effort.negligible)
+    best, converged = _deepest(coarse, places, still, effort.hopeless * part)
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
     # Closer lines make no rival of what is hopeless.
-    best = _on_closer_lines(search, best) if best.cost <= hopeless else best
-    if settings_of_each and expected is None:
+    best = _on_closer_lines(search, best) if best.cost <= effort.hopeless else best
+    if settings_of_each and not len(search.expected):
         ends = _on_laws(search, measurement, objective)
         ends = [_on_closer_lines(search, end) for end in ends if end.cost < best.cost]
         best = min(ends, key=lambda each: each.cost, default=best)
-    return search.result(best, converged)
+    return best, converged
 
 
 def _deepest(
@@ -477,7 +498,7 @@ def _on_laws(search: SpectrumSearch, measurement: Measurement, objective: Object
     return ends
 
 
-def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Spectral) -> Trial:
+def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Fit) -> Trial:
     """A fitted law as free factors, with its lines."""
     points, levels = search.points, free.element
     assert isinstance(levels, Levels)

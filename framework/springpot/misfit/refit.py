@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.fitted import Fit
+from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material, own_parameters
-from springpot.identification.native import Effort, fit
+from springpot.identification.native import fit
 from springpot.identification.problem import Objective, weighted
 from springpot.identification.searching import searched
 from springpot.identification.uncertainty import Uncertainty, uses_sd
