@@ -245,7 +245,7 @@ def _creep(along: Real) -> Real:
 def _settling(frame: NoiseFrame, order: Real) -> Iterator[Unknown]:
     """A gain or a phase that settles exponentially from row to row, as a rig that warms up does."""
     x = order / len(order)
-    curves = np.exp(-x / SETTLING_TIMES[:, None])
+    curves: Complex = np.exp(-x / SETTLING_TIMES[:, None]).astype(complex)
     for factor, word in ((1.0, "gain"), (1.0j, "phase")):
         yield Unknown(f"a {word} that settles {ROW_BY_ROW}", _each_alone(frame, factor * curves), 1)
 
