@@ -25,11 +25,12 @@ from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_spec
 from springpot.timetests.specimen import reference_of
 from springpot.writing import DIGITS as OF_RESIDUALS
 
-from ..canvas import SMOOTH
 from .scene import MOST_ON_CURVES, MOST_POINTS, PageScene, rounded
 
 PLANE = "signal"
 """The one plane of residuals: what was measured less what was computed."""
+SMOOTH = 120
+"""Points of the curve of a test after a step."""
 
 
 @dataclass(frozen=True, eq=False)
