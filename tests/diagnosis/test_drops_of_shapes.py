@@ -6,6 +6,7 @@ import pytest
 from springpot.diagnosis.marginal import (
     DRIFT_DEGREE,
     LEAST_SEEN,
+    SETTLING_TIMES,
     _creep,
     _each_alone,
     _settling,
@@ -13,7 +14,6 @@ from springpot.diagnosis.marginal import (
 )
 from springpot.diagnosis.scan import PARALLEL, _joint_gain
 from springpot.measurement import Measurement
-from springpot.measurement.replicates import SETTLING_TIMES
 from springpot.misfit.frame import NoiseFrame
 
 

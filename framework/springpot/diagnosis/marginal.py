@@ -19,7 +19,6 @@ from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.independence import distinct_log_omega, telling
 from springpot.measurement.measurement import CONDITIONS
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.replicates import SETTLING_TIMES
 from springpot.misfit.frame import (
     DRIFT_DEGREE,
     LEAST_SEEN,
@@ -40,6 +39,11 @@ ROW_BY_ROW = "from row to row"
 """How the kinds are called that follow the order of the rows."""
 CHAIN = "the measuring chain rather than the material"
 """To what a gain or a phase points that no material has."""
+SETTLING_TIMES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
+"""Times, in durations of the measurement, in which a rig may settle.
+
+Slower ones are a straight line.
+"""
 MOST_STEPS = 200
 """Places at which a step is sought at most, evenly over the measured frequencies."""
 PLACES = 9
@@ -245,7 +249,7 @@ def _creep(along: Real) -> Real:
 def _settling(frame: NoiseFrame, order: Real) -> Iterator[Unknown]:
     """A gain or a phase that settles exponentially from row to row, as a rig that warms up does."""
     x = order / len(order)
-    curves: Complex = np.exp(-x / SETTLING_TIMES[:, None]).astype(complex)
+    curves = np.exp(-x / np.array(SETTLING_TIMES)[:, None])
     for factor, word in ((1.0, "gain"), (1.0j, "phase")):
         yield Unknown(f"a {word} that settles {ROW_BY_ROW}", _each_alone(frame, factor * curves), 1)
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +28,9 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 
-from .fitted import Fit
 from .leastsquares import Effort, Trial
 from .material import STILL, SpectrumSearch
 from .problem import Objective, relative_objective
-from .space import Expected
 from .starts import Window, settings, thinned
 
 NEAR = 0.02
@@ -330,14 +327,14 @@ def fit_spectrum(
     seeds_theta: Sequence[Real] = (),
     starts: int = STARTS,
     effort: Effort | None = None,
-    expected: Expected | None = None,
-) -> Fit:
-    """Fit a material, and the effects around it, to a measurement.
+    expected: Real | None = None,
+) -> tuple[SpectrumSearch, Trial, bool]:
+    """The best end of a search for a material and the effects around it; whether it is at rest.
 
     Parameters
     ----------
     model : Model
-        Its material is a `Continuum`; the fitted one has the lines that carry weight.
+        Its material is a `Continuum`.
     measurement : Measurement
         The data.
     objective : Objective
@@ -349,27 +346,18 @@ def fit_spectrum(
         the seeds are to be the only ones.
     effort : Effort, optional
         How far it goes.
-    expected : Expected, optional
-        What is known of the effects' parameters beforehand: the squares of its rows times their
+    expected : ndarray, shape (r, q), optional
+        What is known of the effects' q parameters beforehand: the squares of these rows times their
         logarithms are added to the objective (Tikhonov's regularisation).
     """
-    began = perf_counter()
-    weighted = None if expected is None else expected.weighted
-    search = SpectrumSearch.of(model, measurement, objective, weighted)
-    if search.own:
-        count = len(search.own)
-        seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
-        best, converged = _with_effects(
-            search, measurement, objective, seeds, starts, effort or Effort()
-        )
-    else:
-        # A material alone is a convex problem: nothing is searched but its lines.
-        best, converged = search.refined(search.solve(np.zeros(0))), True
-    found, theta, cost = search.result(best)
-    spent, seconds = search.evaluations, perf_counter() - began
-    return Fit(
-        found, measurement, objective, theta, cost, spent, converged, seconds, expected=expected
-    )
+    search = SpectrumSearch.of(model, measurement, objective, expected)
+    # A material alone is a convex problem: nothing is searched but its lines.
+    if not search.own:
+        return search, search.refined(search.solve(np.zeros(0))), True
+    count = len(search.own)
+    seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
+    effort = effort or Effort()
+    return search, *_with_effects(search, measurement, objective, seeds, starts, effort)
 
 
 def _with_effects(
@@ -493,16 +481,19 @@ def _on_laws(search: SpectrumSearch, measurement: Measurement, objective: Object
         lawful = replace(model, material=replace(material, rates=()), effects=effects)
         if 2 * len(measurement) <= len(lawful.parameters):
             continue
-        ended = fit_spectrum(lawful, measurement, objective)
-        ends.append(_as_factors(search, free[0], law, ended))
+        fitted, best, _ = fit_spectrum(lawful, measurement, objective)
+        ended, theta, _ = fitted.result(best)
+        ends.append(_as_factors(search, free[0], law, ended, theta))
     return ends
 
 
-def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Fit) -> Trial:
+def _as_factors(
+    search: SpectrumSearch, free: Effect, law: Effect, ended: Model, theta: Real
+) -> Trial:
     """A fitted law as free factors, with its lines."""
     points, levels = search.points, free.element
     assert isinstance(levels, Levels)
-    known = ended.model.named(ended.theta)
+    known = ended.named(theta)
     constants = np.array([known[f"{law.name}.{p.name}"] for p in law.element.parameters])
     number = levels_of(levels.column, points.need(levels.column))
     log_a = law.element.respond(constants, points).value.real
@@ -511,7 +502,7 @@ def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Fit) -
     factors = np.exp(log_a - at_reference)[list(levels.free)].tolist()
     names = [f"{free.name}.{parameter.name}" for parameter in levels.parameters]
     known |= dict(zip(names, factors, strict=True))
-    material = ended.model.material
+    material = ended.material
     assert isinstance(material, Continuum)
     # The curve is that of the level at which the factor is one.
     lines = np.log(np.array(material.rates)) - at_reference

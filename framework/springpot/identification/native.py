@@ -113,7 +113,15 @@ def fit(
     if objective is None:
         objective = default_objective(measurement)
     if is_material(model):
-        return fit_spectrum(model, measurement, objective, seeds_theta, starts, effort, expected)
+        known = None if expected is None else expected.weighted
+        search, end, converged = fit_spectrum(
+            model, measurement, objective, seeds_theta, starts, effort, known
+        )
+        model, theta, cost = search.result(end)
+        spent, seconds = search.evaluations, perf_counter() - began
+        return Fit(
+            model, measurement, objective, theta, cost, spent, converged, seconds, expected=expected
+        )
     # One data set is a batch of one: single fits and simulated ones by the thousand run through the
     # same code.
     task = task_of(model, measurement, objective)
