@@ -1,6 +1,7 @@
 """What can be done with an answer: each step has a command, and the error that it leaves."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,7 +68,7 @@ def test_effects_that_lower_the_error_are_offered_after_the_steps():
 
 
 def test_a_force_that_counts_the_other_way_is_turned():
-    t = np.linspace(0.0, 2.0, 200)
+    t = np.linspace(0.0, 2.0, 50)
     x = np.sin(2.0 * np.pi * t)
     force = -(3.0 * x + 2.0 * np.gradient(x, t))
     test = springpot.TimeTest.of_history(t, x, force, "mm", "N")
@@ -75,6 +76,9 @@ def test_a_force_that_counts_the_other_way_is_turned():
     assert spec == "FILE?force=-N"
     assert turning("my file?force=-N").command == "springpot diagnose 'my file?force=-N'"
     assert turned({}) == ""
+    opened = replace(test, provenance=sign_note(test, "force=-N"))
+    found = springpot.diagnose(opened, "kelvin", only=["inertia"])
+    assert found.says.startswith("the force seems to count the other way")
 
 
 def test_a_row_that_stands_out_is_left_out_by_its_number():
