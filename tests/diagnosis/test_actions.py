@@ -68,7 +68,7 @@ def test_effects_that_lower_the_error_are_offered_after_the_steps():
 
 
 def test_a_force_that_counts_the_other_way_is_turned():
-    t = np.linspace(0.0, 2.0, 50)
+    t = np.linspace(0.0, 2.0, 200)
     x = np.sin(2.0 * np.pi * t)
     force = -(3.0 * x + 2.0 * np.gradient(x, t))
     test = springpot.TimeTest.of_history(t, x, force, "mm", "N")
@@ -76,9 +76,14 @@ def test_a_force_that_counts_the_other_way_is_turned():
     assert spec == "FILE?force=-N"
     assert turning("my file?force=-N").command == "springpot diagnose 'my file?force=-N'"
     assert turned({}) == ""
-    opened = replace(test, provenance=sign_note(test, "force=-N"))
-    found = springpot.diagnose(opened, "kelvin", only=["inertia"])
-    assert found.says.startswith("the force seems to count the other way")
+
+
+def test_that_it_is_to_be_turned_is_said_first(apart):
+    assert apart.behind_a_sign() == apart
+    told = replace(apart, steps=(*apart.steps, turning("rig.csv?force=-N"))).behind_a_sign()
+    assert told.says.startswith("the force seems to count the other way")
+    assert told.says.endswith(f"; {apart.says}")
+    assert replace(apart, verdict="adequate", steps=told.steps).behind_a_sign().says == apart.says
 
 
 def test_a_row_that_stands_out_is_left_out_by_its_number():
