@@ -21,14 +21,14 @@ from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
 from springpot.misfit.error import times
 from springpot.misfit.floor import FEWEST_ABOUT_MODEL
-from springpot.misfit.material import effects_of, lowest_error
+from springpot.misfit.material import effects_of, lowest_error, material_floors
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
 
 from .fitting import identify
-from .floor import TimeFloor, material_floor, material_floors
+from .floor import TimeFloor, material_floor
 from .left import Left, delta_bic, independent, plain_bic
 from .native import DOUBTFUL
 from .residuals_of_tests import (
@@ -95,7 +95,7 @@ def compare(
     wider = max(1.0, best.squares(best.scatters) / independent(best.residuals, best.scatters))
     unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
     gains = [delta_bic(best, left, unit) for left in lefts]
-    floors = material_floors(fits)
+    floors = material_floors(fits, material_floor)
     judged = [
         judgement_of(
             fit,
@@ -238,7 +238,7 @@ def _of_sweep(identified: Identification) -> Standing | None:
 
 def _of_tests(identified: Identification) -> Standing:
     """The same of tests of which one at least is in time."""
-    judged = judgement_of(identified, 0.0, material_floor(identified))
+    judged = judgement_of(identified, 0.0, material_floor([identified]))
     error = judged.error
     good = not judged.fails
     lowest = error.material_floor
