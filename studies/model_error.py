@@ -127,6 +127,12 @@ study = Study(
     optimisers=["pso-paper", "native"],
     repetitions=10,
     budget=8020,
+    asks=(
+        "Is a model with too few parameters seen to be wrong, and one with too many harmless?",
+        "The error of eq. (44) at the optimum, and whether the peak of the loss is met.",
+        "An error well above that of the true model where parameters lack; none where there"
+        " are too many.",
+    ),
     finish=finish,
 )
 

@@ -254,6 +254,14 @@ study = Study(
     optimisers=["pso-paper", "native"],
     repetitions=3,
     budget=8020,
+    asks=(
+        "Which of the paper's models describes its kind of fluid within what its measurement"
+        " can tell?",
+        "The error in standard uncertainties at each temperature, and of all together with a"
+        " shift.",
+        "One of at most about one: as good as the data. Shift factors and constants beside"
+        " NIST's own.",
+    ),
     finish=finish,
 )
 

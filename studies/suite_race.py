@@ -1,9 +1,8 @@
-"""Forty-three optimisers, and the choice among them, on the sixty problems of springpot-60.
+"""Forty-five optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
-a trial of them costs are COBYQA, Py-BOBYQA, SHGO and NGOpt; NL-SHADE-RSP and LSRTDE had no name
-when they were raced. A trial ends at the target, beyond which
-nothing counts.
+a trial of them costs are COBYQA, Py-BOBYQA, SHGO and NGOpt. A trial ends at the target, beyond
+which nothing counts.
 """
 
 from __future__ import annotations
@@ -30,6 +29,7 @@ RIVALS = (
     *("optimagic-nlopt-ccsaq", "nlopt-direct-l", "scipy-direct"),
     *("nevergrad-tbpsa", "nevergrad-two-points-de", "nevergrad-one-plus-one"),
     *("pymoo-de", "pymoo-es", "pymoo-g3pcx", "pymoo-ga", "pymoo-pso"),
+    *("minion-nl-shade-rsp", "minion-lsrtde"),
 )
 PARTS = {
     "easy half": ("easy",),

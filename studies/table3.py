@@ -202,6 +202,13 @@ study = Study(
     optimisers=["pso-paper", "native"],
     repetitions=10,
     budget=8020,
+    asks=(
+        "Do the paper's conclusions on Makris' damper hold at the optimum?",
+        "Parameters and the error of eq. (44) of each model, on Makris' own model and on the"
+        " curve of the paper's fit.",
+        "The order of models by their errors is the paper's, and their parameters make other"
+        " models of four parameters than of three.",
+    ),
     finish=finish,
 )
 

@@ -137,6 +137,13 @@ study = Study(
     optimisers=["pso-paper", "native"],
     repetitions=5,
     budget=8020,
+    asks=(
+        "Do the three published fits of the silicone fluid agree, and which models can follow"
+        " them?",
+        "Differences of the published curves, and the error of eq. (44) of every model on"
+        " each of them.",
+        "Published curves that differ by less than models do that are fitted to them.",
+    ),
     finish=finish,
 )
 

@@ -140,6 +140,12 @@ study = Study(
     optimisers=["pso-paper", "native"],
     repetitions=5,
     budget=8020,
+    asks=(
+        "Are the parameters of the silicone fluid constant with the amplitude, as the paper says?",
+        "Relative changes of parameters and of curves over three amplitudes, beside what two"
+        " rows of the same points differ by.",
+        "Changes that are no larger than those between two rows of the same points.",
+    ),
     finish=finish,
 )
 

@@ -210,6 +210,12 @@ study = Study(
     optimisers=["pso-paper", "native"],
     repetitions=5,
     budget=8020,
+    asks=(
+        "Why do the Maxwell parameters drift with the range of frequencies?",
+        "Parameters over ever shorter ranges, of a fractional Maxwell fluid and of a measured one.",
+        "None in the first and the paper's drift in the second: the fluid is no fractional"
+        " Maxwell fluid.",
+    ),
     finish=finish,
 )
 

@@ -76,6 +76,7 @@ def test_a_study_is_named_like_its_script_and_says_what_it_shows(path):
     study = load_study(path)
     assert study.name == path.stem
     assert study.finish is not None
+    assert study.asks
     said = path.read_text(encoding="utf-8").split('"""')[1]
     assert f"springpot run studies/{path.name}" in said
     assert f"[{path.stem}" in (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")

@@ -347,10 +347,10 @@ def _search(
     v = task.shaped(np.concatenate([best, seeds]))
     if starts:
         v = np.concatenate([v, shapes[0]])
-    valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES))
-    keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
     # Descents that stop that far above their end agree as the quick ones do; else all would go on
     # to the last step.
+    valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES), alike=alike)
+    keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
     near_ends = np.concatenate([task.full(keen[None])[0], best])[None]
     last = task.solve(near_ends, damping=NEAR, flat=effort.negligible, alike=alike)
     return last, evaluations + valley.evaluations + last.evaluations

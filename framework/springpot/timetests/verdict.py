@@ -259,7 +259,7 @@ def answer_of(
     )
     fit = _going_on_from(base, tried, alike[:1])
     aside = slip.aside if slipped and weights[-1] > EVIDENCE.credible else None
-    return TimeCase(diagnosis, base, fit, tuple(tried), asked, aside)
+    return TimeCase(diagnosis.behind_a_sign(), base, fit, tuple(tried), asked, aside)
 
 
 def _over_one_noise(
