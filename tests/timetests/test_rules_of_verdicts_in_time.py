@@ -145,8 +145,8 @@ def test_what_each_test_by_itself_is_followed_better_by_is_not_all_that_is_missi
     assert verdict.facts_of(before, [joined(0.7)], False).left
     # Five parameters more follow that much of what is noise.
     assert not verdict.facts_of(before, [joined(0.95)], False).left
-    assert not verdict.parted(joined(0.7, tests=1))
-    assert not verdict.parted(joined(0.7, count=5))
+    assert not trying.parted(joined(0.7, tests=1))
+    assert not trying.parted(joined(0.7, count=5))
 
 
 def test_a_fault_of_the_apparatus_casts_no_doubt_by_what_a_specimen_would_need():

@@ -25,7 +25,6 @@ from springpot.diagnosis.result import (
     turning,
 )
 from springpot.diagnosis.verdict import Facts, rule_for
-from springpot.distributions import f_sf
 from springpot.errors import ModelError
 from springpot.identification.result import Identification
 from springpot.identification.uncertainty import correlation_of
@@ -50,6 +49,7 @@ from .left import (
     Promise,
     Tried,
     explains_as_well,
+    parted,
     without_limits,
 )
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
@@ -397,30 +397,6 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
         # An effect that helps and leaves more than noise is not all that is missing.
         left=plain and (tried[0].left.misfit or parted(tried[0])),
     )
-
-
-def parted(each: Tried) -> bool:
-    """Whether several tests, each by itself, are followed better than one specimen's chance lets.
-
-    One fit to all against one for each (Chow 1960, doi:10.2307/1910133): what bends the common
-    parameters stands in no record as more than noise, where few samples tell how large that is.
-    """
-    fit = each.fit
-    if fit is None or len(fit.tests) < 2:
-        return False
-    told = zip(each.left.scatters, each.left.residuals, fit.tests, strict=True)
-    counts, common, own = np.transpose(
-        [
-            (scatter.independent_squares(len(left)), test.over_floor**2, test.over_floor_alone**2)
-            for scatter, left, test in told
-        ]
-    )
-    more = len(fit.theta) * (len(fit.tests) - 1)
-    free, unexplained = float(np.sum(counts)) - more - len(fit.theta), float(counts @ own)
-    if free < 1.0 or unexplained == 0.0:
-        return False
-    ratio = float(counts @ (common - own)) / more / (unexplained / free)
-    return f_sf(ratio, more, free) < VERDICT.structure_alarm
 
 
 def where_missed(
