@@ -323,8 +323,10 @@ def answer(
         steps=tuple(_steps(measurement, search, evidence, verdict, outliers, cause)),
         quantities=_quantities(search, verdict),
     )
-    # A factor at each temperature would be another name for the time.
-    return diagnosis if course else _with_factors(diagnosis, search, evidence, library)
+    if not course:
+        # A factor at each temperature would be another name for the time.
+        diagnosis = _with_factors(diagnosis, search, evidence, library)
+    return diagnosis.behind_a_sign()
 
 
 def _quantities(search: Search, verdict: Verdict) -> Quantities | None:
