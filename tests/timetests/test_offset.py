@@ -80,3 +80,18 @@ def test_no_fixture_warms_within_some_samples(seed):
     assert found.leading[0] == "force-offset"
     rows = {row.effect: row for row in found.candidates}
     assert rows["thermal-force"].delta_bic < rows["force-offset"].delta_bic - 10.0
+
+
+def held(rise):
+    """A spring and dashpot stretched within `rise` seconds and held; a force of 5 N before."""
+    moved = 20.0 * np.minimum(TIME / rise, 1.0)
+    force = 5.0 + 0.3 * moved + 3.0 * (TIME < rise)
+    noise = np.random.default_rng(2).normal(0.0, 0.1, len(TIME))
+    return TimeTest.of_history(TIME, moved, force + noise, "mm", "N")
+
+
+@pytest.mark.parametrize(("rise", "offered"), [(0.1, 1), (TIME[1], 0)])
+def test_a_rise_that_was_recorded_tells_a_constant_from_a_spring(rise, offered):
+    test = held(rise)
+    assert test.kind == "relaxation"
+    assert len(at_tests(plugins().effect("force-offset"), [test])) == offered

@@ -116,13 +116,17 @@ def _begun(test: TimeTest) -> bool:
     return first > AT_ONCE * usual or abs(float(moved[0])) > AT_ONCE * float(np.abs(moved).max())
 
 
-def _cycled(test: TimeTest) -> bool:
-    """Whether the load came back.
+def _beside_a_spring(test: TimeTest) -> bool:
+    """Whether the load came back, or its rise was recorded over several samples.
 
     A constant beside what a step alone leaves would be a spring of another size, as long as no
     other test tells the spring.
     """
-    return test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
+    if test.kind == "history":
+        return bool(Record.of(test).cycles[-1] >= 1.0)
+    size = np.abs(test.loading.value)
+    below = np.count_nonzero(size < NEAR_TOP * size.max())
+    return bool(test.after_step and test.loading.sampled and below >= SEVERAL)
 
 
 def _level(test: TimeTest) -> bool:
@@ -169,7 +173,7 @@ EFFECTS = (
         "the force has a constant part: a preload, a gas charge, a weight, or the zero of the"
         " transducer",
         citation=ELEMENTARY,
-        applies_to=AppliesTo(("displacement",), alone=_cycled),
+        applies_to=AppliesTo(("displacement",), alone=_beside_a_spring),
         signature="the whole loop stands higher or lower, the same from the first sample to the"
         " last",
     ),
@@ -179,7 +183,7 @@ EFFECTS = (
         StageLaw(offset, (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"),)),
         "the displacement has a constant part: it is not counted from where the force vanishes",
         citation=ELEMENTARY,
-        applies_to=AppliesTo(("force",), alone=_cycled),
+        applies_to=AppliesTo(("force",), alone=_beside_a_spring),
         signature="the whole loop stands further on or back, the same from the first sample to the"
         " last",
     ),
