@@ -85,7 +85,7 @@ def test_no_fixture_warms_within_some_samples(seed):
 def held(rise):
     """A spring and dashpot stretched within `rise` seconds and held; a force of 5 N before."""
     moved = 20.0 * np.minimum(TIME / rise, 1.0)
-    force = 5.0 + 0.3 * moved + 3.0 * (TIME < rise)
+    force = 5.0 + 0.3 * moved + 3.0 * (rise > TIME)
     noise = np.random.default_rng(2).normal(0.0, 0.1, len(TIME))
     return TimeTest.of_history(TIME, moved, force + noise, "mm", "N")
 

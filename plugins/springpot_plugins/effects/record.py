@@ -122,11 +122,11 @@ def _beside_a_spring(test: TimeTest) -> bool:
     A constant beside what a step alone leaves would be a spring of another size, as long as no
     other test tells the spring.
     """
-    if test.kind == "history":
-        return bool(Record.of(test).cycles[-1] >= 1.0)
+    if test.kind not in ("relaxation", "creep"):
+        return test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
     size = np.abs(test.loading.value)
     below = np.count_nonzero(size < NEAR_TOP * size.max())
-    return bool(test.after_step and test.loading.sampled and below >= SEVERAL)
+    return test.loading.sampled and bool(below >= SEVERAL)
 
 
 def _level(test: TimeTest) -> bool:
