@@ -14,7 +14,7 @@ sys.path.insert(0, str(STUDIES))
 
 from hidden_effects_time.cases import OUTSIDE, Setting, drawn_case  # noqa: E402
 from hidden_effects_time.judge import DETECTED, NAMED, judged, library  # noqa: E402
-from hidden_effects_time.physics import creep, relaxation, to_history  # noqa: E402
+from hidden_effects_time.physics import creep, inverse, relaxation, to_history  # noqa: E402
 from hidden_effects_time.tables import figures, write_tables  # noqa: E402
 from springpot.registry import parse_model  # noqa: E402
 
@@ -85,6 +85,12 @@ def test_the_inversion_agrees_with_the_exact_response(name):
     assert to_history(at.stiffness, even, at.x)[1:] == pytest.approx(
         force[1:], abs=1e-5 * np.abs(force).max()
     )
+
+
+def test_the_inversion_follows_a_mass_that_rings_a_hundred_times():
+    time, slow, omega = np.geomspace(1e-3, 60.0, 200), 0.02, 10.0
+    rung = inverse(lambda s: 1.0 / s - (s + slow) / ((s + slow) ** 2 + omega**2), time)
+    assert rung == pytest.approx(1.0 - np.exp(-slow * time) * np.cos(omega * time), abs=1e-8)
 
 
 @pytest.mark.soak

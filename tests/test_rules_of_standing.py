@@ -96,6 +96,16 @@ def test_what_specimens_differ_by_is_not_called_noise(judged, monkeypatch):
     assert comparing.standing_of(fit()).says == ONLY_NOISE
 
 
+@pytest.mark.parametrize(("promise", "good"), [("3%,20mrad", True), ("0.3%,20mrad", False)])
+def test_a_fit_is_good_enough_within_what_the_instrument_promises(promise, good):
+    test = fitted().measurement
+    wavy = test.stiffness * (1.0 + 0.01 * np.cos(np.linspace(0.0, 9.0, 12)))
+    data = springpot.Measurement(test.omega, wavy, sd=np.full(12, 1e-4 * (1.0 + 1.0j)))
+    found = springpot.identify(data, "kelvin", accuracy=promise).standing
+    assert found.good_enough == good
+    assert found.says.startswith("within what the instrument promises") == good
+
+
 @pytest.mark.parametrize("fails", [True, False])
 def test_tests_in_time_stand_by_their_own_judgement(monkeypatch, fails):
     error = SimpleNamespace(noise_floor=0.01, noise_source="estimated", material_floor=0.02)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -152,7 +153,7 @@ def identify(
         Rows to leave out: ``"frequency=40..60"`` or ``["row=3", "temperature=20,frequency=1..2"]``.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``, or as the data set says: the intervals
-        hold it as an error that all tests have in common.
+        hold it as an error that all tests have in common, and a misfit within it is good enough.
 
     Returns
     -------
@@ -198,7 +199,7 @@ def identify(
         fit = _calibrated(fit, tests, search["objective"], promised)
     # Floors are judged by a room above identification, which must not know it: so its judge is
     # handed down.
-    return replace(fit, judge=timetests.standing_of)
+    return replace(fit, judge=partial(timetests.standing_of, promised=promised))
 
 
 def _calibrated(

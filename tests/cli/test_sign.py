@@ -30,6 +30,7 @@ def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_wa
     path = record(write, force, "my rig.csv")
     answer = springpot("diagnose", path, "--model", "kelvin")
     assert "the specimen gives work away, as if the force had the wrong sign" in answer.err
+    assert answer.out.splitlines()[1].startswith("the force seems to count the other way")
     command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
     assert command == ["diagnose", f"{path}?force=-N", "--model", "kelvin"]
     assert (
@@ -75,6 +76,7 @@ def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way
     answer = springpot("diagnose", damper, "--model", "maxwell", *FEW)
     assert answer.code == 0, answer.err
     assert "storage and loss are negative, as if the force had the wrong sign" in answer.err
+    assert answer.out.splitlines()[1].startswith("the force seems to count the other way")
     command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
     assert command[:2] == ["diagnose", f"{damper}?storage=-kN/m,loss=-kN/m"]
     assert "wrong sign" not in springpot("inspect", command[1]).out

@@ -1,6 +1,7 @@
 """What can be done with an answer: each step has a command, and the error that it leaves."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,6 +76,14 @@ def test_a_force_that_counts_the_other_way_is_turned():
     assert spec == "FILE?force=-N"
     assert turning("my file?force=-N").command == "springpot diagnose 'my file?force=-N'"
     assert turned({}) == ""
+
+
+def test_that_it_is_to_be_turned_is_said_first(apart):
+    assert apart.behind_a_sign() == apart
+    told = replace(apart, steps=(*apart.steps, turning("rig.csv?force=-N"))).behind_a_sign()
+    assert told.says.startswith("the force seems to count the other way")
+    assert told.says.endswith(f"; {apart.says}")
+    assert replace(apart, verdict="adequate", steps=told.steps).behind_a_sign().says == apart.says
 
 
 def test_a_row_that_stands_out_is_left_out_by_its_number():

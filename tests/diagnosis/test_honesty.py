@@ -160,7 +160,8 @@ def test_structure_outside_the_library_is_unexplained_and_shown(kind, known):
 
 
 # Where effects are tried and dropped again, as beside a fast ripple, a ladder costs ten diagnoses.
-@pytest.mark.parametrize("kind", [kind if kind == "notch" else soaked(kind) for kind in STRANGE])
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", STRANGE)
 def test_structure_outside_the_library_is_not_folded_into_the_model(kind):
     ladder = springpot.discover(
         measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6), KELVIN.name

@@ -383,7 +383,7 @@ def test_repeats_add_what_they_tell_of_the_noise():
 
 def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
     """Of one that was not fitted only what is foretold."""
-    monkeypatch.setattr(answer, "printed", lambda refit, believed: {"m": believed})
+    monkeypatch.setattr(answer, "parameters_of", lambda known, believed: {"m": believed})
     before = SimpleNamespace(error=0.08, rss=400.0, floor=0.01, log_evidence=-50.0)
     effect = SimpleNamespace(name="inertia", summary="a mass that moves along", own_of=dict)
     influence = SimpleNamespace(effect=effect)
@@ -395,7 +395,7 @@ def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
     assert row.predicted_error == pytest.approx(0.04)
     assert np.isnan([row.error_after, row.over_floor]).all()
     assert answer._predicted(before, -1.0) == 0.0
-    refit = SimpleNamespace(error=0.02, log_evidence=-20.0)
+    refit = SimpleNamespace(error=0.02, log_evidence=-20.0, known=None)
     grown_ = SimpleNamespace(refit=refit, predicted=25.0)
     row = answer._candidate(before, score, grown_, True)
     assert (row.delta_bic, row.error_after) == (60.0, 0.02)

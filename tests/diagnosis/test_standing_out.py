@@ -13,7 +13,7 @@ import springpot
 from soaked import soaked
 from springpot.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor, undragged
-from springpot.misfit.outliers import outlying
+from springpot.misfit.outliers import _chance, outlying
 
 MODEL = springpot.parse_model("fractional-kelvin")
 AT = design(40, 0.1, 50.0)
@@ -138,10 +138,10 @@ def test_what_lies_beside_a_bad_reading_tells_it_from_a_resonance():
     assert "nothing else is missing" in answer.says
 
 
-def with_bad_points(off, gain, phase, seed):
-    """A sweep of 60 points with noise in gain and phase, some of them off by a factor."""
-    at, rng = design(60), np.random.default_rng(seed)
-    factor = (1.0 + gain * rng.normal(size=60)) * np.exp(1j * phase * rng.normal(size=60))
+def with_bad_points(off, gain, phase, seed, points=60):
+    """A sweep with noise in gain and phase, some of its points off by a factor."""
+    at, rng = design(points), np.random.default_rng(seed)
+    factor = (1.0 + gain * rng.normal(size=points)) * np.exp(1j * phase * rng.normal(size=points))
     factor[list(off)] *= list(off.values())
     return Measurement(at.omega, exact(KELVIN, at) * factor)
 
@@ -149,6 +149,16 @@ def with_bad_points(off, gain, phase, seed):
 def test_two_bad_points_do_not_hide_each_other():
     data = with_bad_points({15: 0.86, 35: 1.14}, 0.014, 0.005, seed=0)
     assert outlying(fitted_to_floor(MODEL, data).frame()).tolist() == [15, 35]
+
+
+def test_two_bad_points_of_few_do_not_lengthen_the_tails_of_their_neighbours():
+    data = with_bad_points({4: 1.0 - 0.06j, 24: 0.94}, 0.003, 0.003, seed=0, points=30)
+    assert outlying(fitted_to_floor(MODEL, data).frame()).tolist() == [4, 24]
+
+
+def test_where_few_numbers_tell_the_scatter_more_is_chance():
+    others, off = np.linspace(0.1, 4.0, 12), np.array([24.0])
+    assert _chance(others, off, 2, dof=16.0) > 1e-4 > _chance(others, off, 2, dof=1e6)
 
 
 @pytest.mark.soak

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from springpot.misfit.floor import _along, _explained
+from springpot.misfit.floor import MisfitShapes, _along
 
 
 def test_one_transform_sums_all_waves_and_humps():
@@ -34,9 +34,8 @@ def test_a_shape_that_is_followed_explains_nothing():
     other = rng.normal(size=40)
     both = np.stack([shape, other], axis=1)
     columns = np.column_stack([rest / np.linalg.norm(rest), known])
-    share, ranks = _explained(
-        (both.T @ columns)[None, :, None, :], (both.T @ both)[None, :, None, :, None]
-    )
+    along, squares = (both.T @ columns)[None, :, None], (both.T @ both)[None, :, None, :, None]
+    share, ranks = MisfitShapes(along, squares).explained(slice(None))
     left = other - known * (known @ other)
     assert ranks.tolist() == [1]
     np.testing.assert_allclose(share, (left @ rest) ** 2 / (left @ left) / (rest @ rest))

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import springpot
+from springpot.identification.held_material import parameters_of
 from springpot.measurement import Measurement, Units
-from springpot.misfit import outliers, residual_causes, residual_tests, where
+from springpot.measurement.scatter import Noise
+from springpot.misfit import outliers, refit, residual_causes, residual_tests, where
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.material import printed
 from springpot.thresholds import VERDICT
 
 LEVELS = np.array([1.0, 2.0, 4.0, 8.0])
@@ -155,7 +157,7 @@ def test_values_are_printed_in_units_of_their_own():
     k = (100.0 + 2.0j * omega - 0.05 * omega**2) * noise
     model = springpot.parse_model("kelvin + inertia")
     found = fitted_to_floor(model, Measurement(omega, k, units=Units("kN/m", "mm")))
-    told = printed(found)
+    told = parameters_of(found.known)
     factors = {p.name: found.fit.measurement.units.of(p.unit)[0] for p in model.parameters}
     assert {round(factor, 9) for factor in factors.values()} != {1.0}
     for i, name in enumerate(model.names):
@@ -287,3 +289,23 @@ def test_all_sweeps_tell_of_causality_together_where_one_curve_is_all_that_is_le
     frame = SimpleNamespace(measurement=SimpleNamespace(omega=np.arange(1.0, 7.0)))
     residual_causes._causality(frame, pattern, None)
     assert asked == [1 if together else 2]
+
+
+def test_noise_of_another_size_alone_asks_for_no_search(monkeypatch):
+    omega = np.geomspace(1.0, 60.0, 12)
+    rng = np.random.default_rng(2)
+    stiffness = (100.0 + 2.0j * omega) * (1.0 + 0.01 * rng.normal(size=12))
+    found = fitted_to_floor(springpot.parse_model("maxwell"), Measurement(omega, stiffness))
+    larger = found.noise.scaled(3.0)
+    searched = refit.refit(found.model, found.data, larger, [found.theta])
+    shaped = Noise(found.noise.sd * np.linspace(1.0, 2.0, 12), found.noise.dof, "estimated")
+    asked = []
+    monkeypatch.setattr(refit, "refit", lambda *rest: asked.append(rest))
+    again = refit.in_noise(found, larger)
+    assert again.rss == pytest.approx(found.rss / 9.0) == pytest.approx(searched.rss, rel=1e-9)
+    assert again.noise is larger
+    np.testing.assert_allclose(again.frame().residual, found.frame().residual / 3.0)
+    np.testing.assert_allclose(again.fit.residual, found.fit.residual / 3.0)
+    refit.in_noise(found, shaped)
+    refit.in_noise(replace(found, fit=replace(found.fit, converged=False)), larger)
+    assert [rest[2] for rest in asked] == [shaped, larger]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.identification.held_material import parameters_of
 from springpot.measurement import Measurement, Units
 from springpot.misfit import (
     drift_search,
@@ -18,7 +19,6 @@ from springpot.misfit import (
     residual_tests,
     where,
 )
-from springpot.misfit.material import printed
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 20.0, 16)
 UNITS = Units("kN/m", "mm")
@@ -172,7 +172,7 @@ def of_fit(found):
         "starts": found.has_one_minimum,
         "words": [material.split_in_words(found, lowest), *material.beyond_any_material(lowest)],
         "levels": [*material.notes_on_levels(found, []), *material.notes_on_amplitudes(found)],
-        "values": {name: value.to_dict() for name, value in printed(found).items()},
+        "values": {name: value.to_dict() for name, value in parameters_of(found.known).items()},
     }
 
 

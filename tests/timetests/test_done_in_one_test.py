@@ -67,6 +67,7 @@ def found(*tests):
     return diagnose(list(tests), MODEL, library())
 
 
+@pytest.mark.soak
 def test_a_slow_step_is_said_of_the_test_that_had_it():
     diagnosis = found(relaxed(ramped(0.1)), crept())
     assert (diagnosis.verdict, diagnosis.leading) == ("effect-missing", ("finite-ramp:relax",))

@@ -9,6 +9,7 @@ import pytest
 
 import springpot
 from springpot import TimeTest
+from springpot.measurement import Loading
 from springpot.registry import plugins
 from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
@@ -16,7 +17,7 @@ from springpot.timetests.left import Left, Tried
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.scatter import scatter_of
 from springpot.timetests.score import TimeScan
-from springpot.timetests.sieve import passed_over
+from springpot.timetests.sieve import STARTS, passed_over
 
 MODEL = springpot.parse_model("zener")
 TIME = np.geomspace(0.01, 100.0, 60)
@@ -56,3 +57,16 @@ def test_what_misses_the_test_has_the_others_fitted(missed, share) -> None:
 def test_what_explains_the_test_has_no_other_fitted(missed) -> None:
     _, before, promises = missed
     assert passed_over(promises, tried(missed, 0.0), before) == []
+
+
+def test_what_does_not_go_as_its_size_is_tried_at_several() -> None:
+    """Friction that holds back nearly all of a load is no start for one that holds back little."""
+    time, knots = np.linspace(0.15, 20.0, 40), np.array([0.0, 0.0, 6.3, 6.3, 20.0])
+    loading = Loading(knots, np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
+    answer = 0.003 * (time**0.7 - np.maximum(time - 6.3, 0.0) ** 0.7)
+    test = TimeTest(time, answer, loading, "force")
+    base = identify(test, springpot.parse_model("springpot"))
+    scan = TimeScan(base, quick_parts(parts_of_specimen([test])))
+    [tried] = scan.promises([plugins().effect("bearing-friction")]).values()
+    assert len(tried) >= STARTS
+    assert min(promise.values[0] for promise in tried[:STARTS]) < 0.25

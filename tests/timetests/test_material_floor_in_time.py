@@ -154,7 +154,7 @@ def test_the_floor_of_a_poor_model_lies_below_every_network(kind, name, seed, sh
         tests = followed(model, theta, share, rng)
     else:
         tests = measured_in(kind, model, theta, share, rng)
-    [floor] = material_floor(identify(tests, parse_model("maxwell"))).errors
+    [floor] = material_floor([identify(tests, parse_model("maxwell"))]).errors
     assert 0.0 < floor <= 1.001 * errors(tests, model, theta)[0]
 
 
@@ -171,8 +171,8 @@ def test_the_floor_of_two_tests_lies_below_every_network_of_both(name, seed, sha
     [crept, _] = measured_in("both", model, theta, share, rng)
     relaxed = TimeTest.of_relaxation(T, noisy(model.relaxation(theta, T), share, rng), "Pa")
     poor = parse_model("maxwell")
-    alone = [material_floor(identify(each, poor)).errors[0] for each in (relaxed, crept)]
-    floor = np.array(material_floor(identify([relaxed, crept], poor)).errors) / alone
+    alone = [material_floor([identify(each, poor)]).errors[0] for each in (relaxed, crept)]
+    floor = np.array(material_floor([identify([relaxed, crept], poor)]).errors) / alone
     truth = errors([relaxed, crept], model, theta) / alone
     assert np.all(floor >= 0.999)
     assert np.mean(floor**2) <= np.mean(truth**2)
@@ -183,10 +183,10 @@ def test_of_several_tests_the_floor_lies_below_the_errors_of_each_material():
     model, theta, rng = made("burgers", 4)
     tests = measured_in("both", model, theta, 0.01, rng)
     poor, good = identify(tests, parse_model("zener")), identify(tests, model)
-    floor = material_floor(poor)
+    floor = material_floor([poor])
     assert np.all(floor.errors <= 1.02 * np.array([one.relative_rms for one in good.parts]))
     # It is one floor, whatever model it is sought from.
-    np.testing.assert_allclose(floor.errors[1], material_floor(good).errors[1], rtol=0.01)
+    np.testing.assert_allclose(floor.errors[1], material_floor([good]).errors[1], rtol=0.01)
     lowered = floor.beside([good]).errors
     assert np.all(np.array(lowered) <= [one.relative_rms for one in good.parts])
 
@@ -197,7 +197,7 @@ def test_the_floor_stands_beside_the_same_effects():
     exact = model.relaxation(theta, T) + drift
     test = TimeTest.of_relaxation(T, noisy(exact, 0.003, rng), "kPa")
     without, beside = (
-        material_floor(identify(test, parse_model(f"maxwell{more}"))).errors[0]
+        material_floor([identify(test, parse_model(f"maxwell{more}"))]).errors[0]
         for more in ("", " + force-drift")
     )
     assert beside < 0.2 * without

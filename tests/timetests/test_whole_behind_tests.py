@@ -150,7 +150,7 @@ def test_promises_and_what_is_left(case, stays):
             },
             "left": [left.chance, left.misfit, left.doubtful, left.squares(left.noise)],
             "felt": [left.squares_felt(left.noise), left.over(left.noise)],
-            "floor": floor.material_floor(fit),
+            "floor": floor.material_floor([fit]),
             "linear": floor.is_linear(fit),
         },
         within=5e-3,

@@ -13,9 +13,9 @@ from springpot.errors import DataError, OptionError
 from springpot.identification.space import require_conditions
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.floor import STARTS_OF_A_ROUND, fitted_to_floor, likelihood_of_all
-from springpot.misfit.material import MaterialFloor, by_effects, effects_of, material_floor
-from springpot.misfit.refit import Refit, refit
+from springpot.misfit.floor import fitted_to_floor, likelihood_of_all
+from springpot.misfit.material import MaterialFloor, effects_of, material_floor, material_floors
+from springpot.misfit.refit import Refit, in_noise
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.misfit.residual_tests import Finding
 from springpot.rheology.model import Model
@@ -68,7 +68,7 @@ def compare(
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
     progress("looking how near any material comes")
-    each = tuple(judgements(fits, material_floors(fits, rng), rng))
+    each = tuple(judgements(fits, floors_beside(fits, rng), rng))
     best, one_test = best_of(each), ""
     # Rows of several tests that one model follows to the noise need no parting.
     if best.fails or best.unclear:
@@ -94,22 +94,18 @@ def judgements(
         yield Judgement(found, floor, -2.0 * found.log_evidence - least, own_rng)
 
 
-def material_floors(
+def floors_beside(
     fits: Iterable[Refit],
     rng: np.random.Generator,
     known: Mapping[Effects, MaterialFloor] | None = None,
 ) -> dict[Effects, MaterialFloor]:
-    """The material floor for each set of effects, sought from the best of the fits with them.
+    """The material floors of fits, unless they are `known`, each sought from the best of them.
 
-    Unless it is `known` already.
+    They do not depend on the model, but the values of its effects begin where that fit ended.
     """
-    floors = dict(known or {})
-    for effects, group in by_effects(fits).items():
-        # The floor does not depend on the model, but the values of its effects begin where the best
-        # fit ended.
-        lowest = floors.get(effects) or material_floor(min(group, key=lambda one: one.rss), rng)
-        floors[effects] = lowest.beside(group)
-    return floors
+    return material_floors(
+        fits, lambda group: material_floor(min(group, key=lambda one: one.rss), rng), known
+    )
 
 
 def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress) -> list[Refit]:
@@ -131,13 +127,4 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
             )
     # One noise for all, that of the likeliest fit: errors are then compared, not noises.
     leader = max(first, key=likelihood_of_all)
-    in_its_noise = []
-    for fitted in first:
-        # From where it ended: in another noise the minimum moves a little, and another one may be
-        # the least.
-        if fitted is not leader:
-            fitted = refit(
-                fitted.model, leader.data, leader.noise, [fitted.theta], starts=STARTS_OF_A_ROUND
-            )
-        in_its_noise.append(fitted)
-    return in_its_noise
+    return [in_noise(fitted, leader.noise) for fitted in first]

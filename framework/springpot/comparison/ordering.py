@@ -60,7 +60,8 @@ def in_order(judged: Iterable[Judgement], material: Judgement) -> Order:
     """
     # Those that are not adequate stand by evidence: how few parameters a model has is no merit
     # while it fails.
-    ordered, floor = sorted(judged, key=lambda one: one.delta_bic), material.ranked
+    # Those that differ by nothing that is printed stay in the order in which they were given.
+    ordered, floor = sorted(judged, key=lambda one: round(one.delta_bic, 2)), material.ranked
     near_enough = [one for one in ordered if chance_beside(one.ranked, floor) >= COMPARISON.chance]
     as_near = [one for one in near_enough if not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the

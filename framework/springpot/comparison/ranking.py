@@ -20,17 +20,19 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
+from springpot.identification.leastsquares import Effort
 from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.material import MaterialFloor, any_material, effects_of, material_floor
-from springpot.misfit.refit import Refit, refit
+from springpot.misfit.refit import Refit, in_noise, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
+from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 
-from .comparing import harmonics_of, judgements, material_floors
+from .comparing import floors_beside, harmonics_of, judgements
 from .ordering import TOO_FREE, Order, fits_of, in_order, spends_most
 from .result import LOOKED_AT, Judgement, Ranking, Skipped
 
@@ -87,7 +89,7 @@ def rank(
         quietest = _quietest_alone([*order.near, *order.others], case.floor, rng)
         if quietest is not None:
             notes.append(f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
-            floor = refit(floor.model, floor.data, quietest.noise, [floor.theta])
+            floor = in_noise(floor, quietest.noise, STARTS)
             fits = fits_of(installed, floor, partial(_one, floor=floor, skipped=[]), progress)
             order = _beside(fits, floor, material_floor(floor, rng), rng)
     notes += [_of_one_test(ladder), *floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
@@ -119,7 +121,7 @@ def _beside(
 ) -> Order:
     """The fits judged and sorted out, beside any material with the accepted effects."""
     # A model of a plugin may bring effects of its own.
-    floors = material_floors(fits, rng, {effects_of(floor.model): lowest})
+    floors = floors_beside(fits, rng, {effects_of(floor.model): lowest})
     return in_order(judgements(fits, floors, rng), Judgement(floor, lowest, 0.0, rng))
 
 
@@ -162,7 +164,7 @@ def _one(
     ):
         skipped.append(Skipped(grown.name, ONE_FREQUENCY))
     else:
-        yield refit(grown, data, floor.noise, starts=STARTS)
+        yield refit(grown, data, floor.noise, starts=STARTS, effort=Effort(NEGLIGIBLE))
 
 
 def _is_read_at_one_frequency(model: Model, effects: Sequence[Effect], data: Measurement) -> bool:

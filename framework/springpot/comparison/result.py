@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
+from springpot.identification.held_material import parameters_of
 from springpot.identification.material import is_material
 from springpot.identification.value import PartResult, Value, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import Error, over_floor, percent, times
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known
-from springpot.misfit.material import MaterialFloor, error_of, printed
+from springpot.misfit.material import MaterialFloor, error_of
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_tests import Battery, Finding, battery
 from springpot.misfit.where import Where, where
@@ -227,7 +228,7 @@ class Judgement:
     @cached_property
     def parameters(self) -> dict[str, Value]:
         """Its parameters with their intervals, in printed units."""
-        return printed(self.refit)
+        return parameters_of(self.refit.known)
 
     @cached_property
     def fails(self) -> bool:

@@ -12,6 +12,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from springpot.identification.fitted_quantities import in_short
+from springpot.identification.held_material import parameters_of
+from springpot.identification.result import known_of_sweep
 from springpot.identification.value import PartResult, Quantities, Value, in_floors
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned
@@ -20,8 +23,6 @@ from springpot.misfit.error import Error, times
 from springpot.misfit.material import (
     MaterialFloor,
     error_of,
-    printed,
-    quantities_of,
     split_in_words,
 )
 from springpot.misfit.outliers import Outlier
@@ -205,7 +206,7 @@ class AsFitted:
     @cached_property
     def parameters(self) -> dict[str, Value]:
         """The effect's own parameters."""
-        return self.effect.own_of(printed(self.refit, self.by_profile))
+        return self.effect.own_of(parameters_of(self.refit.known, self.by_profile))
 
 
 BESIDE_MATERIAL = {
@@ -315,20 +316,25 @@ def answer(
         next_experiment=experiment,
         notes=tuple(sentences),
         evidence=_chances(search, evidence),
-        parameters=printed(search.base),
+        parameters=parameters_of(search.base.known),
         leading=tuple(leading),
         one_test=one_test,
         tests=(_as_test(measurement, error),),
         steps=tuple(_steps(measurement, search, evidence, verdict, outliers, cause)),
         quantities=_quantities(search, verdict),
     )
-    # A factor at each temperature would be another name for the time.
-    return diagnosis if course else _with_factors(diagnosis, search, evidence, library)
+    if not course:
+        # A factor at each temperature would be another name for the time.
+        diagnosis = _with_factors(diagnosis, search, evidence, library)
+    return diagnosis.behind_a_sign()
 
 
 def _quantities(search: Search, verdict: Verdict) -> Quantities | None:
     """Those of an adequate model: of another they would be no one's."""
-    return quantities_of(search.base) if verdict == "adequate" else None
+    if verdict != "adequate":
+        return None
+    raw = search.base.data.raw
+    return in_short(known_of_sweep(search.base.known), raw.name, [raw])
 
 
 def _steps(

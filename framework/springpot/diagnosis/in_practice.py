@@ -115,6 +115,13 @@ class Accuracy:
             _within(each.modulus, self.modulus) and _within(each.phase, phase) for each in misfits
         )
 
+    def says(self, error: float, otherwise: str) -> str:
+        """That a relative error lies within it, and what is to be said without the promise."""
+        return (
+            f"within what the instrument promises ({self}); a structure of {percent(error)} is"
+            f" visible: {otherwise}"
+        )
+
     def __str__(self) -> str:
         if self.phase is None:
             return percent(self.modulus)
@@ -167,11 +174,7 @@ def in_practice(
         return replace(diagnosis, says=says)
     if not accuracy.holds(misfits):
         return diagnosis
-    return _adequate(
-        diagnosis,
-        f"within what the instrument promises ({accuracy}); a structure of {size} is visible:"
-        f" {diagnosis.says}",
-    )
+    return _adequate(diagnosis, accuracy.says(diagnosis.error.relative_rms, diagnosis.says))
 
 
 def _adequate(diagnosis: Diagnosis, says: str) -> Diagnosis:

@@ -32,6 +32,10 @@ DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
 
 
+TURN = "the force counts the other way: turn it"
+"""What is to be done before all else."""
+
+
 @dataclass(frozen=True)
 class ToDo:
     """One step.
@@ -86,7 +90,7 @@ def turning(spec: str) -> ToDo:
 
     Of a force that counts the other way every other answer is wrong.
     """
-    return ToDo("the force counts the other way: turn it", suggested("diagnose", spec))
+    return ToDo(TURN, suggested("diagnose", spec))
 
 
 def splitting(
@@ -427,6 +431,13 @@ class Diagnosis:
         if self.candidates and self.verdict == "effect-missing":
             return self.candidates[0]
         return None
+
+    def behind_a_sign(self) -> Diagnosis:
+        """The same, which says first that a channel is to be turned, where one is."""
+        if self.verdict == "adequate" or all(step.says != TURN for step in self.steps):
+            return self
+        first = "the force seems to count the other way: until it is turned nothing else holds"
+        return replace(self, says=f"{first}; {self.says}")
 
     def shelf_of(self, candidate: Candidate) -> Shelf:
         """What an effect does for the misfit of this model.

@@ -12,8 +12,8 @@ from math import inf
 import numpy as np
 
 from springpot.identification.held_material import within_material
+from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material
-from springpot.identification.native import Effort
 from springpot.identification.starts import EDGE
 from springpot.measurement.independence import at_one_frequency, moved_along, telling
 from springpot.measurement.measurement import CONDITIONS
@@ -276,13 +276,15 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
     Of two effects with one curve each may have ended in another minimum of the base, and that would
     decide.
     """
-    if search.base.has_one_minimum:
+    # One without evidence leaves the base where it is, from where all have begun.
+    if search.base.has_one_minimum or search.gain <= 0.0:
         return grown
     own, base = grown.refit, search.base.model.names
     start = np.where(
         np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta
     )
-    again = refit(own.model, search.base.data, search.base.noise, [start], starts=0)
+    effort = Effort(NEGLIGIBLE)
+    again = refit(own.model, search.base.data, search.base.noise, [start], starts=0, effort=effort)
     if again.log_evidence > own.log_evidence + NEGLIGIBLE:
         return replace(grown, refit=again)
     return grown

@@ -29,10 +29,11 @@ from springpot.thresholds import VERDICT
 from .fitted import Fit
 from .intervals import Path, allowed_cost, bent, beside_endless, profiled
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
-from .material import SpectrumSearch, is_material, own_parameters
+from .material import SpectrumSearch, is_material, own_parameters, shifted_by
 from .normal import RANK
 from .problem import weighted
 from .uncertainty import Uncertainty
+from .value import Value, printed
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
@@ -254,6 +255,26 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
             if parameter.name.startswith(f"{effect.name}."):
                 low[i], high[i] = parameter.lower, parameter.upper
     return low, high
+
+
+def parameters_of(known: Uncertainty, by_profile: bool = True) -> dict[str, Value]:
+    """Parameters with these intervals in printed units.
+
+    Parameters
+    ----------
+    known : Uncertainty
+        Of a fit.
+    by_profile : bool
+        Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms
+        each.
+    """
+    fit = known.fit
+    # The constants of superposition are those of a master curve, whatever command asks.
+    if by_profile or shifted_by(fit.model):
+        low, high = intervals_beside_material(known)
+    else:
+        low, high = known.interval()
+    return printed(fit.model.parameters, fit.theta, low, high, fit.measurement.units)
 
 
 def max_of_parts(known: Uncertainty) -> Real:

@@ -414,7 +414,9 @@ class Task:
             log_gain = -log_gain
         return log_gain
 
-    def solve_shapes(self, v: Real, iterations: int = 60, flat: float = FLAT_SHAPES) -> Solution:
+    def solve_shapes(
+        self, v: Real, iterations: int = 60, flat: float = FLAT_SHAPES, alike: float = ALIKE
+    ) -> Solution:
         """Descend from shapes (B, s, d) with the gains projected out.
 
         Rows run over data sets, then starts.
@@ -431,6 +433,7 @@ class Task:
             flat=flat,
             team=_team(owner, starts),
             iterations=iterations,
+            alike=alike,
         )
 
     def solve(

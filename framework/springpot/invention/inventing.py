@@ -13,6 +13,7 @@ from springpot.diagnosis.experiment import next_experiment
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.result import NextExperiment, Progress, silent
 from springpot.errors import OptionError
+from springpot.identification.held_material import parameters_of
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value
@@ -26,7 +27,7 @@ from springpot.measurement.independence import (
 )
 from springpot.measurement.measurement import CONDITIONS, Measurement, numbers_of_levels
 from springpot.misfit.error import percent, times
-from springpot.misfit.material import error_of, material_floor, printed
+from springpot.misfit.material import error_of, material_floor
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -263,7 +264,7 @@ def _told(
 
 def _parameters(grown: Grown, by_profile: bool) -> dict[str, Value]:
     mine = f"{grown.effects[0].name}."
-    values = printed(grown.refit, by_profile)
+    values = parameters_of(grown.refit.known, by_profile)
     # An order stands in the unit of what goes with it, by the name of the law and not of its try.
     return {
         name.removeprefix(mine): replace(value, unit=value.unit.replace(mine, ""))

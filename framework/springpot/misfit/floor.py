@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import comb, inf
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,12 +43,10 @@ from .frame import (
     phase_of,
 )
 from .outliers import MOST_TURNS, Trimmed, trimmed
-from .refit import Refit, refit
+from .refit import Refit, in_noise, refit
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
-STARTS_OF_A_ROUND = 2
-"""The same for noise that only changed its size or shape: the minima stay nearly where they are."""
 NEARLY = 2.0
 """Error over noise floor up to which a model may be right, and its scatter tell where the noise is
 larger.
@@ -71,9 +69,52 @@ LEAST_SPARE = 0.4
 Of nine points a free spectrum, a
 filter and a resonance follow the noise to a fiftieth of it."""
 
-Sums: TypeAlias = tuple[Real, Real]
-"""Of shapes (s, m, ...) over lines: of their products with columns (l, s, m, 2, c), and with one
-another (l, s, m, m, 2, 2)."""
+
+class MisfitShapes(NamedTuple):
+    """Misfits of s shapes, each of m functions along the points that gain and phase may follow.
+
+    They are known by their products, summed over the points.
+
+    Attributes
+    ----------
+    along : ndarray, shape (s, m, 2, c)
+        With columns, of which the first is the residual.
+    squares : ndarray, shape (s, m, 2, m, 2)
+        With one another.
+    """
+
+    along: Real
+    squares: Real
+
+    @classmethod
+    def of_sweeps(cls, along: Real, squares: Real) -> MisfitShapes:
+        """MisfitShapes of another size in each of l sweeps: so many times as many functions.
+
+        By the sums over each sweep, (l, s, m, 2, c + 2) and (l, s, m, m, 2, 2); the last columns
+        are gain and phase.
+        """
+        apart = np.einsum("lk,lsmtab->slmaktb", np.eye(len(squares)), squares)
+        s, lines, m = apart.shape[:3]
+        inner = np.moveaxis(along[..., :-2], 0, 1).reshape(s, lines * m, 2, -1)
+        return cls(inner, apart.reshape(s, lines * m, 2, lines * m, 2))
+
+    def explained(self, of: slice) -> tuple[Real, NDArray[np.int64]]:
+        """Shares (s,) of the residual that gain, phase or both follow beside the other columns.
+
+        And by how many numbers each does.
+        """
+        along, squares = self.along[:, :, of], self.squares[:, :, of, :, of]
+        count = along.shape[1] * along.shape[2]
+        rest, beside = np.split(along.reshape(len(along), count, -1), [1], axis=2)
+        squares = squares.reshape(-1, count, count)
+        # Functions of one size, so that what is hardly seen of one is told by a share.
+        size = np.sqrt(np.maximum(np.einsum("sqq->sq", squares), SMALLEST))[:, :, None]
+        rest, beside, squares = rest / size, beside / size, squares / size / size.transpose(0, 2, 1)
+        # The residual has no part in the other columns: only the functions lose what these follow.
+        sizes, ways = np.linalg.eigh(squares - beside @ beside.transpose(0, 2, 1))
+        seen = sizes > LEAST_SEEN**2
+        told = np.einsum("sqk,sq->sk", ways, rest[:, :, 0]) ** 2
+        return np.sum(told / np.where(seen, sizes, np.inf), axis=1), np.sum(seen, axis=1)
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -116,7 +157,7 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     noise = replace(checked_noise(first.noise, told.variance, told.dof), memory=told.memory)
     if noise.source == "given":
         return replace(first, noise=noise)
-    return refit(model, data, noise, [first.theta], starts=STARTS_OF_A_ROUND)
+    return in_noise(first, noise)
 
 
 def likelihood_of_all(fitted: Refit) -> float:
@@ -180,13 +221,8 @@ def is_hardly_known(fitted: Refit) -> bool:
 def as_given(base: Refit) -> Refit:
     """The fit in units of the given standard deviations, though they were doubted."""
     assert base.data.mean.sd is not None, "only what was given can be doubted"
-    return refit(
-        base.model,
-        base.data,
-        Noise(base.data.mean.sd, inf, "given", memory=base.noise.memory),
-        [base.theta],
-        starts=STARTS_AGAIN,
-    )
+    given = Noise(base.data.mean.sd, inf, "given", memory=base.noise.memory)
+    return in_noise(base, given, STARTS_AGAIN)
 
 
 def borne_out(best: Refit) -> bool:
@@ -201,10 +237,10 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     first = refit(
         model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS
     )
-    usual = _in_rounds(model, data, first)
+    usual = _in_rounds(first)
     # What noise would nearly explain, of a law that the others allow, is no misfit yet.
     if _over(usual) > VERDICT.misfit and not np.all(telling(usual.frame())):
-        cautious = _in_rounds(model, data, first, cautious=True)
+        cautious = _in_rounds(first, cautious=True)
         if _over(cautious) <= NEARLY:
             usual = cautious
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
@@ -219,9 +255,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
-    return _in_rounds(
-        model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True
-    )
+    return _in_rounds(in_noise(first, shape), uneven=True)
 
 
 def _over(fitted: Refit) -> float:
@@ -241,37 +275,32 @@ def _misses_where_quiet(fitted: Refit, shape: Noise) -> bool:
     return bool(misfit > NEARLY**2 * told)
 
 
-def _in_rounds(
-    model: Model, data: Averaged, fitted: Refit, uneven: bool = False, cautious: bool = False
-) -> Refit:
+def _in_rounds(fitted: Refit, uneven: bool = False, cautious: bool = False) -> Refit:
     """The fit in units of a noise that is estimated about it, in turns; see `_shapes`."""
-    free, inside = fitted, np.ones(len(data.mean), dtype=bool)
+    free, data = fitted, fitted.data
+    inside = np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
         tried = [
-            _scaled(model, data, shape, fitted)
-            for shape in _shapes(free, data.mean, inside, uneven, cautious)
+            _scaled(fitted, shape) for shape in _shapes(free, data.mean, inside, uneven, cautious)
         ]
         fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
     return fitted
 
 
-def _scaled(
-    model: Model, data: Averaged, shape: Noise, before: Refit
-) -> tuple[Refit, Refit, NDArray[np.bool_]]:
+def _scaled(before: Refit, shape: Noise) -> tuple[Refit, Refit, NDArray[np.bool_]]:
     """The fit in units of a noise of this shape and of the size that the scatter gives it.
 
     See `undragged`.
     """
-    shaped = refit(model, data, shape, [before.theta], starts=STARTS_OF_A_ROUND)
+    shaped = in_noise(before, shape)
     # The shape first and then its size: what stands out is told beside a fit in units of the right
     # shape.
     free, inside = undragged(shaped)
     variance, dof, memory = scatter_about(free.frame())
     noise = replace(shape.scaled(float(np.sqrt(variance))), dof=dof, memory=memory)
-    noise = noise.at_least_rounding(data.mean)
     # Of all points again: those that stand out are left out of the noise, not of the data.
-    return refit(model, data, noise, [shaped.theta], starts=STARTS_OF_A_ROUND), free, inside
+    return in_noise(shaped, noise.at_least_rounding(before.data.mean)), free, inside
 
 
 def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
@@ -328,7 +357,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     other_axes = (noise.along is None) != (base.noise.along is None) and not beyond_floor(best)
     if not sharper and not other_axes:
         return None
-    return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
+    return in_noise(base, noise, STARTS_AGAIN)
 
 
 def _shapes(
@@ -499,7 +528,7 @@ def remembered(base: Refit, gain: float) -> Refit | None:
     if base.noise.source == "estimated":
         size = float(np.sqrt(found.new @ found.new / found.free))
         noise = replace(noise.scaled(size), dof=worth_of(found.memory**2) * found.free)
-    return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
+    return in_noise(base, noise, STARTS_AGAIN)
 
 
 def remembering(
@@ -540,36 +569,21 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
     columns = np.column_stack([rest / max(float(np.linalg.norm(rest)), SMALLEST), followed, faults])
     products = (faults[:, :, None] * columns[:, None, :]).reshape(2, -1, 2, columns.shape[1])
     best = 0.0
-    for sums, squares in _misfits(frame.measurement, products.sum(axis=0)):
+    gain, phase, both = slice(0, 1), slice(1, 2), slice(0, 2)
+    for shapes in _misfits(frame.measurement, products.sum(axis=0)):
         # As noise itself is told, beside what leaves enough of it.
-        if free - 2 * sums.shape[1] < REPEATS.enough:
+        if free - 2 * shapes.along.shape[1] < REPEATS.enough:
             continue
-        tried += len(sums)
-        for part in (slice(0, 1), slice(1, 2), slice(0, 2)):
-            explained, ranks = _explained(sums[:, :, part], squares[:, :, part, :, part])
+        tried += len(shapes.along)
+        for part in (gain, phase, both):
+            explained, ranks = shapes.explained(part)
             gains = -free * np.log(np.maximum(1.0 - explained, SMALLEST)) - ranks * np.log(free)
             best = max(best, float(np.max(gains)))
     return best - 2.0 * float(np.log(max(tried, 1)))
 
 
-def _explained(sums: Real, squares: Real) -> tuple[Real, NDArray[np.int64]]:
-    """Shares (s,) of the first of some columns that shapes follow beside the others, and ranks.
-
-    By their products with the columns (s, m, f, c), and with one another (s, m, f, m, f).
-    """
-    count = sums.shape[1] * sums.shape[2]
-    along, beside = np.split(sums.reshape(len(sums), count, -1), [1], axis=2)
-    squares = squares.reshape(-1, count, count)
-    size = np.sqrt(np.maximum(np.einsum("sqq->sq", squares), SMALLEST))[:, :, None]
-    along, beside, squares = along / size, beside / size, squares / size / np.swapaxes(size, 1, 2)
-    sizes, ways = np.linalg.eigh(squares - beside @ np.swapaxes(beside, 1, 2))
-    seen = sizes > LEAST_SEEN**2
-    told = np.einsum("sqk,sq->sk", ways, along[:, :, 0]) ** 2
-    return np.sum(told / np.where(seen, sizes, np.inf), axis=1), np.sum(seen, axis=1)
-
-
-def _misfits(measurement: Measurement, products: Real) -> Iterator[Sums]:
-    """Shapes that a misfit may have: slow ones, humps and ripples of m functions along sweeps.
+def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]:
+    """MisfitShapes that a misfit may have: slow ones, humps and ripples along sweeps.
 
     Alike in all sweeps, or of another size in each; and those of a column that no effect knows.
 
@@ -577,13 +591,8 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[Sums]:
     ----------
     measurement : Measurement
         The data.
-    products : ndarray, shape (n, 2, c)
-        Gain and phase times some columns, of which gain and phase are the last two.
-
-    Yields
-    ------
-    tuple of ndarray, shape (s, m, 2, c - 2) and (s, m, 2, m, 2)
-        Sums over the shapes times these, and over the shapes times one another.
+    products : ndarray, shape (n, 2, c + 2)
+        Gain and phase at each point times some columns, of which these two are the last.
     """
     sweeps = sweeps_of(measurement)
     n, longest = len(measurement), max(len(rows) for rows, _ in sweeps)
@@ -598,34 +607,26 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[Sums]:
     slow = np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T
     for lines in (together, apart)[: len(sweeps)]:
         for degree in range(SMOOTH_DEGREE + 1):
-            yield _of_lines(*_summed(slow[None, : degree + 1, lines], products[lines]))
+            yield MisfitShapes.of_sweeps(*_summed(slow[None, : degree + 1, lines], products[lines]))
         for sums in _along(x[lines], products[lines], longest):
-            yield _of_lines(*sums)
+            yield MisfitShapes.of_sweeps(*sums)
     for number in settings_of(measurement).values():
         at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
         # At each value of a column a level, a slope or a bend.
         for degree in range(3):
             shapes = (slow[: degree + 1, None, :n] * at_each).reshape(1, -1, 1, n)
-            yield _of_lines(*_summed(shapes, products[together]))
+            yield MisfitShapes.of_sweeps(*_summed(shapes, products[together]))
 
 
-def _of_lines(sums: Real, squares: Real) -> Sums:
-    """Of shapes that are of another size in each of l lines: so many times as many functions."""
-    apart = np.einsum("lk,lsmtab->slmaktb", np.eye(len(squares)), squares)
-    s, lines, m = apart.shape[:3]
-    inner = np.moveaxis(sums[..., :-2], 0, 1).reshape(s, lines * m, 2, -1)
-    return inner, apart.reshape(s, lines * m, 2, lines * m, 2)
-
-
-def _summed(shapes: Real, products: Real) -> Sums:
-    """Of a few shapes (s, m, l, j), with products (l, j, 2, c)."""
+def _summed(shapes: Real, products: Real) -> tuple[Real, Real]:
+    """What `of_sweeps` takes, of a few shapes (s, m, l, j); products (l, j, 2, c + 2)."""
     sums = np.einsum("smlj,ljac->lsmac", shapes, products, optimize=True)
     pairs = shapes[:, :, None] * shapes[:, None]
     return sums, np.einsum("smtlj,ljab->lsmtab", pairs, products[..., -2:], optimize=True)
 
 
-def _along(x: Real, products: Real, longest: int) -> Iterator[Sums]:
-    """Of half waves and humps at places (l, j), with products (l, j, 2, c), by one transform."""
+def _along(x: Real, products: Real, longest: int) -> Iterator[tuple[Real, Real]]:
+    """The same of half waves and of humps at places (l, j), all of them by one transform."""
     # Cells a quarter as wide as the points are apart, and as many again thrice behind a sweep.
     cells = 4 * max(longest - 1, 1)
     lines = np.zeros((len(x), cells + 1, *products.shape[2:]))

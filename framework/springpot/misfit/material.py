@@ -12,22 +12,17 @@ A material for each amplitude beside one for all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
 from springpot.identification.fitted import FittedModel
-from springpot.identification.fitted_quantities import in_short
-from springpot.identification.held_material import intervals_beside_material
-from springpot.identification.material import is_material, shifted_by
+from springpot.identification.material import is_material
 from springpot.identification.material_fit import least_error
-from springpot.identification.result import known_of_sweep
-from springpot.identification.uncertainty import Uncertainty, uses_sd
-from springpot.identification.value import Quantities, Value
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
 from springpot.rheology.effect import Effect
@@ -55,6 +50,15 @@ how many.
 """
 NAME = "material"
 F = TypeVar("F", bound=FittedModel)
+L = TypeVar("L", bound="Floor")
+
+
+class Floor(Protocol):
+    """The least error of any material, of sweeps or of tests in time."""
+
+    def beside(self, fits: Sequence[Any]) -> Self:
+        """The same, lowered by fits with the same effects that any material comes near to."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,12 +133,29 @@ def effects_of(model: Model) -> tuple[str, ...]:
     return tuple(effect.name for effect in model.effects)
 
 
-def by_effects(fits: Iterable[F]) -> dict[tuple[str, ...], list[F]]:
-    """Fits by their effects: those with the same have one material floor."""
+def material_floors(
+    fits: Iterable[F],
+    floor_of: Callable[[Sequence[F]], L],
+    known: Mapping[tuple[str, ...], L] | None = None,
+) -> dict[tuple[str, ...], L]:
+    """The material floor for each set of effects.
+
+    Parameters
+    ----------
+    fits : iterable of FittedModel
+        Models with any effects.
+    floor_of : callable
+        Gives that of models with the same effects.
+    known : mapping, optional
+        Those that need not be sought.
+    """
     alike: dict[tuple[str, ...], list[F]] = {}
     for found in fits:
         alike.setdefault(effects_of(found.model), []).append(found)
-    return alike
+    floors = dict(known or {})
+    for effects, group in alike.items():
+        floors[effects] = (floors.get(effects) or floor_of(group)).beside(group)
+    return floors
 
 
 def lowest_error(model: Model, measurement: Measurement, theta: Real, error: float) -> float:
@@ -546,49 +567,3 @@ def _turn(values: Real, places: Sequence[str]) -> str:
     if inner[at] > ends[1]:
         extreme = "most"
     return f" ({extreme} at {places[1 + at]})"
-
-
-def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
-    """All parameters with their 95 % intervals, in the units in which they are printed.
-
-    They are those that `identify` gives, as the error beside them is: what a noise weighs otherwise
-    ends elsewhere, and one model has one answer. Where a model does not fit, its misfit and not
-    given standard deviations sets how uncertain they are.
-
-    Parameters
-    ----------
-    refit : Refit
-        A fit.
-    by_profile : bool
-        Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms
-        each.
-    """
-    units, known = refit.identified.measurement.units, _known(refit)
-    # The constants of superposition are those of a master curve, whatever command asks.
-    if by_profile or shifted_by(refit.model):
-        low, high = intervals_beside_material(known)
-    else:
-        low, high = known.interval()
-    rows = {}
-    for i, parameter in enumerate(known.fit.model.parameters):
-        # The lines of a free spectrum are told as a whole, as a spectrum.
-        if parameter.detail:
-            continue
-        factor, label = units.of(parameter.unit)
-        value, least, most = (
-            float(numbers[i]) * factor for numbers in (known.fit.theta, low, high)
-        )
-        rows[parameter.name] = Value(value, least, most, label)
-    return rows
-
-
-def quantities_of(refit: Refit) -> Quantities:
-    """Those of its material, with intervals that rest on the same uncertainty."""
-    raw = refit.data.raw
-    return in_short(known_of_sweep(_known(refit)), raw.name, [raw])
-
-
-def _known(refit: Refit) -> Uncertainty:
-    best = refit.identified
-    fits = refit.relative_rms < VERDICT.misfit * refit.floor
-    return replace(Uncertainty.of(best), absolute=fits and uses_sd(best))

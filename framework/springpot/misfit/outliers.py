@@ -478,17 +478,23 @@ def _worst(
     With the chance that noise alone lets one of them, or several together, stand out as far.
     """
     scaled, _ = _squares(frame, followed, rows)
-    worst = int(np.argmax(scaled))
+    worst = int(rows[np.argmax(scaled)])
     # In units of a known noise nothing of the others is needed.
     if frame.scale_dof == inf:
-        return int(rows[worst]), _chance_of_any(chi2_sf(scaled[worst], 2), len(rows))
+        return worst, _chance_of_any(chi2_sf(np.max(scaled), 2), len(rows))
     # The others are judged without it: a bad point drags the curve from its neighbours, whose tails
-    # then seem long.
-    others, variance = _squares(frame, followed, np.delete(rows, worst))
-    # Exact data leave no variance at all.
-    return int(rows[worst]), _chance(
-        np.append(others, scaled[worst]) / max(variance, np.finfo(float).tiny)
-    )
+    # then seem long. So are those beside two, or more of them.
+    doubtful, least = max(2, int(OUTLIERS.most * len(rows))), 1.0
+    off, others = np.zeros(0), rows
+    for _ in range(doubtful):
+        furthest = int(np.argmax(scaled))
+        off, others = np.append(off, scaled[furthest]), np.delete(others, furthest)
+        scaled, variance = _squares(frame, followed, others)
+        dof = max(2.0 * len(others) - followed.shape[1], 1.0)
+        # Exact data leave no variance at all.
+        unit = max(variance, np.finfo(float).tiny)
+        least = min(least, _chance(scaled / unit, off / unit, doubtful, dof))
+    return worst, least
 
 
 def _squares(
@@ -507,19 +513,18 @@ def _squares(
     return scaled.reshape(2, -1).sum(axis=0), variance
 
 
-def _chance(squares: NDArray[np.float64]) -> float:
-    """Chance of the largest of many squared deviations, one or several, by the tails of the others.
+def _chance(others: Real, off: Real, doubtful: int, dof: float) -> float:
+    """Chance that noise lets so many points be as far off as these, by the tails of the others.
 
-    Each deviation is of both parts of a point.
+    Each squared deviation is of both parts of a point.
 
     Half the sum of two squares follows F(2, nu) if the scatter is Student's with nu degrees of
     freedom; which of few the others have is told by their likelihood. Those that may be outliers
-    themselves count as no more than beyond the rest (censored). Noise with long tails makes no
-    outliers.
+    themselves, of all `doubtful` ones, count as no more than beyond the rest (censored). Noise with
+    long tails makes no outliers.
     """
-    half = 0.5 * np.sort(squares)
-    doubtful = max(2, int(OUTLIERS.most * len(half)))
-    inner = np.maximum(half[:-doubtful], ROUNDING)
+    half = 0.5 * np.sort(others)
+    inner = np.maximum(half[: len(half) + len(off) - doubtful], ROUNDING)
     likelihood = []
     for nu, scale in TAILS:
         of_inner = float(np.sum(f_log_density(inner / scale, 2, nu) - np.log(scale)))
@@ -531,12 +536,10 @@ def _chance(squares: NDArray[np.float64]) -> float:
     if likelihood[best] < likelihood[0] + OUTLIERS.heavier:
         best = 0
     nu, scale = TAILS[best]
-    # Two bad points hide each other: each makes the tails that it is judged by seem long enough
-    # for the other, but not for both.
-    return min(
-        _chance_of_any(f_sf(half[-count] / scale, 2, nu), len(half), count)
-        for count in range(1, doubtful + 1)
-    )
+    # The size of the scatter is known as well as its degrees of freedom say.
+    known = 1.0 / (1.0 / nu + 1.0 / dof)
+    tail = f_sf(0.5 * float(np.min(off)) / scale, 2, known)
+    return _chance_of_any(tail, len(others) + len(off), len(off))
 
 
 def _chance_of_any(chance: ArrayLike, n: int, count: int = 1) -> float:

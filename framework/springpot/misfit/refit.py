@@ -6,17 +6,19 @@ Prediction of what a fit has not seen: inner amplitudes, temperatures or bands l
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.fitted import Fit
+from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material, own_parameters
-from springpot.identification.native import Effort, fit
+from springpot.identification.native import fit
 from springpot.identification.problem import Objective, weighted
 from springpot.identification.searching import searched
+from springpot.identification.uncertainty import Uncertainty, uses_sd
 from springpot.measurement.independence import frequency_numbers, telling
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
@@ -27,9 +29,12 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, VERDICT
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .error import times
 from .frame import LEAST_LEFT, Drawn, NoiseFrame, phase_of
+
+STARTS_OF_A_ROUND = 2
+"""Starts in a noise that only changed its size or shape: the minima stay nearly where they are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +102,7 @@ class Refit:
             return own_parameters(self.model)
         return list(range(len(self.theta)))
 
-    @property
+    @cached_property
     def lines(self) -> int:
         """Weights of a free spectrum that are above zero; none for a model with a name."""
         return len(self.theta) - len(self.own) - self.fit.silent
@@ -115,7 +120,7 @@ class Refit:
         own, known = (one.model.named(one.theta) for one in (self, other))
         return self.model.picked(own | known)
 
-    @property
+    @cached_property
     def log_likelihood(self) -> float:
         """Log-likelihood at the fit, less what the lines of a free spectrum follow of the noise.
 
@@ -125,7 +130,7 @@ class Refit:
         """
         return self.noise.log_likelihood(self.fair_rss, 2 * len(self.fit.measurement))
 
-    @property
+    @cached_property
     def fair_rss(self) -> float:
         """Residual sum of squares as it would be if a free spectrum's lines followed no noise."""
         if not self.lines:
@@ -138,7 +143,7 @@ class Refit:
         spare = 2 * len(self.fit.measurement) - len(self.own)
         return self.rss * spare / max(spare - self.lines, 1)
 
-    @property
+    @cached_property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion (Schwarz 1978, doi:10.1214/aos/1176344136).
 
@@ -174,6 +179,15 @@ class Refit:
     def error(self) -> float:
         """Root mean square of |K_model - K| / |K| that `identify` leaves, as it is printed."""
         return self.data.relative_rms(self.identified.model, self.identified.theta)
+
+    @cached_property
+    def known(self) -> Uncertainty:
+        """How surely `identify` tells its parameters.
+
+        Where it does not fit, its misfit and not given standard deviations sets that.
+        """
+        fits = self.relative_rms < VERDICT.misfit * self.floor
+        return replace(Uncertainty.of(self.identified), absolute=fits and uses_sd(self.identified))
 
     @property
     def least_error(self) -> float:
@@ -339,6 +353,31 @@ def refit(
         effort=effort,
     )
     return Refit(found, noise, data)
+
+
+def in_noise(before: Refit, noise: Noise, starts: int = STARTS_OF_A_ROUND) -> Refit:
+    """A fit in units of another noise of its data, begun where it ended.
+
+    Parameters
+    ----------
+    before : Refit
+        The fit.
+    noise : Noise
+        The other noise; in one that is only smaller or larger the best fit is the same.
+    starts : int
+        Starts read off the data, as in a noise of another shape another minimum may be the least.
+    """
+    own, other = before.noise, noise
+    ratios = np.concatenate([own.parts.real / other.parts.real, own.parts.imag / other.parts.imag])
+    alike = own.turn is other.turn or (
+        own.turn is not None and other.turn is not None and np.array_equal(own.turn, other.turn)
+    )
+    if not (alike and before.fit.converged and np.ptp(ratios) <= ROUNDING * ratios[0]):
+        return refit(before.model, before.data, noise, [before.theta], starts)
+    cost = float(np.mean(ratios)) ** 2 * before.rss
+    return replace(
+        before, fit=replace(before.fit, objective=noise_objective(noise), cost=cost), noise=noise
+    )
 
 
 FOLDS = 4

@@ -215,8 +215,9 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
 
 def _reason(identified: Identification) -> str:
     assert identified.standing is not None
-    # The first half is the error and its floor, which the line above has told.
-    return identified.standing.says.partition("; ")[2] or identified.standing.says
+    # The error and its floor have been told by the line above.
+    error, _, rest = identified.standing.says.partition("; ")
+    return rest if rest and error.startswith("error ") else identified.standing.says
 
 
 def _of_floor(identified: Identification) -> list[str]:

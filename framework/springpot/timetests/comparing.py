@@ -13,6 +13,7 @@ import numpy as np
 
 from springpot.comparison.comparing import compare as compare_sweeps
 from springpot.comparison.result import ONLY_NOISE, Comparison, Judgement
+from springpot.diagnosis.in_practice import Accuracy
 from springpot.errors import DataError, SpringpotError
 from springpot.identification.population import Specimens
 from springpot.identification.problem import default_objective
@@ -20,14 +21,14 @@ from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
 from springpot.misfit.error import times
 from springpot.misfit.floor import FEWEST_ABOUT_MODEL
-from springpot.misfit.material import effects_of, lowest_error
+from springpot.misfit.material import effects_of, lowest_error, material_floors
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
 
 from .fitting import identify
-from .floor import TimeFloor, material_floor, material_floors
+from .floor import TimeFloor, material_floor
 from .left import Left, delta_bic, independent, plain_bic
 from .native import DOUBTFUL
 from .residuals_of_tests import (
@@ -35,7 +36,7 @@ from .residuals_of_tests import (
     parts_of_specimen,
 )
 from .scatter import ResidualScatter
-from .verdict import error_of, where_missed
+from .verdict import error_of, misfit_of, where_missed
 
 UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
 """What is said of a model that is far from the noise, and no test says how."""
@@ -94,7 +95,7 @@ def compare(
     wider = max(1.0, best.squares(best.scatters) / independent(best.residuals, best.scatters))
     unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
     gains = [delta_bic(best, left, unit) for left in lefts]
-    floors = material_floors(fits)
+    floors = material_floors(fits, material_floor)
     judged = [
         judgement_of(
             fit,
@@ -173,7 +174,7 @@ def judgement_of(
     return Judgement.told(fit, error, delta, known)
 
 
-def standing_of(identified: Identification) -> Standing | None:
+def standing_of(identified: Identification, promised: Accuracy | None = None) -> Standing | None:
     """How the error of a fit stands against noise and any material.
 
     None where the data are too few to tell.
@@ -182,9 +183,22 @@ def standing_of(identified: Identification) -> Standing | None:
     ----------
     identified : Identification
         The fit. The floors are those of `compare`, which fits the same model to the same data.
+    promised : Accuracy, optional
+        What the instrument promises: what lies within it is good enough, as for `diagnose`.
     """
-    if identified.uncertainty is None:
-        return _of_tests(identified)
+    alone = identified.uncertainty is not None
+    standing = _of_sweep(identified) if alone else _of_tests(identified)
+    if promised is None or standing is None or standing.good_enough:
+        return standing
+    parts = parts_of_specimen(identified.data)
+    if not promised.holds([misfit_of(part, identified) for part in parts]):
+        return standing
+    says = promised.says(identified.relative_rms, standing.says)
+    return replace(standing, good_enough=True, says=says)
+
+
+def _of_sweep(identified: Identification) -> Standing | None:
+    """The same of sweeps alone."""
     if identified.fit.dof < FEWEST_ABOUT_MODEL:
         return None
     try:
@@ -224,7 +238,7 @@ def standing_of(identified: Identification) -> Standing | None:
 
 def _of_tests(identified: Identification) -> Standing:
     """The same of tests of which one at least is in time."""
-    judged = judgement_of(identified, 0.0, material_floor(identified))
+    judged = judgement_of(identified, 0.0, material_floor([identified]))
     error = judged.error
     good = not judged.fails
     lowest = error.material_floor

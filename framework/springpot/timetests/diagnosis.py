@@ -377,7 +377,7 @@ def examine(
     shown = beside_limits(case.base, case.asked.parts)
     misfits = [misfit_of(part, case.base) for part in case.asked.parts]
     told = in_practice(replace(case.diagnosis, parameters=shown.parameters), misfits, accuracy)
-    lowest = material_floor(case.base).errors[worst_of(told.tests)]
+    lowest = material_floor([case.base]).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
     told = replace(told, error=error, next_experiment=next_test(case))
     return case._replace(diagnosis=told)

@@ -7,7 +7,7 @@ are: so it lies below the model's own error from the first step on, and takes a 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
-from springpot.misfit.material import any_material, by_effects, is_of_material
+from springpot.misfit.material import any_material, is_of_material
 from springpot.numerics import PER_DECADE, non_negative, rms
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
@@ -63,14 +63,15 @@ def is_linear(fit: Identification) -> bool:
     return is_of_material(fit.model, fit.theta, fit.covered.rate, fit.relative_rms)
 
 
-def material_floor(fit: Identification) -> TimeFloor:
+def material_floor(fits: Sequence[Identification]) -> TimeFloor:
     """The least error of any material in the place of a model's own, its effects going on.
 
     Parameters
     ----------
-    fit : Identification
-        Of tests of which one at least is in time.
+    fits : sequence of Identification
+        Of tests of which one at least is in time, with the same effects; it begins with the best.
     """
+    fit = min(fits, key=lambda one: one.cost)
     free = replace(any_material(), effects=fit.model.effects)
     # So that residuals are shares of the signal, as errors are printed.
     parts = [part.with_sd(part.size) for part in parts_of_specimen(fit.data)]
@@ -87,17 +88,6 @@ def material_floor(fit: Identification) -> TimeFloor:
         rms(_missed(part, found.model, found.theta, fit.reference)[part.counted]) for part in parts
     ]
     return TimeFloor(tuple(errors)).beside([fit])
-
-
-def material_floors(
-    fits: Sequence[Identification], known: Mapping[tuple[str, ...], TimeFloor] | None = None
-) -> Mapping[tuple[str, ...], TimeFloor]:
-    """The floor for each set of effects, as of sweeps."""
-    floors = dict(known or {})
-    for effects, group in by_effects(fits).items():
-        lowest = floors.get(effects) or material_floor(min(group, key=lambda fit: fit.cost))
-        floors[effects] = lowest.beside(group)
-    return floors
 
 
 def coordinates_around(free: Model, search: TimeSearch) -> Coordinates:

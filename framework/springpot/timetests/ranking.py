@@ -19,7 +19,7 @@ from springpot.identification.result import Identification
 from springpot.measurement.opening import together
 from springpot.misfit.error import Error
 from springpot.misfit.frame import chance_of_squares
-from springpot.misfit.material import any_material, effects_of
+from springpot.misfit.material import any_material, effects_of, material_floors
 from springpot.plain_data import alive
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
@@ -29,7 +29,7 @@ from springpot.thresholds import VERDICT
 from .comparing import judgement_of
 from .discovery import discover
 from .fitting import identify
-from .floor import TimeFloor, material_floors
+from .floor import TimeFloor, material_floor
 from .left import Left, delta_bic, gain_of, independent
 from .residuals_of_tests import Test, TestPart, parts_of_specimen
 from .scatter import ResidualScatter
@@ -209,7 +209,8 @@ class _BesideMaterial:
         """The material floor for each set of effects: with the material's own it is known."""
         base = self.case.base
         lowest = TimeFloor(tuple(part.relative_rms for part in base.parts))
-        return material_floors([found.fit for found in fits], {effects_of(base.model): lowest})
+        own = [found.fit for found in fits]
+        return material_floors(own, material_floor, {effects_of(base.model): lowest})
 
     def _judged(
         self, found: RankedInTime, delta: float, floors: Mapping[tuple[str, ...], TimeFloor]

@@ -337,13 +337,19 @@ def _rating(promise: Promise) -> tuple[float, float]:
 
 
 def _different(promises: list[Promise]) -> list[Promise]:
-    """The best first, without those that are another of the same rigs once more."""
+    """The best first, those behind that are another of the same rigs once more.
+
+    Of what goes as its size they are left out: a fit from any of them is the same.
+    """
     kept: list[Promise] = []
+    again: list[Promise] = []
     for promise in sorted(promises, key=_rating):
         alike = [other.direction for other in kept if other.effect is promise.effect]
         if all(abs(float(promise.direction @ direction)) < PARALLEL for direction in alike):
             kept.append(promise)
-    return kept
+        elif not promise.as_its_size:
+            again.append(promise)
+    return kept + again
 
 
 def loudest(residual: Real, t: Real, edges: Real) -> Real:

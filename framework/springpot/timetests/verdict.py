@@ -49,6 +49,7 @@ from .left import (
     Promise,
     Tried,
     explains_as_well,
+    parted,
     without_limits,
 )
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
@@ -258,7 +259,7 @@ def answer_of(
     )
     fit = _going_on_from(base, tried, alike[:1])
     aside = slip.aside if slipped and weights[-1] > EVIDENCE.credible else None
-    return TimeCase(diagnosis, base, fit, tuple(tried), asked, aside)
+    return TimeCase(diagnosis.behind_a_sign(), base, fit, tuple(tried), asked, aside)
 
 
 def _over_one_noise(
@@ -394,7 +395,7 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
         # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
         named=plain,
         # An effect that helps and leaves more than noise is not all that is missing.
-        left=plain and tried[0].left.misfit,
+        left=plain and (tried[0].left.misfit or parted(tried[0])),
     )
 
 
