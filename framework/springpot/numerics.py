@@ -78,11 +78,6 @@ deviations: a chance of 5 %.
 
 Real: TypeAlias = "NDArray[np.float64]"
 Complex: TypeAlias = "NDArray[np.complex128]"
-ROUNDS = 20
-"""Changes of the active set for each column, before another algorithm takes over.
-
-A spectrum takes about one.
-"""
 
 
 def rms(values: Real) -> float:
@@ -142,7 +137,7 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
         whole: Real = np.array(np.linalg.qr(np.column_stack([scaled, target]), mode="r"))
         system, wanted = whole[:-1, :-1], whole[:-1, -1]
     try:
-        weights, _ = nnls(system, wanted, maxiter=ROUNDS * scaled.shape[1])
+        weights, _ = nnls(system, wanted)
     except RuntimeError:
         # Where columns are nearly one, the active set may go round in circles; an inner point does
         # not.

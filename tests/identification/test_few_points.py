@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.identification import default_objective
 from springpot.identification.material import SPARE
-from springpot.identification.material_fit import fit_spectrum
+from springpot.identification.native import fit
 from springpot.misfit import any_material
 
 
@@ -25,7 +25,7 @@ def zener(count: int, noise: float, seed: int = 0) -> springpot.Measurement:
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
 def test_a_spectrum_leaves_numbers_over_that_tell_the_scatter(count, noise):
     data = zener(count, noise)
-    found = fit_spectrum(any_material(), data, default_objective(data))
+    found = fit(any_material(), data, default_objective(data))
     assert len(found.theta) <= 2 * count - SPARE
     # What is left out is of no weight: the curve is still followed to a small part of the noise of
     # any instrument.
@@ -34,7 +34,7 @@ def test_a_spectrum_leaves_numbers_over_that_tell_the_scatter(count, noise):
 
 def test_more_points_with_noise_use_fewer_lines_than_they_might():
     data = zener(30, 0.01)
-    found = fit_spectrum(any_material(), data, default_objective(data))
+    found = fit(any_material(), data, default_objective(data))
     assert len(found.theta) < 20
 
 

@@ -31,4 +31,4 @@ def test_each_source_of_the_noise(source, lines, wanted):
         noise=SimpleNamespace(source=source),
         fit=SimpleNamespace(measurement=range(6)),
     )
-    assert Refit.fair_rss.fget(fit) == pytest.approx(wanted)
+    assert Refit.fair_rss.func(fit) == pytest.approx(wanted)

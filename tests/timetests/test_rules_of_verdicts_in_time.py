@@ -127,6 +127,28 @@ def test_facts_are_the_gain_of_the_best_and_what_is_beyond_doubt():
     assert (unknown.ruled_out, unknown.named, unknown.left) == (True, False, False)
 
 
+def joined(alone, count=40, tests=2):
+    """An effect beside which tests are at the noise, and each by itself at so much of it."""
+    rows = [SimpleNamespace(over_floor=1.0, over_floor_alone=alone) for _ in range(tests)]
+    noise = ResidualScatter(1.0, 0.0, 0.0, 0.5)
+    left = SimpleNamespace(
+        misfit=False, scatters=(noise,) * tests, residuals=(np.ones(count),) * tests
+    )
+    return tried(
+        helps=True, fit=SimpleNamespace(tests=rows, theta=np.ones(5)), left=left, delta=99.0
+    )
+
+
+def test_what_each_test_by_itself_is_followed_better_by_is_not_all_that_is_missing():
+    """A clamp's delay beside a gain: its force channel's resonance took both, for certain."""
+    before = SimpleNamespace(misfit=True, doubtful=True)
+    assert verdict.facts_of(before, [joined(0.7)], False).left
+    # Five parameters more follow that much of what is noise.
+    assert not verdict.facts_of(before, [joined(0.95)], False).left
+    assert not trying.parted(joined(0.7, tests=1))
+    assert not trying.parted(joined(0.7, count=5))
+
+
 def test_a_fault_of_the_apparatus_casts_no_doubt_by_what_a_specimen_would_need():
     before = SimpleNamespace(misfit=False, doubtful=False)
     clear = VERDICT.clear_evidence + 1.0

@@ -20,7 +20,7 @@ from springpot.diagnosis.discovery import discover
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError
-from springpot.identification.native import Effort
+from springpot.identification.leastsquares import Effort
 from springpot.identification.searching import STARTS
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement

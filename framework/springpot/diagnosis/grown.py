@@ -22,8 +22,8 @@ import numpy as np
 
 from springpot.identification.held_material import is_passive
 from springpot.identification.known_factors import refused_laws
+from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material
-from springpot.identification.native import Effort
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit

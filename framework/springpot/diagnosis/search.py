@@ -12,8 +12,8 @@ from math import inf
 import numpy as np
 
 from springpot.identification.held_material import within_material
+from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material
-from springpot.identification.native import Effort
 from springpot.identification.starts import EDGE
 from springpot.measurement.independence import at_one_frequency, moved_along, telling
 from springpot.measurement.measurement import CONDITIONS

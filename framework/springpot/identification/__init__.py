@@ -20,11 +20,10 @@ if TYPE_CHECKING:
         held_costs as held_costs,
         profile as profile,
     )
-    from .leastsquares import levenberg_marquardt as levenberg_marquardt
+    from .leastsquares import Effort as Effort, levenberg_marquardt as levenberg_marquardt
     from .material_fit import least_error as least_error
     from .native import (
         BoundedDescent as BoundedDescent,
-        Effort as Effort,
         fit as fit,
         minima_in_box as minima_in_box,
         scanned_starts as scanned_starts,
@@ -68,10 +67,10 @@ __getattr__, __dir__ = offered(
     {
         "fitting": "identify",
         "held_material": "intervals_beside_material is_passive within_material",
-        "leastsquares": "levenberg_marquardt",
+        "leastsquares": "Effort levenberg_marquardt",
         "material_fit": "least_error",
         "fitted": "Fit",
-        "native": "BoundedDescent Effort fit minima_in_box scanned_starts",
+        "native": "BoundedDescent fit minima_in_box scanned_starts",
         "prediction": "Prediction",
         "intervals": "bootstrap fit_batch held_costs profile",
         "problem": "default_objective Objective Problem Searched SpecimenProblem weighted",

@@ -16,15 +16,13 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, ROUNDING, SMALLEST
+from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING, SMALLEST
 from .normal import Equations, Whole
 
 Rows: TypeAlias = NDArray[np.intp]
 Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
 
 START_DAMPING = 1e-2
-LEAST_DAMPING = 1e-13
-"""Damping that is left in the end, so that a singular matrix still has an inverse."""
 SHRINK = 0.05
 """Strongest reduction of the damping after a step that did as foretold."""
 FLAT = 1e-13
@@ -80,6 +78,27 @@ class Solution:
         return int(np.argmin(np.where(alike, self.cost, np.inf)))
 
 
+@dataclass(frozen=True)
+class Effort:
+    """How far a fit goes.
+
+    Attributes
+    ----------
+    negligible : float
+        Share of the objective that is not worth a further step.
+    hopeless : float
+        Objective above which the model is of no interest: what the first steps leave above it is
+        not searched further.
+    """
+
+    negligible: float = FLAT
+    hopeless: float = np.inf
+
+    def of_part(self, share: float) -> Effort:
+        """The same for a share of the points."""
+        return Effort(self.negligible, self.hopeless * share)
+
+
 @dataclass
 class _State:
     """The rows still at work."""
@@ -119,23 +138,6 @@ class _Rules:
     flat: float
     alike: float
     equations: Equations
-
-    @classmethod
-    def of(
-        cls,
-        u0: Real,
-        lower: Real,
-        upper: Real,
-        floor: Real | float,
-        team: Rows | None,
-        flat: float,
-        alike: float,
-        equations: Equations,
-    ) -> _Rules:
-        """The rules with one box and one floor for each row of `u0`."""
-        floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
-        boxes = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
-        return cls(*boxes, floors, team, flat, alike, equations)
 
     def of_rows(self, rows: Rows) -> _Rules:
         """Those of the rows still at work."""
@@ -210,7 +212,9 @@ def levenberg_marquardt(
     array([[1.414214],
            [1.414214]])
     """
-    rules = _Rules.of(u0, lower, upper, floor, team, flat, alike, equations)
+    box = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
+    floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
+    rules = _Rules(*box, floors, team, flat, alike, equations)
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted
     # for it.
     with np.errstate(all="ignore"):
@@ -303,7 +307,8 @@ def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
     miss = 2.0 * ratio - 1.0
     trust = np.maximum(1.0 - miss * miss * miss, SHRINK)
     damping = state.damping * np.where(better, trust, state.growth)
-    state.damping = np.maximum(damping, LEAST_DAMPING)
+    # Some is left in the end, so that a singular matrix still has an inverse.
+    state.damping = np.maximum(damping, ROUNDING)
     state.growth = np.where(better, 2.0, 2.0 * state.growth)
 
 
@@ -342,10 +347,6 @@ def _done_teams(
     return settled
 
 
-SHORTEST = 1e-7
-"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
-
-
 @dataclass(frozen=True, eq=False)
 class Trial:
     """The best spectrum at given parameters of the effects."""
@@ -382,7 +383,7 @@ class Way:
         """Take the next step in view, and tell whether it is one."""
         # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
         self.ahead = np.clip(self.trial.u + _damped_step(*self.slopes, self.damping), low, high)
-        self.at_rest = bool(np.max(np.abs(self.ahead - self.trial.u)) < SHORTEST)
+        self.at_rest = bool(np.max(np.abs(self.ahead - self.trial.u)) < NEGLIGIBLE)
         return not self.at_rest
 
     def take(self, other: Trial, still: float) -> None:

@@ -11,7 +11,7 @@ lines that carry weight.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 
@@ -105,31 +105,6 @@ def surprise_slopes(expected: Real, own: Real, by_u: Real) -> Real:
     """Slopes (r, p) of these departures, from those (q, p) of the parameters."""
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ (by_u[known] / own[known, None]), dtype=np.float64)
-
-
-@dataclass(frozen=True, eq=False)
-class Spectral:
-    """A material with effects at fitted parameters.
-
-    Attributes
-    ----------
-    model : Model
-        With the lines that carry weight.
-    theta : ndarray, shape (p,)
-        K_e, c, the weights of the lines, and the effects' parameters.
-    cost : float
-        Sum of squared weighted residuals.
-    evaluations : int
-        Evaluations spent.
-    converged : bool
-        Whether the last step changed nothing.
-    """
-
-    model: Model
-    theta: Real
-    cost: float
-    evaluations: int
-    converged: bool
 
 
 class SpectrumSearch:
@@ -313,16 +288,13 @@ class SpectrumSearch:
             each = network.respond(theta, self.points, GRADIENT)
         return each.value, each.by_theta
 
-    def solve(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
-        """The best spectrum for the effects' `u`; of infinite cost where K is no number.
-
-        The weights of a trial nearby, if it has the same lines, are a start.
-        """
-        [best] = self.solve_each([self.begun(u, log_rates, near)])
+    def solve(self, u: Real, log_rates: Real | None = None) -> Trial:
+        """The best spectrum for the effects' `u`; of infinite cost where K is no number."""
+        [best] = self.solve_each([self.begun(u, log_rates)])
         return best
 
     def begun(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
-        """What `solve` begins with."""
+        """What `solve_each` begins with: weights of a trial nearby, if it has the same lines."""
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
@@ -386,20 +358,10 @@ class SpectrumSearch:
         return not self.linear
 
     def descend(
-        self,
-        trial: Trial,
-        iterations: int = MOST_STEPS,
-        still: float = STILL,
-        hopeless: float = np.inf,
-        lines: Real | None = None,
+        self, trial: Trial, iterations: int = MOST_STEPS, lines: Real | None = None
     ) -> tuple[Trial, bool]:
-        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest.
-
-        Ended where it is hopeless.
-
-        The spectrum has the given lines, by default those of the first lattice.
-        """
-        [end] = self.descend_each([trial], iterations, still, hopeless, lines)
+        """`descend_each` from one trial."""
+        [end] = self.descend_each([trial], iterations, lines=lines)
         return end
 
     def descend_each(
@@ -410,7 +372,11 @@ class SpectrumSearch:
         hopeless: float = np.inf,
         lines: Real | None = None,
     ) -> list[tuple[Trial, bool]]:
-        """The same from several trials, side by side."""
+        """Levenberg-Marquardt on the effects' parameters from several trials, side by side.
+
+        Where each ended, and whether it came to rest; ended early where it is hopeless. The
+        spectrum has the given lines, by default those of the first lattice.
+        """
         ways = [Way(trial) for trial in trials]
         going = [way for way in ways if len(way.trial.u) and np.isfinite(way.trial.cost)]
         self._turn(going)
@@ -540,8 +506,8 @@ class SpectrumSearch:
             trial = self.solve(trial.u, np.sort(trial.log_rates[strongest]))
         return trial
 
-    def result(self, trial: Trial, converged: bool) -> Spectral:
-        """The fitted model with the lines that carry weight."""
+    def result(self, trial: Trial) -> tuple[Model, Real, float]:
+        """The model with the lines that carry weight, its parameters (p,) and the objective."""
         trial = self.affordable(trial)
         # Lines without weight are no parameters: they would have intervals, and cost degrees of
         # freedom.
@@ -551,7 +517,7 @@ class SpectrumSearch:
         surprise = self.surprise(trial.u)
         # What was expected guides the search; the objective that is told is that of the data.
         cost = trial.cost - float(surprise @ surprise)
-        return Spectral(model, theta, cost, self.evaluations, converged)
+        return model, theta, cost
 
 
 def shifted_by(model: Model) -> str:

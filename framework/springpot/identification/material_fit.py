@@ -28,8 +28,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 
-from .leastsquares import Trial
-from .material import STILL, Spectral, SpectrumSearch
+from .leastsquares import Effort, Trial
+from .material import STILL, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
 
@@ -325,13 +325,11 @@ def fit_spectrum(
     measurement: Measurement,
     objective: Objective,
     seeds_theta: Sequence[Real] = (),
-    starts: int = 8,
-    *,
-    still: float = STILL,
-    hopeless: float = np.inf,
+    starts: int = STARTS,
+    effort: Effort | None = None,
     expected: Real | None = None,
-) -> Spectral:
-    """Fit a material, and the effects around it, to a measurement.
+) -> tuple[SpectrumSearch, Trial, bool]:
+    """The best end of a search for a material and the effects around it; whether it is at rest.
 
     Parameters
     ----------
@@ -346,30 +344,40 @@ def fit_spectrum(
     starts : int
         How many starts read off the data settings of the effects' parameters stand for; 0 where
         the seeds are to be the only ones.
-    still : float
-        Relative drop of the objective below which a descent ends.
-    hopeless : float
-        Objective above which a descent ends after its first steps.
+    effort : Effort, optional
+        How far it goes.
     expected : ndarray, shape (r, q), optional
         What is known of the effects' q parameters beforehand: the squares of these rows times their
         logarithms are added to the objective (Tikhonov's regularisation).
     """
-    search = coarse = SpectrumSearch.of(model, measurement, objective, expected)
+    search = SpectrumSearch.of(model, measurement, objective, expected)
     # A material alone is a convex problem: nothing is searched but its lines.
     if not search.own:
-        return search.result(search.refined(search.solve(np.zeros(0))), True)
-    rows = thinned(measurement.points.log_omega, COARSE_POINTS)
-    part = len(rows) / len(measurement)
-    if len(rows) < len(measurement):
-        if expected is not None:
-            # What is expected weighs against the points: of fewer points as much less.
-            expected = np.sqrt(part) * expected
-        turn = None if search.turn is None else search.turn[rows]
-        coarse = SpectrumSearch(
-            model, measurement.subset(rows), search.weights[rows], expected, turn
-        )
+        return search, search.refined(search.solve(np.zeros(0))), True
     count = len(search.own)
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
+    effort = effort or Effort()
+    return search, *_with_effects(search, measurement, objective, seeds, starts, effort)
+
+
+def _with_effects(
+    search: SpectrumSearch,
+    measurement: Measurement,
+    objective: Objective,
+    seeds: Sequence[Real],
+    starts: int,
+    effort: Effort,
+) -> tuple[Trial, bool]:
+    """The best spectrum and effects' parameters, from seeds (q,) of these; whether at rest."""
+    rows, coarse = thinned(measurement.points.log_omega, COARSE_POINTS), search
+    part = len(rows) / len(measurement)
+    if len(rows) < len(measurement):
+        # What is expected weighs against the points: of fewer points as much less.
+        expected = np.sqrt(part) * search.expected
+        turn = None if search.turn is None else search.turn[rows]
+        coarse = SpectrumSearch(
+            search.model, measurement.subset(rows), search.weights[rows], expected, turn
+        )
     settings_of_each = 0
     if not seeds:
         settings_of_each = SETTINGS * STARTS
@@ -380,19 +388,20 @@ def fit_spectrum(
     places = [seeds]
     if settings_of_each:
         tried = list(_settings(search, measurement, settings_of_each))
-        places += [tried, laid_over(model, measurement, tried[0])]
-    best, converged = _deepest(coarse, places, still, hopeless * part)
+        places += [tried, laid_over(search.model, measurement, tried[0])]
+    still = max(STILL, effort.negligible)
+    best, converged = _deepest(coarse, places, still, effort.hopeless * part)
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
     # Closer lines make no rival of what is hopeless.
-    best = _on_closer_lines(search, best) if best.cost <= hopeless else best
-    if settings_of_each and expected is None:
+    best = _on_closer_lines(search, best) if best.cost <= effort.hopeless else best
+    if settings_of_each and not len(search.expected):
         ends = _on_laws(search, measurement, objective)
         ends = [_on_closer_lines(search, end) for end in ends if end.cost < best.cost]
         best = min(ends, key=lambda each: each.cost, default=best)
-    return search.result(best, converged)
+    return best, converged
 
 
 def _deepest(
@@ -472,16 +481,19 @@ def _on_laws(search: SpectrumSearch, measurement: Measurement, objective: Object
         lawful = replace(model, material=replace(material, rates=()), effects=effects)
         if 2 * len(measurement) <= len(lawful.parameters):
             continue
-        ended = fit_spectrum(lawful, measurement, objective)
-        ends.append(_as_factors(search, free[0], law, ended))
+        fitted, best, _ = fit_spectrum(lawful, measurement, objective)
+        ended, theta, _ = fitted.result(best)
+        ends.append(_as_factors(search, free[0], law, ended, theta))
     return ends
 
 
-def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Spectral) -> Trial:
+def _as_factors(
+    search: SpectrumSearch, free: Effect, law: Effect, ended: Model, theta: Real
+) -> Trial:
     """A fitted law as free factors, with its lines."""
     points, levels = search.points, free.element
     assert isinstance(levels, Levels)
-    known = ended.model.named(ended.theta)
+    known = ended.named(theta)
     constants = np.array([known[f"{law.name}.{p.name}"] for p in law.element.parameters])
     number = levels_of(levels.column, points.need(levels.column))
     log_a = law.element.respond(constants, points).value.real
@@ -490,7 +502,7 @@ def _as_factors(search: SpectrumSearch, free: Effect, law: Effect, ended: Spectr
     factors = np.exp(log_a - at_reference)[list(levels.free)].tolist()
     names = [f"{free.name}.{parameter.name}" for parameter in levels.parameters]
     known |= dict(zip(names, factors, strict=True))
-    material = ended.model.material
+    material = ended.material
     assert isinstance(material, Continuum)
     # The curve is that of the level at which the factor is one.
     lines = np.log(np.array(material.rates)) - at_reference

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -22,8 +21,8 @@ from springpot.rheology.points import Real
 from springpot.writing import counted
 
 from .fitted import Fit, task_of
-from .leastsquares import AGREE, FLAT, Solution, levenberg_marquardt
-from .material import QUICK, STILL, is_material, own_parameters
+from .leastsquares import AGREE, Effort, Solution, levenberg_marquardt
+from .material import QUICK, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .problem import Objective, Problem, default_objective, weighted
 from .recorder import Recorder
@@ -49,29 +48,6 @@ SCANNED, NEAR = 1e-4, 1e-6
 
 There a step of Gauss and Newton is right.
 """
-POLISHED = 3
-"""Shapes that go on to the search in all parameters."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How far a fit goes.
-
-    Attributes
-    ----------
-    negligible : float
-        Share of the objective that is not worth a further step.
-    hopeless : float
-        Objective above which the model is of no interest: what the first steps leave above it is
-        not searched further.
-    """
-
-    negligible: float = FLAT
-    hopeless: float = np.inf
-
-    def of_part(self, share: float) -> Effort:
-        """The same for a share of the points."""
-        return Effort(self.negligible, self.hopeless * share)
 
 
 def fit(
@@ -137,8 +113,14 @@ def fit(
     if objective is None:
         objective = default_objective(measurement)
     if is_material(model):
-        return _fit_material(
-            model, measurement, objective, starts, seeds_theta, effort or Effort(), expected
+        known = None if expected is None else expected.weighted
+        search, end, converged = fit_spectrum(
+            model, measurement, objective, seeds_theta, starts, effort, known
+        )
+        model, theta, cost = search.result(end)
+        spent, seconds = search.evaluations, perf_counter() - began
+        return Fit(
+            model, measurement, objective, theta, cost, spent, converged, seconds, expected=expected
         )
     # One data set is a batch of one: single fits and simulated ones by the thousand run through the
     # same code.
@@ -227,45 +209,6 @@ def _solved(
     return solution, evaluations
 
 
-def _fit_material(
-    model: Model,
-    measurement: Measurement,
-    objective: Objective,
-    starts: int,
-    seeds_theta: Sequence[Real],
-    effort: Effort,
-    expected: Expected | None,
-) -> Fit:
-    """Any linear passive material, with the lines of its spectrum that the data ask for."""
-    began = perf_counter()
-    still, hopeless = max(STILL, effort.negligible), effort.hopeless
-    beside = None
-    if expected is not None:
-        beside = expected.weighted
-    fitted = fit_spectrum(
-        model,
-        measurement,
-        objective,
-        seeds_theta,
-        starts,
-        still=still,
-        hopeless=hopeless,
-        expected=beside,
-    )
-    seconds = perf_counter() - began
-    return Fit(
-        fitted.model,
-        measurement,
-        objective,
-        fitted.theta,
-        fitted.cost,
-        fitted.evaluations,
-        fitted.converged,
-        seconds,
-        expected=expected,
-    )
-
-
 def _if_linear(model: Model, measurement: Measurement, objective: Objective) -> Real | None:
     """The best parameters (p,) of a model that is linear in them, all of them from zero up.
 
@@ -350,7 +293,8 @@ def _search(
     # Descents that stop that far above their end agree as the quick ones do; else all would go on
     # to the last step.
     valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES), alike=alike)
-    keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
+    # As many as must agree go on to the search in all parameters.
+    keen = valley.u[np.argsort(valley.cost)[:AGREE]]
     near_ends = np.concatenate([task.full(keen[None])[0], best])[None]
     last = task.solve(near_ends, damping=NEAR, flat=effort.negligible, alike=alike)
     return last, evaluations + valley.evaluations + last.evaluations

@@ -16,7 +16,7 @@ from springpot.diagnosis.result import NextExperiment
 from springpot.diagnosis.scan import applicable, possible, scan_effects
 from springpot.diagnosis.search import grown_with
 from springpot.errors import ModelError
-from springpot.identification.native import Effort
+from springpot.identification.leastsquares import Effort
 from springpot.identification.value import Value, values_of
 from springpot.lazy import draw, html_of, text_of
 from springpot.misfit.error import Error

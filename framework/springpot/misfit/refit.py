@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.fitted import Fit
+from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material, own_parameters
-from springpot.identification.native import Effort, fit
+from springpot.identification.native import fit
 from springpot.identification.problem import Objective, weighted
 from springpot.identification.searching import searched
 from springpot.identification.uncertainty import Uncertainty, uses_sd
@@ -101,7 +102,7 @@ class Refit:
             return own_parameters(self.model)
         return list(range(len(self.theta)))
 
-    @property
+    @cached_property
     def lines(self) -> int:
         """Weights of a free spectrum that are above zero; none for a model with a name."""
         return len(self.theta) - len(self.own) - self.fit.silent
@@ -119,7 +120,7 @@ class Refit:
         own, known = (one.model.named(one.theta) for one in (self, other))
         return self.model.picked(own | known)
 
-    @property
+    @cached_property
     def log_likelihood(self) -> float:
         """Log-likelihood at the fit, less what the lines of a free spectrum follow of the noise.
 
@@ -129,7 +130,7 @@ class Refit:
         """
         return self.noise.log_likelihood(self.fair_rss, 2 * len(self.fit.measurement))
 
-    @property
+    @cached_property
     def fair_rss(self) -> float:
         """Residual sum of squares as it would be if a free spectrum's lines followed no noise."""
         if not self.lines:
@@ -142,7 +143,7 @@ class Refit:
         spare = 2 * len(self.fit.measurement) - len(self.own)
         return self.rss * spare / max(spare - self.lines, 1)
 
-    @property
+    @cached_property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion (Schwarz 1978, doi:10.1214/aos/1176344136).
 

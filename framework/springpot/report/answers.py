@@ -19,6 +19,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.misfit.error import Error, over_floor, plain
 from springpot.misfit.residual_tests import Finding
+from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
@@ -157,8 +158,6 @@ SHELVES: Mapping[Shelf, str] = {
     "helps": "helps",
     "ruled-out": "ruled out",
 }
-LEAST_CHANCE = 1e-6
-"""Chance that is told at least: of a smaller one nobody can mean the number."""
 
 
 def diagnosis_document(
@@ -579,6 +578,6 @@ def _significant(findings: Sequence[Finding]) -> list[str]:
 
 def chance(value: float) -> str:
     """``p = 0.004``, with no number smaller than anyone can mean."""
-    if value < LEAST_CHANCE:
+    if value < NEGLIGIBLE:
         return "p < 1e-6"
     return f"p = {number(value, 2)}"

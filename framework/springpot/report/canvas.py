@@ -57,8 +57,8 @@ TENFOLD = 10.0
 NARROW = 300.0
 """A logarithmic axis whose ends differ by less than this factor is also labelled at 2 and 5."""
 
-PLAIN = (3e-4, 3e5)
-"""Between these, numbers on an axis are written out."""
+PLAIN = 1e-3, 1e6
+"""Sizes between which numbers stand without a power of ten."""
 
 INK, QUIET = "#222222", "#8A8A8A"
 

@@ -23,10 +23,10 @@ from springpot.rheology.points import Real
 from springpot.writing import NAMED, number
 
 from . import views
-from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
+from .canvas import COLOURS, INK, QUIET, TENFOLD, blank, finished, logarithmic
 from .population import draw_populations
 from .text import cut, percent
-from .views import WIDE_RANGE, DrawnFit, Scene
+from .views import DrawnFit, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -359,7 +359,7 @@ def draw_spectrum(axes: Axes, spectrum: SmoothSpectrum, unit: str) -> None:
     # What lies beyond the measured frequencies is the smoothest guess, and must not set the axis.
     inside = density[(rates >= spectrum.seen[0]) & (rates <= spectrum.seen[1])]
     top = float(spectrum.high.max())
-    if len(inside) and inside.max() > WIDE_RANGE * inside.min():
+    if len(inside) and inside.max() > TENFOLD * inside.min():
         axes.set_ylim(max(0.3 * float(inside.min()), top * 10.0**-DECADES), 3.0 * top)
         logarithmic(axes, "y")
     else:

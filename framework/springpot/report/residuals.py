@@ -28,10 +28,10 @@ from springpot.rheology.points import Complex, Real
 from springpot.writing import Html, joined, tag
 
 from . import views
-from .canvas import COLOURS, QUIET, blank, finished, logarithmic
+from .canvas import COLOURS, QUIET, TENFOLD, blank, finished, logarithmic
 from .figures import DASHES, headed, literal
 from .text import cut, percent
-from .views import WIDE_RANGE, DrawnFit, Scene, draw_bands, sweep_colours
+from .views import DrawnFit, Scene, draw_bands, sweep_colours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,7 +98,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: type[Composition]) -> None:
     # falsely.
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
-    if middle > 0 and largest > WIDE_RANGE * middle:
+    if middle > 0 and largest > TENFOLD * middle:
         symmetric(axes, middle, largest)
     if scene.axis.logarithmic:
         logarithmic(axes, "x")

@@ -19,14 +19,11 @@ from springpot.files import write_text, write_with
 from springpot.identification.value import Value
 from springpot.writing import DIGITS, guarded, number as digits
 
+from .canvas import PLAIN
 from .text import halved
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
-
-
-SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e6
-"""Sizes between which numbers stand without a power of ten."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +80,7 @@ def number(value: float) -> str:
     if isinf(value):
         return str(value).replace("inf", "∞")
     # Zero is neither large nor small: it has no power of ten.
-    if value and not SMALLEST_PLAIN <= abs(value) < LARGEST_PLAIN:
+    if value and not PLAIN[0] <= abs(value) < PLAIN[1]:
         return f"{value:.3e}"
     # With four digits it would be a power of ten, which is harder to compare down a column.
     if abs(value) >= 10.0**DIGITS:

@@ -29,7 +29,7 @@ from springpot.numerics import ENOUGH
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
-from .canvas import COLOURS, INK, QUIET, SMOOTH, logarithmic
+from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, logarithmic
 from .sweeps import DrawnSweep, all_sweeps, chosen, travels, varies
 
 if TYPE_CHECKING:
@@ -327,10 +327,6 @@ def _along(x: Real, width: Real) -> tuple[Real, Real]:
     return places, half
 
 
-WIDE_RANGE = 30.0
-"""A linear quantity spanning more than this factor gets a logarithmic axis."""
-
-
 def storage_and_loss(axes: Axes, scene: Scene) -> None:
     """Storage and loss against frequency.
 
@@ -390,7 +386,7 @@ def cole_cole(axes: Axes, scene: Scene) -> None:
     positive = np.all(data.storage > 0) and np.all(data.loss > 0)
     # Over decades a semicircle is no longer seen at equal scales, and small values vanish at the
     # origin.
-    if positive and _ratio(data.magnitude) > WIDE_RANGE:
+    if positive and _ratio(data.magnitude) > TENFOLD:
         logarithmic(axes, "x")
         logarithmic(axes, "y")
     else:

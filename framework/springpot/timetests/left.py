@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.diagnosis.grown import key_of
+from springpot.distributions import f_sf
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
@@ -22,7 +23,7 @@ from springpot.memory import worth_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import EVIDENCE, SEARCH
+from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import DEVIATIONS, SMALLEST, TWO_DEVIATIONS
 from .residuals_of_tests import InTimePart, Test, TestPart
@@ -552,6 +553,30 @@ class Tried:
     @property
     def _common(self) -> float:
         return 2.0 * sum(float(np.log(weight_of(effect))) for effect in self.effects)
+
+
+def parted(each: Tried) -> bool:
+    """Whether several tests, each by itself, are followed better than one specimen's chance lets.
+
+    One fit to all against one for each (Chow 1960, doi:10.2307/1910133): what bends the common
+    parameters stands in no record as more than noise, where few samples tell how large that is.
+    """
+    fit = each.fit
+    if fit is None or len(fit.tests) < 2:
+        return False
+    told = zip(each.left.scatters, each.left.residuals, fit.tests, strict=True)
+    counts, common, own = np.transpose(
+        [
+            (scatter.independent_squares(len(left)), test.over_floor**2, test.over_floor_alone**2)
+            for scatter, left, test in told
+        ]
+    )
+    more = len(fit.theta) * (len(fit.tests) - 1)
+    free, unexplained = float(np.sum(counts)) - more - len(fit.theta), float(counts @ own)
+    if free < 1.0 or unexplained == 0.0:
+        return False
+    ratio = float(counts @ (common - own)) / more / (unexplained / free)
+    return bool(f_sf(ratio, more, free) < VERDICT.structure_alarm)
 
 
 def weight_of(effect: Effect) -> float:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import SpringpotError
 from springpot.identification.material import WIDEST
-from springpot.identification.material_fit import fit_spectrum
+from springpot.identification.native import fit
 from springpot.identification.problem import relative_objective
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import Effect, Layer
@@ -218,7 +218,7 @@ def told_by_steps(model: Model, parts: Sequence[TestPart], reference: float) -> 
             continue
         lawful = Model("material", material, effects=laws)
         points = replace(points, reference=reference)
-        found = fit_spectrum(lawful, points, by_one_number(relative_objective()))
+        found = fit(lawful, points, by_one_number(relative_objective()))
         told |= found.model.named(found.theta)
     return {name: told[name] for name in model.names if name in told}
 

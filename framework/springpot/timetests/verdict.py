@@ -49,6 +49,7 @@ from .left import (
     Promise,
     Tried,
     explains_as_well,
+    parted,
     without_limits,
 )
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
@@ -394,7 +395,7 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
         # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
         named=plain,
         # An effect that helps and leaves more than noise is not all that is missing.
-        left=plain and tried[0].left.misfit,
+        left=plain and (tried[0].left.misfit or parted(tried[0])),
     )
 
 
