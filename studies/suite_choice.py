@@ -28,6 +28,7 @@ from typing import Literal
 import numpy as np
 
 from drawn_problems import best, drawn, searched
+from paper.asking import asking
 from springpot import plugins
 from springpot.benchmark import Table, save_table
 from springpot.benchmark.plan import reference_of, stream_of
@@ -370,7 +371,7 @@ def main() -> None:
         return
     held = [(number, made(HELD[0], number)) for number in range(HELD[1])]
     whole, single = judged([each for each in held if arrived(each[1].trials)])
-    save_table(whole, FOLDER, "judged")
+    save_table(asking(__doc__, whole), FOLDER, "judged")
     figures = {str(name): figure for name, figure in whole.rows}
     cells = [figures[name] for name in (CHOICE, ALONE)]
     PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), TOLD, cells), encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import csv
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.benchmark import Table
 from springpot.benchmark.statistics import Interval
 from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm
 
@@ -117,3 +119,24 @@ def test_the_page_tells_what_the_table_says():
     values = [[Interval(*map(float, row[i : i + 3])) for i in range(1, 19, 3)] for row in rows]
     text = suite_repeated.PAGE.read_text(encoding="utf-8")
     assert suite_repeated.page(text, SimpleNamespace(rows=values)) == text
+
+
+@pytest.mark.parametrize(
+    ("script", "table"),
+    [
+        ("suite_repeated", "suite_repeated/judged"),
+        ("suite_choice", "suite_choice/judged"),
+        ("suite_portfolio", "suite_repeated/portfolio"),
+        ("suite_budgets", "suite_budgets/ranks_by_budget"),
+        ("suite_tuned", "suite_tuned/tuned"),
+        ("expensive", "expensive/expensive"),
+    ],
+)
+def test_a_table_says_first_what_its_script_asks(script, table):
+    from paper.asking import asking
+
+    head = ast.get_docstring(ast.parse((Path(STUDIES) / f"{script}.py").read_text()))
+    asks = asking(head, Table("", (), ())).asks
+    assert all(word in asks for word in ("Measure: ", "What would answer it: "))
+    page = (Path(STUDIES).parent / "results" / f"{table}.md").read_text()
+    assert page.split("\n\n")[1] == asks
