@@ -17,6 +17,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from paper.asking import asking
 from springpot import plugins
 from springpot.benchmark import Study, save_table
 from springpot.benchmark.expensive import MARKS, PacedRun, Site, expensive_table, paced_run
@@ -61,7 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         ]
         print(name, flush=True)
     given.out.mkdir(parents=True, exist_ok=True)
-    for path in save_table(expensive_table(courses, site), given.out, "expensive", ("md", "csv")):
+    whole = asking(__doc__, expensive_table(courses, site))
+    for path in save_table(whole, given.out, "expensive", ("md", "csv")):
         print(path)
 
 

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asking
 from paper.draw import COLOURS, can_draw, legend_above, logarithmic, sheet
 from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
 from springpot.benchmark.comparison import MeanRanks, rank
@@ -142,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     folder = given.out / NAME
     folder.mkdir(parents=True, exist_ok=True)
     for table, name in (
-        (ranks_table(found, ranks), "ranks_by_budget"),
+        (asking(__doc__, ranks_table(found, ranks)), "ranks_by_budget"),
         (crossings_table(ranks), "crossings"),
     ):
         for path in save_table(table, folder, name, ("md", "csv")):

@@ -18,6 +18,7 @@ from itertools import product
 
 import numpy as np
 
+from paper.asking import asking
 from springpot.benchmark import Table, save_table
 from springpot.benchmark.statistics import expected_running_time
 from springpot.rheology import Real
@@ -116,7 +117,8 @@ def table(race: Trials, more: Trials) -> Table:
 
 def main() -> None:
     """Tell."""
-    save_table(table(archived(RACE), archived(PUBLISHED)), FOLDER, "portfolio")
+    whole = table(archived(RACE), archived(PUBLISHED))
+    save_table(asking(__doc__, whole), FOLDER, "portfolio")
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asking
 from springpot import plugins
 from springpot.benchmark import Store, Study, Table, save_table
 from springpot.benchmark.archive import Archive, take_over, write_archive
@@ -319,7 +320,7 @@ def main() -> None:
     more = archived(PUBLISHED)
     race = archived(RACE)
     table = judged(race, more)
-    save_table(table, FOLDER, "judged")
+    save_table(asking(__doc__, table), FOLDER, "judged")
     PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), table), encoding="utf-8")
     save_table(by_problem(race, more), FOLDER, "by_problem")
     save_table(luck(more), FOLDER, "luck")

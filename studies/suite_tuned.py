@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from paper.asking import asking
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
 from springpot.benchmark.plan import stream_of
@@ -170,7 +171,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     found = raced(race("race", unseen[:: given.every], entrants), given.workers, given.out)
     folder = given.out / NAME
     folder.mkdir(parents=True, exist_ok=True)
-    for path in save_table(table(found, chosen), folder, "tuned", ("md", "csv")):
+    whole = asking(__doc__, table(found, chosen))
+    for path in save_table(whole, folder, "tuned", ("md", "csv")):
         print(path)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import csv
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.benchmark import Table
 from springpot.benchmark.statistics import Interval
 from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm
 
@@ -65,39 +67,24 @@ def test_descents_in_turn_take_what_one_by_one_is_expected_of_them():
     from suite_choice import Bank, Rules
 
     # Of the first kind half of the descents meet the target at 10, the others end at 20 without.
-    curves = np.tile(np.geomspace(50.0, 1e-3, 40), (2, 2, 1))
-    hits = np.array([[10.0, np.inf], [np.inf, np.inf]])
-    bank = Bank(curves, hits, np.array([[10.0, 20.0], [5.0, 5.0]]))
+    curves = np.tile(np.geomspace(50.0, 1e-3, 40), (2, 2, 2, 1))
+    hits = np.array([[[10.0, np.inf], [np.inf, np.inf]], [[np.inf] * 2] * 2])
+    bank = Bank(curves, hits, np.array([[[10.0, 20.0], [5.0, 5.0]], [[4.0, 4.0]] * 2]))
 
     def time(order, longest=100, **changes):
-        told = {"patience": 5, "progress": 1.0, "points": 1, "absurd": 1.0} | changes
-        return Rules(order, longest, **told).time(bank, 10.0)
+        told = {"patience": 5, "progress": 1.0, "rounds": (0,)} | changes
+        return Rules(order, longest, **told).time(bank)
 
     assert time((0,)) == 15.0 / 0.5
     assert time((0, 1)) == (15.0 + 0.5 * 5.0) / 0.5
+    # All kinds once from points of the one scale, and then from those of the other.
+    assert time((0, 1), rounds=(0, 1)) == (15.0 + 0.5 * (5.0 + 4.0 + 4.0)) / 0.5
     # One that is cut short misses, and costs no more than that.
     assert time((0,), 8) == np.inf
     assert time((0,), 15) == 12.5 / 0.5
     # Each falls by a fifth at every evaluation; whoever wants more gives up after six.
     assert time((0,), progress=0.1) == np.inf
     assert time((0,), progress=0.5) == 15.0 / 0.5
-
-
-def test_a_start_is_the_first_point_that_is_not_absurd_or_the_best_of_some():
-    from suite_choice import Bank, Rules
-
-    curves = np.full((1, 4, 3), np.nan)
-    curves[0, :, 0] = [5.0, 500.0, 700.0, np.nan]
-    bank = Bank(curves, np.full((1, 4), np.inf), np.ones((1, 4)))
-    chances, others = Rules((0,), 9, 2, 1.0, 2, 10.0).starts(bank, 1.0)
-    assert others == 0.75
-    assert chances.sum() == pytest.approx(1.0)
-    assert chances[0] == pytest.approx(1.0 - 0.75**2)
-    # Both of two are bad, and the better one of the two is taken.
-    assert chances[1:] == pytest.approx(0.75**2 * np.array([5.0, 3.0, 1.0]) / 9.0)
-    # One point is taken as it is.
-    chances, others = Rules((0,), 9, 2, 1.0, 1, 10.0).starts(bank, 1.0)
-    assert (chances == pytest.approx(0.25), others) == (True, 0.0)
 
 
 def test_a_drawn_problem_hangs_on_its_seed_and_number_alone():
@@ -132,3 +119,24 @@ def test_the_page_tells_what_the_table_says():
     values = [[Interval(*map(float, row[i : i + 3])) for i in range(1, 19, 3)] for row in rows]
     text = suite_repeated.PAGE.read_text(encoding="utf-8")
     assert suite_repeated.page(text, SimpleNamespace(rows=values)) == text
+
+
+@pytest.mark.parametrize(
+    ("script", "table"),
+    [
+        ("suite_repeated", "suite_repeated/judged"),
+        ("suite_choice", "suite_choice/judged"),
+        ("suite_portfolio", "suite_repeated/portfolio"),
+        ("suite_budgets", "suite_budgets/ranks_by_budget"),
+        ("suite_tuned", "suite_tuned/tuned"),
+        ("expensive", "expensive/expensive"),
+    ],
+)
+def test_a_table_says_first_what_its_script_asks(script, table):
+    from paper.asking import asking
+
+    head = ast.get_docstring(ast.parse((Path(STUDIES) / f"{script}.py").read_text()))
+    asks = asking(head, Table("", (), ())).asks
+    assert all(word in asks for word in ("Measure: ", "What would answer it: "))
+    page = (Path(STUDIES).parent / "results" / f"{table}.md").read_text()
+    assert page.split("\n\n")[1] == asks

@@ -33,6 +33,7 @@ NASTY = Table(
     ("na|me", "x_1 [%]", "rate"),
     [("<b>&\\|", 1.5, Interval(0.5, 0.25, math.inf)), ("[opt]", None, None)],
     "note <script>",
+    "Question: is <script> run?",
 )
 
 
@@ -76,6 +77,11 @@ def test_markdown_keeps_its_columns():
     assert {len(re.findall(r"(?<!\\)(?:\\\\)*\|", row)) for row in rows} == {4}
     assert "<" not in rows[2]
     assert rows[1] == "| --- | ---: | ---: |"
+
+
+def test_what_is_asked_stands_above_the_table():
+    for page, begins in ((to_markdown(NASTY), "\n| na"), (to_html(NASTY), "<table>")):
+        assert 0 < page.index("Question: ") < page.index(begins)
 
 
 def test_csv_reads_back_in_full():

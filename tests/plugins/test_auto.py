@@ -14,6 +14,7 @@ from springpot.identification.recorder import BudgetSpent, Recorder
 from springpot.identification.runs import run
 from springpot.registry import plugins
 from springpot_plugins.optimisers import auto
+from springpot_plugins.optimisers.leastsquares import LeastSquares, Misfit
 
 BUDGET = 600
 
@@ -41,38 +42,39 @@ def ruled(monkeypatch, **changes):
 
 
 def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch):
-    kinds = [{"method": "trf", "logarithmic": True}, {"method": "lm"}]
+    kinds = [
+        {"begins": "parameters", "method": "trf", "logarithmic": True},
+        {"begins": "logarithms", "method": "lm", "logarithmic": True},
+    ]
     ruled(monkeypatch, longest=4, descents=kinds)
     kinds, made = auto.kinds(), Recorder(problem("mass-and-delay"), BUDGET)
     for methods in ("trf", "lm", "trf"):
-        kind, before = next(kinds), made.evaluations
-        assert kind.method == methods
-        auto.descended(made, kind, np.random.default_rng(1), BUDGET)
+        way, before = next(kinds), made.evaluations
+        assert (way.kind.method, way.sized) == (methods, methods == "lm")
+        auto.descended(made, way, np.random.default_rng(1), BUDGET)
         assert made.evaluations == before + 4
 
 
 def test_a_descent_that_leads_no_further_is_given_up(monkeypatch):
     # Nobody falls by nine tenths at every evaluation.
-    ruled(monkeypatch, patience=3, progress=1e-9, points=1)
+    ruled(monkeypatch, patience=3, progress=1e-9)
     made = Recorder(problem("mass-and-delay"), BUDGET)
     auto.descended(made, next(auto.kinds()), np.random.default_rng(1), BUDGET)
     assert made.evaluations == 4
 
 
-def test_where_all_points_are_absurd_the_best_is_a_start(monkeypatch):
-    ruled(monkeypatch, points=4, absurd=0.0)
-    made = Recorder(problem("mass-and-delay"), BUDGET)
-    misfit = auto.Watched(made, BUDGET, logarithmic=True)
-    start = auto.begun(misfit, np.random.default_rng(1))
-    assert made.evaluations == 4
-    assert start == pytest.approx(made.best_x)
-    # One that is not absurd is a start at once, and its evaluation the first of the descent.
-    ruled(monkeypatch, points=4, absurd=np.inf)
-    misfit = auto.Watched(made, BUDGET, logarithmic=True)
-    misfit.both(misfit.within(auto.begun(misfit, np.random.default_rng(2))))
-    assert made.evaluations == 5
-    # Within a turn of a run, too, it is known what no response comes to.
-    assert auto.Turn(made).nothing == made.problem.nothing
+def test_starts_that_are_drawn_by_logarithms_have_sizes_of_any_order(monkeypatch):
+    ruled(monkeypatch, longest=1)
+    diary = []
+    made, way = Recorder(problem("mass-and-delay"), BUDGET, diary=diary), LeastSquares()
+    rng = np.random.default_rng(1)
+    for _ in range(100):
+        auto.descended(made, auto.Way(way, sized=True), rng, BUDGET)
+    points, sized = np.array([point for point, _ in diary]), Misfit(made).logarithmic
+    share = (points - made.lower) / (made.upper - made.lower)
+    # The lower end is a billionth of the upper one: half of the orders are below its root.
+    assert 0.3 < np.mean(share[:, sized] < 1e-4) < 0.7
+    assert 0.3 < np.mean(share[:, ~sized] < 0.5) < 0.7
 
 
 @pytest.mark.soak

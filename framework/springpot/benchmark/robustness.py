@@ -270,8 +270,8 @@ OF_ITS_OWN = {
         " projection, which no other optimiser could do with what it is given."
     ),
     "auto": (
-        "auto chooses by rules that were learnt from half of the problems of springpot-60: on these"
-        " it is no newcomer."
+        "auto descends by rules that were learnt from drawn problems, and who takes turns with"
+        " descents is from half of springpot-60: on that half it is no newcomer."
     ),
     "least-squares-alternating": (
         "least-squares-alternating was made for these models: that logarithms and parameters take"

@@ -283,8 +283,7 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
     start = np.where(
         np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta
     )
-    effort = Effort(NEGLIGIBLE)
-    again = refit(own.model, search.base.data, search.base.noise, [start], starts=0, effort=effort)
+    again = refit(own.model, search.base.data, search.base.noise, [start], starts=0)
     if again.log_evidence > own.log_evidence + NEGLIGIBLE:
         return replace(grown, refit=again)
     return grown

@@ -60,12 +60,15 @@ class Table:
         Texts, numbers, `Interval` or None (nothing to say).
     note : str
         What the columns mean.
+    asks : str
+        What it is to answer, for those who read it above the table.
     """
 
     title: str
     columns: tuple[str, ...]
     rows: Sequence[tuple[Entry, ...]]
     note: str = ""
+    asks: str = ""
 
 
 def number(value: float) -> str:
@@ -102,6 +105,8 @@ def text(entry: Entry) -> str:
 def to_markdown(table: Table) -> str:
     """The table in GitHub's Markdown."""
     lines = [f"# {table.title}", ""]
+    if table.asks:
+        lines += [table.asks, ""]
     lines.append(_pipes(table.columns))
     rules = {True: "---:", False: "---"}
     lines.append(_pipes([rules[numeric] for numeric in _numeric(table)]))
@@ -222,6 +227,7 @@ def to_html(table: Table) -> str:
     kinds = [marks[numeric] for numeric in _numeric(table)]
     # Names of data sets and optimisers are anybody's words: none may be read as a tag.
     title, note = html.escape(table.title), html.escape(table.note)
+    asks = f"<p>{html.escape(table.asks)}</p>\n" if table.asks else ""
     head = "".join(
         f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True)
     )
@@ -234,7 +240,7 @@ def to_html(table: Table) -> str:
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n"
+        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n{asks}"
         f"<table>\n<thead><tr>{head}</tr></thead>\n"
         f"<tbody>\n{body}\n</tbody>\n</table>\n<p>{note}</p>\n</body></html>\n"
     )

@@ -1,9 +1,9 @@
-"""Short descents from the better of some points, and then in turns with another optimiser.
+"""Short descents from starts of two scales, and then in turns with another optimiser.
 
-Descents of several kinds in turn are what most problems need. From how many points the start of one
-is chosen, which kinds in which order, when a descent is given up, who takes turns with them and for
-how long: all of it was learnt by ``studies/suite_choice.py`` from problems that are drawn by a
-seed, and is kept in ``auto.toml``.
+Descents of several kinds in turn are what most problems need. How their starts are drawn, which
+kinds in which order, when a descent is given up, who takes turns with them and for how long: all of
+it was learnt by ``studies/suite_choice.py`` from problems that are drawn by a seed, and is kept in
+``auto.toml``.
 """
 
 from __future__ import annotations
@@ -36,6 +36,9 @@ from .leastsquares import LeastSquares, Misfit
 NEGLIGIBLE = 1e-6
 """Change that ends a short descent, and share of the best end within which another is as low."""
 
+SIZED = "logarithms"
+"""How the rules call starts that are drawn by them."""
+
 
 class _CutShortError(Exception):
     """Ends a descent that has had its evaluations."""
@@ -55,7 +58,7 @@ class Auto(Optimiser):
 
     name: ClassVar[str] = "auto"
     card: ClassVar[Card] = Card(
-        "least squares from the better of some points, then in turns with another",
+        "least squares from starts of two scales, then in turns with another",
         "Rice 1976, doi:10.1016/S0065-2458(08)60520-3; Xu et al. 2008, doi:10.1613/jair.2490",
         gradient=True,
         started=True,
@@ -92,7 +95,6 @@ class Turn(Searched):
 
     def __init__(self, run: Recorder) -> None:
         self.run, self.space = run, run.problem.space
-        self.nothing = nothing(run.problem)
 
     def evaluate(self, x: Real) -> Real:
         """Objective (...) at search points (..., d)."""
@@ -140,50 +142,36 @@ def told(ends: Sequence[float]) -> str:
     return f"{alike} of {len(ends)} descents ended as low as the best"
 
 
-def kinds() -> Iterator[LeastSquares]:
-    """The kinds of descent in the order of the rules, over and over."""
-    return cycle(LeastSquares(tolerance=NEGLIGIBLE, **each) for each in rules()["descents"])
+@dataclass(frozen=True)
+class Way:
+    """A kind of descent, and how its start is drawn.
+
+    Uniform in the box a parameter has the size of its upper end; drawn by logarithms any order
+    below that is as likely, which is what a mass or a time needs that shows at high frequencies
+    only.
+    """
+
+    kind: LeastSquares
+    sized: bool
 
 
-def descended(
-    problem: Recorder, kind: LeastSquares, rng: np.random.Generator, limit: int
-) -> Watched:
+def kinds() -> Iterator[Way]:
+    """The ways to descend in the order of the rules, over and over."""
+    ways = [
+        Way(LeastSquares(told["method"], told["logarithmic"], NEGLIGIBLE), told["begins"] == SIZED)
+        for told in rules()["descents"]
+    ]
+    return cycle(ways)
+
+
+def descended(problem: Recorder, way: Way, rng: np.random.Generator, limit: int) -> Watched:
     """A short descent, at the latest until `limit` evaluations of the run."""
     longest = problem.evaluations + int(rules()["longest"])
-    misfit = Watched(problem, min(limit, longest), kind.logarithmic)
+    misfit = Watched(problem, min(limit, longest), way.kind.logarithmic)
+    start = Misfit(problem, way.sized).placed(rng.random(problem.dimension))
     with suppress(_CutShortError):
-        start = begun(misfit, rng)
-        # What was passed over is no part of the descent.
-        del misfit.bests[:-1]
-        kind.descend(misfit, start)
+        way.kind.descend(misfit, problem.first(start))
     return misfit
-
-
-def begun(misfit: Watched, rng: np.random.Generator) -> Real:
-    """A uniform point (d,) where the model is not absurd, or the best of some that all are.
-
-    Absurd is an objective that is many times that of no response at all. First of all it is the one
-    where all of a race begin.
-    """
-    problem = misfit.problem
-    if problem.start is not None and problem.evaluations == 1:
-        return problem.start
-    width, best, start = problem.upper - problem.lower, np.inf, problem.lower
-    for _ in range(rules()["points"]):
-        point = problem.lower + rng.random(problem.dimension) * width
-        residual, _ = misfit.both(misfit.within(point))
-        value = float(residual @ residual)
-        if value < best or best == np.inf:
-            best, start = value, point
-        if value <= rules()["absurd"] * nothing(problem.problem):
-            break
-    return start
-
-
-def nothing(problem: Searched) -> float:
-    """Objective of no response, infinite where nobody knows."""
-    value = getattr(problem, "nothing", np.inf)
-    return float(value) if np.isfinite(value) else np.inf
 
 
 class Watched(Misfit):

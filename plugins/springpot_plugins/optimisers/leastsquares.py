@@ -146,6 +146,11 @@ class Misfit:
         lower, upper = self.inner(self.problem.lower), self.inner(self.problem.upper)
         return np.clip(self.inner(x), lower, upper)
 
+    def placed(self, share: Real) -> Real:
+        """Search point at shares (d,) of the box's widths by inner coordinates."""
+        lower, upper = self.inner(self.problem.lower), self.inner(self.problem.upper)
+        return self._outer(lower + share * (upper - lower))
+
     def _outer(self, y: Real) -> Real:
         # exp(230) is 1e100, whose square is still a number: without a box a step may lead anywhere.
         return np.exp(np.minimum(y, 230.0), out=np.array(y), where=self.logarithmic)

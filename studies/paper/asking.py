@@ -1,0 +1,24 @@
+"""A table below the question that its study asks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from springpot.benchmark import Table
+
+FIRST = "Question: "
+"""With what the paragraph of a script's head begins that states it."""
+
+
+def asking(head: str | None, table: Table) -> Table:
+    """The same table, which says first what the head of its script asks.
+
+    Raises
+    ------
+    ValueError
+        If the head asks nothing.
+    """
+    for paragraph in (head or "").split("\n\n"):
+        if paragraph.strip().startswith(FIRST):
+            return replace(table, asks=" ".join(paragraph.split()))
+    raise ValueError("a study states its question in its head")
