@@ -10,8 +10,9 @@ import pytest
 
 import springpot
 from springpot import TimeTest
+from springpot.errors import DataError, ModelError
 from springpot.timetests import identify
-from springpot.timetests.diagnosis import AfterTest, _of_one_class, planned_tests
+from springpot.timetests.diagnosis import AfterTest, _answer, _of_one_class, planned_tests
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("fractional-zener")
@@ -127,6 +128,18 @@ def test_what_was_imposed_can_be_let_go(fits) -> None:
     assert set(plans) == {"repeats", "factor", "time", "release", "omega"}
     assert plans["release"].part.test.kind == "recovery"
     assert plans["omega"].part.test.omega[0] == pytest.approx(1.0 / 100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("fault", [ModelError, DataError])
+def test_a_rival_that_went_beyond_all_numbers_follows_nothing(fault) -> None:
+    def answer(*_: object) -> None:
+        raise fault("log_omega is the natural logarithm of omega")
+
+    part, fit = SimpleNamespace(answer=answer, thin=np.arange(3)), SimpleNamespace()
+    fit.model = fit.reference = None
+    told = _answer(fit, part, np.ones(2))
+    assert np.isnan(told.value).all()
+    assert told.by_theta.shape == (3, 2)
 
 
 def test_of_a_class_the_first_two_are_told_apart_however_unlike_their_chances() -> None:

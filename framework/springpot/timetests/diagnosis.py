@@ -28,7 +28,7 @@ from springpot.diagnosis.experiment import (
 )
 from springpot.diagnosis.in_practice import Accuracy, in_practice
 from springpot.diagnosis.result import Candidate, Diagnosis, Fitted, NextExperiment, unseen
-from springpot.errors import ModelError
+from springpot.errors import SpringpotError
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -178,7 +178,7 @@ def _answer(fit: Identification, part: TestPart, theta: Real) -> Traced:
     try:
         with np.errstate(all="ignore"):
             return part.answer(fit.model, theta, fit.reference, part.thin)
-    except ModelError:
+    except SpringpotError:
         # Where a parameter has grown without limit there is no such model: it follows nothing.
         nothing = np.full(len(part.thin), np.nan)
         return Traced(nothing, np.zeros((len(nothing), len(theta))))
