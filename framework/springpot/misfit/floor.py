@@ -88,7 +88,7 @@ class MisfitShapes(NamedTuple):
 
     @classmethod
     def of_sweeps(cls, along: Real, squares: Real) -> MisfitShapes:
-        """MisfitShapes of another size in each of l sweeps: so many times as many functions.
+        """Shapes of another size in each of l sweeps: so many times as many functions.
 
         By the sums over each sweep, (l, s, m, 2, c + 2) and (l, s, m, m, 2, 2); the last columns
         are gain and phase.
@@ -583,7 +583,7 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
 
 
 def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]:
-    """MisfitShapes that a misfit may have: slow ones, humps and ripples along sweeps.
+    """Shapes that a misfit may have: slow ones, humps and ripples along sweeps.
 
     Alike in all sweeps, or of another size in each; and those of a column that no effect knows.
 
