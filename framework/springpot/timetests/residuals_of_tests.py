@@ -36,6 +36,7 @@ from .recording import recorded, spread
 from .scatter import (
     FEWEST,
     ResidualScatter,
+    digit_of,
     roundings,
     scatter_of,
     scatter_of_record,
@@ -395,8 +396,10 @@ class InTimePart(TestPart):
 
     def scatter(self, residual: Real) -> ResidualScatter:
         """From the spectrum of the residual."""
-        period = cycles_of(self.test.loading, len(residual))
-        return scatter_of_record(residual, self.rounded(residual), period, self.worth)
+        loading = self.test.loading
+        period = cycles_of(loading, len(residual))
+        coarse = digit_of(loading.recorded.value) > 0.0
+        return scatter_of_record(residual, self.rounded(residual), period, self.worth, coarse)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""

@@ -54,6 +54,8 @@ to the usual ones from which it is."""
 TAILS = 3.0
 """Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
 that is further off is an outlier."""
+WIDE = 3
+"""Ordinates on either side over which a line that falls between two of them is spread."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 LEVEL = 4
@@ -200,7 +202,11 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
 
 
 def scatter_of_record(
-    residual: Real, rounded: Real, period: tuple[int, int], worth: float
+    residual: Real,
+    rounded: Real,
+    period: tuple[int, int],
+    worth: float,
+    coarse: bool = False,
 ) -> ResidualScatter:
     """The same of a record: noise does not go with the motion, as rounding does.
 
@@ -214,6 +220,8 @@ def scatter_of_record(
         Of the motion; see `repeated`. None of an uneven one.
     worth : float
         Independent numbers that tell the presumed noise.
+    coarse : bool
+        Whether what was imposed has few values: what a model makes of its rounding has lines too.
     """
     power = float(np.mean(residual**2))
     if len(rounded) and power > 0.0:
@@ -222,7 +230,10 @@ def scatter_of_record(
         share = min(float(np.mean(rounded**2)) / power, 1.0)
         lines = float(np.mean([scatter_of(row).excess for row in rounded]))
         return scatter_of(residual, share**2 * max(lines, 0.0), worth)
-    found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
+    found = scatter_of(residual, worth=worth)
+    if not (coarse or found.misfit):
+        found = _beside_lines(residual, found, period, worth)
+    chance, rest = 1.0, residual
     if power > 0.0 and period[1]:
         chance, rest = repeated(residual, period)
     if chance >= found.chance:
@@ -309,7 +320,7 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     smooth = float(ndtr(-alike * np.sqrt(count)))
     # Three chances to be missed, of which the worst one is told.
     local = min(
-        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, _of_a_ripple(halves))
+        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, _of_a_ripple(halves)[0])
     )
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
@@ -317,22 +328,62 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
 
 
-def _of_a_ripple(halves: Real) -> float:
-    """Chance that of white noise one period holds so large a share of K' and K'' (2, n) together.
+def _of_a_ripple(rows: Real, sought: NDArray[np.bool_] | None = None) -> tuple[float, float]:
+    """Chance that of white noise (r, n) one period holds so large a share, and its frequency.
 
-    Of the largest of m ordinates, each a sum over both (Fisher 1929, doi:10.1098/rspa.1929.0151,
-    by Bonferroni's inequality); between two whole periods a ripple falls into both.
+    In radians a sample. Of the largest of m ordinates, each a sum over the rows (Fisher 1929,
+    doi:10.1098/rspa.1929.0151, by Bonferroni's inequality); between two whole periods a ripple
+    falls into both. Where not all (n - 1,) are sought, the others count as noise.
     """
     from scipy.special import betainc
 
-    n = halves.shape[1]
-    power = np.abs(np.fft.rfft(halves, 2 * n, axis=1)[:, 1:-1]) ** 2
-    whole = n * float(np.sum(halves**2))
+    count, n = rows.shape
+    whole = n * float(np.sum(rows**2))
     if n < FEWEST_OF_SCATTER or whole == 0.0:
-        return 1.0
-    share = min(2.0 * float(power.sum(axis=0).max()) / whole, 1.0)
-    # Each ordinate has four of the 2 n degrees of freedom: a beta variable of 2 and n - 2.
-    return float(min(1.0, power.shape[1] * betainc(n - 2.0, 2.0, 1.0 - share)))
+        return 1.0, 0.0
+    power = np.sum(np.abs(np.fft.rfft(rows, 2 * n, axis=1)[:, 1:-1]) ** 2, axis=0)
+    sought = np.ones(n - 1, dtype=bool) if sought is None else sought
+    top = int(np.argmax(np.where(sought, power, -1.0)))
+    share = min(2.0 * float(power[top]) / whole, 1.0)
+    # Each ordinate has 2 r of the r n degrees of freedom: a beta variable of r and r (n/2 - 1).
+    chance = np.count_nonzero(sought) * betainc(count * (0.5 * n - 1.0), float(count), 1.0 - share)
+    return float(min(1.0, chance)), np.pi * (top + 1) / n
+
+
+def _beside_lines(
+    residual: Real, noise: ResidualScatter, period: tuple[int, int], worth: float
+) -> ResidualScatter:
+    """The noise without lines that go with no motion, as of a hum: they are none.
+
+    Sought where no misfit of a model reaches, and between the harmonics of a motion.
+    """
+    n = len(residual)
+    rest, first, size = residual, 1.0, np.sqrt(noise.spectrum(n))
+    omega = np.pi * np.arange(1, n) / n
+    sought = omega > np.pi * min(UPPER, SLOWEST / n)
+    if period[1]:
+        motion = 2.0 * np.pi * period[0] / period[1]
+        sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
+    for _ in range(PARTS):
+        white = transformed(transformed(rest) / size, back=True)
+        chance, line = _of_a_ripple(white[None], sought)
+        if chance >= LOCAL:
+            break
+        first = min(first, chance)
+        # It lies between two of these frequencies.
+        near = line + np.pi / n * np.linspace(-1.0, 1.0, 2 * PARTS + 1)
+        waves = np.exp(1j * np.multiply.outer(near, np.arange(n)))
+        turn = waves[int(np.argmax(np.abs(waves @ white)))]
+        basis = np.linalg.qr(np.column_stack([turn.real, turn.imag]))[0]
+        rest = rest - basis @ (basis.T @ rest)
+    if first >= LOCAL:
+        return noise
+    own = scatter_of(rest, worth=worth)
+    if n < FEWEST:
+        # What the signal tells of its noise holds the line.
+        return replace(own, size=min(times_noise(rest, 1.0), 1.0), local=min(own.local, first))
+    # A faint line makes the error no larger than chance may.
+    return replace(own, local=min(own.local, own.chance_of(residual, own)))
 
 
 def times_noise(residual: Real, size: float) -> float:
