@@ -21,6 +21,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
+from springpot.measurement.rounding import is_even
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
@@ -35,8 +36,10 @@ from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .recording import recorded, spread
 from .scatter import (
     FEWEST,
+    Imposed,
     ResidualScatter,
     digit_of,
+    powers_of,
     roundings,
     scatter_of,
     scatter_of_record,
@@ -396,10 +399,17 @@ class InTimePart(TestPart):
 
     def scatter(self, residual: Real) -> ResidualScatter:
         """From the spectrum of the residual."""
-        loading = self.test.loading
-        period = cycles_of(loading, len(residual))
-        coarse = digit_of(loading.recorded.value) > 0.0
-        return scatter_of_record(residual, self.rounded(residual), period, self.worth, coarse)
+        return scatter_of_record(residual, self.rounded(residual), self.imposed, self.worth)
+
+    @cached_property
+    def imposed(self) -> Imposed:
+        """What of the loading may leave its traces in the noise."""
+        value = self.test.loading.recorded.value
+        powers = np.zeros((len(self.at), 0))
+        told = self.test.kind == "history" and FEWEST <= len(value) == len(self.at)
+        if told and is_even(self.at):
+            powers = powers_of(value)
+        return Imposed(cycles_of(self.test.loading, len(self.at)), digit_of(value) > 0.0, powers)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""

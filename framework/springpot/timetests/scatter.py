@@ -54,6 +54,8 @@ to the usual ones from which it is."""
 TAILS = 3.0
 """Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
 that is further off is an outlier."""
+APART = 3
+"""Samples between the one whose speed is told and those that tell it."""
 WIDE = 3
 """Ordinates on either side over which a line that falls between two of them is spread."""
 EFFICIENT = 18.0 / 35.0
@@ -201,12 +203,38 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     return found
 
 
+class Imposed(NamedTuple):
+    """What a channel that was imposed may leave its traces by in the noise of the other.
+
+    Attributes
+    ----------
+    period : tuple of int
+        Of the motion; see `repeated`. None of an uneven one.
+    coarse : bool
+        Whether it has few values: what a model makes of their rounding has lines.
+    powers : ndarray, shape (n, p)
+        Of its place and speed, of an uneven one.
+    """
+
+    period: tuple[int, int]
+    coarse: bool
+    powers: Real
+
+
+def powers_of(value: Real) -> Real:
+    """Products (n, 9) of place and speed of a motion (n,), up to the third degree.
+
+    By samples a little apart: of its noise a model has answered to the nearest ones, too.
+    """
+    around = np.pad(value, APART, mode="edge")
+    speed = around[2 * APART :] - around[: -2 * APART]
+    place, speed = (each / max(float(np.abs(each).max()), SMALLEST) for each in (value, speed))
+    degrees = [(i, j) for i in range(4) for j in range(4 - i) if i + j]
+    return np.stack([place**i * speed**j for i, j in degrees], axis=1)
+
+
 def scatter_of_record(
-    residual: Real,
-    rounded: Real,
-    period: tuple[int, int],
-    worth: float,
-    coarse: bool = False,
+    residual: Real, rounded: Real, imposed: Imposed, worth: float
 ) -> ResidualScatter:
     """The same of a record: noise does not go with the motion, as rounding does.
 
@@ -216,12 +244,10 @@ def scatter_of_record(
         Over the presumed noise.
     rounded : ndarray, shape (z, n)
         Errors of rounding, of a channel with few values.
-    period : tuple of int
-        Of the motion; see `repeated`. None of an uneven one.
+    imposed : Imposed
+        The motion.
     worth : float
         Independent numbers that tell the presumed noise.
-    coarse : bool
-        Whether what was imposed has few values: what a model makes of its rounding has lines too.
     """
     power = float(np.mean(residual**2))
     if len(rounded) and power > 0.0:
@@ -230,18 +256,38 @@ def scatter_of_record(
         share = min(float(np.mean(rounded**2)) / power, 1.0)
         lines = float(np.mean([scatter_of(row).excess for row in rounded]))
         return scatter_of(residual, share**2 * max(lines, 0.0), worth)
-    found = scatter_of(residual, worth=worth)
-    if not (coarse or found.misfit):
-        found = _beside_lines(residual, found, period, worth)
-    chance, rest = 1.0, residual
-    if power > 0.0 and period[1]:
-        chance, rest = repeated(residual, period)
+    found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
+    if not (imposed.coarse or found.misfit):
+        found = _beside_lines(residual, found, imposed.period, worth)
+    if power > 0.0 and imposed.period[1]:
+        chance, rest = repeated(residual, imposed.period)
+    elif imposed.powers.size and power > 0.0 and not found.misfit:
+        chance, rest = _with_the_motion(residual, found, imposed.powers)
     if chance >= found.chance:
         return found
-    # What repeats is no noise: that is what does not.
+    # What goes with the motion is no noise: that is what does not.
     if chance < LOCAL:
         found = scatter_of(rest, worth=worth)
     return replace(found, local=chance)
+
+
+def _with_the_motion(residual: Real, noise: ResidualScatter, powers: Real) -> tuple[float, Real]:
+    """Chance that noise goes with a motion as a residual (n,) does, and what does not (n,).
+
+    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
+    speed is known by them where it varies as quickly as noise.
+    """
+    from scipy.special import fdtrc
+
+    size = np.sqrt(noise.spectrum(len(residual)))[:, None]
+    every = np.column_stack([residual, powers])
+    white = transformed(transformed(every.T) / size.T, back=True)
+    basis = np.linalg.qr(white[1:].T)[0]
+    n, count = basis.shape
+    explained = float(np.sum((basis.T @ white[0]) ** 2))
+    left = max(float(white[0] @ white[0]) - explained, SMALLEST)
+    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
+    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest
 
 
 def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
