@@ -11,13 +11,12 @@ from springpot.measurement import Loading, TimeTest, noise_of
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
+from springpot.timetests.colour import Imposed, powers_of
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Promise
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.scatter import (
-    Imposed,
     ResidualScatter,
-    powers_of,
     scatter_of,
     scatter_of_record,
     scatter_of_sweep,

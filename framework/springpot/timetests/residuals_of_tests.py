@@ -21,8 +21,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.rounding import is_even
-from springpot.measurement.steady_start import cycles_of
+from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
@@ -33,14 +32,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from .colour import Imposed
 from .recording import recorded, spread
 from .scatter import (
     FEWEST,
-    Imposed,
     ResidualScatter,
-    digit_of,
-    powers_of,
-    roundings,
     scatter_of,
     scatter_of_record,
     scatter_of_sweep,
@@ -404,12 +400,7 @@ class InTimePart(TestPart):
     @cached_property
     def imposed(self) -> Imposed:
         """What of the loading may leave its traces in the noise."""
-        value = self.test.loading.recorded.value
-        powers = np.zeros((len(self.at), 0))
-        told = self.test.kind == "history" and FEWEST <= len(value) == len(self.at)
-        if told and is_even(self.at):
-            powers = powers_of(value)
-        return Imposed(cycles_of(self.test.loading, len(self.at)), digit_of(value) > 0.0, powers)
+        return Imposed.of(self.test)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""

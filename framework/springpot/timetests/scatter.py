@@ -25,7 +25,18 @@ from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
-from .colour import SLOWEST, UPPER, Colour, colour_of, frequencies, repeated, transformed
+from .colour import (
+    SLOWEST,
+    UPPER,
+    Colour,
+    Imposed,
+    colour_of,
+    frequencies,
+    of_a_ripple,
+    repeated,
+    transformed,
+    with_the_motion,
+)
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -54,8 +65,6 @@ to the usual ones from which it is."""
 TAILS = 3.0
 """Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
 that is further off is an outlier."""
-APART = 3
-"""Samples between the one whose speed is told and those that tell it."""
 WIDE = 3
 """Ordinates on either side over which a line that falls between two of them is spread."""
 EFFICIENT = 18.0 / 35.0
@@ -203,36 +212,6 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     return found
 
 
-class Imposed(NamedTuple):
-    """What a channel that was imposed may leave its traces by in the noise of the other.
-
-    Attributes
-    ----------
-    period : tuple of int
-        Of the motion; see `repeated`. None of an uneven one.
-    coarse : bool
-        Whether it has few values: what a model makes of their rounding has lines.
-    powers : ndarray, shape (n, p)
-        Of its place and speed, of an uneven one.
-    """
-
-    period: tuple[int, int]
-    coarse: bool
-    powers: Real
-
-
-def powers_of(value: Real) -> Real:
-    """Products (n, 9) of place and speed of a motion (n,), up to the third degree.
-
-    By samples a little apart: of its noise a model has answered to the nearest ones, too.
-    """
-    around = np.pad(value, APART, mode="edge")
-    speed = around[2 * APART :] - around[: -2 * APART]
-    place, speed = (each / max(float(np.abs(each).max()), SMALLEST) for each in (value, speed))
-    degrees = [(i, j) for i in range(4) for j in range(4 - i) if i + j]
-    return np.stack([place**i * speed**j for i, j in degrees], axis=1)
-
-
 def scatter_of_record(
     residual: Real, rounded: Real, imposed: Imposed, worth: float
 ) -> ResidualScatter:
@@ -262,32 +241,13 @@ def scatter_of_record(
     if power > 0.0 and imposed.period[1]:
         chance, rest = repeated(residual, imposed.period)
     elif imposed.powers.size and power > 0.0 and not found.misfit:
-        chance, rest = _with_the_motion(residual, found, imposed.powers)
+        chance, rest = with_the_motion(residual, found.spectrum(len(residual)), imposed.powers)
     if chance >= found.chance:
         return found
     # What goes with the motion is no noise: that is what does not.
     if chance < LOCAL:
         found = scatter_of(rest, worth=worth)
     return replace(found, local=chance)
-
-
-def _with_the_motion(residual: Real, noise: ResidualScatter, powers: Real) -> tuple[float, Real]:
-    """Chance that noise goes with a motion as a residual (n,) does, and what does not (n,).
-
-    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
-    speed is known by them where it varies as quickly as noise.
-    """
-    from scipy.special import fdtrc
-
-    size = np.sqrt(noise.spectrum(len(residual)))[:, None]
-    every = np.column_stack([residual, powers])
-    white = transformed(transformed(every.T) / size.T, back=True)
-    basis = np.linalg.qr(white[1:].T)[0]
-    n, count = basis.shape
-    explained = float(np.sum((basis.T @ white[0]) ** 2))
-    left = max(float(white[0] @ white[0]) - explained, SMALLEST)
-    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest
 
 
 def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
@@ -366,34 +326,12 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     smooth = float(ndtr(-alike * np.sqrt(count)))
     # Three chances to be missed, of which the worst one is told.
     local = min(
-        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, _of_a_ripple(halves)[0])
+        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, of_a_ripple(halves)[0])
     )
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
         apart, worth = max(float(np.sqrt(power)), SMALLEST), np.inf
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
-
-
-def _of_a_ripple(rows: Real, sought: NDArray[np.bool_] | None = None) -> tuple[float, float]:
-    """Chance that of white noise (r, n) one period holds so large a share, and its frequency.
-
-    In radians a sample. Of the largest of m ordinates, each a sum over the rows (Fisher 1929,
-    doi:10.1098/rspa.1929.0151, by Bonferroni's inequality); between two whole periods a ripple
-    falls into both. Where not all (n - 1,) are sought, the others count as noise.
-    """
-    from scipy.special import betainc
-
-    count, n = rows.shape
-    whole = n * float(np.sum(rows**2))
-    if n < FEWEST_OF_SCATTER or whole == 0.0:
-        return 1.0, 0.0
-    power = np.sum(np.abs(np.fft.rfft(rows, 2 * n, axis=1)[:, 1:-1]) ** 2, axis=0)
-    sought = np.ones(n - 1, dtype=bool) if sought is None else sought
-    top = int(np.argmax(np.where(sought, power, -1.0)))
-    share = min(2.0 * float(power[top]) / whole, 1.0)
-    # Each ordinate has 2 r of the r n degrees of freedom: a beta variable of r and r (n/2 - 1).
-    chance = np.count_nonzero(sought) * betainc(count * (0.5 * n - 1.0), float(count), 1.0 - share)
-    return float(min(1.0, chance)), np.pi * (top + 1) / n
 
 
 def _beside_lines(
@@ -412,7 +350,7 @@ def _beside_lines(
         sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
     for _ in range(PARTS):
         white = transformed(transformed(rest) / size, back=True)
-        chance, line = _of_a_ripple(white[None], sought)
+        chance, line = of_a_ripple(white[None], sought)
         if chance >= LOCAL:
             break
         first = min(first, chance)
@@ -756,44 +694,3 @@ def _chance(ratio: float, above: float, below: float) -> float:
     if np.isinf(below):
         return float(chdtrc(above, above * ratio))
     return float(fdtrc(above, max(below, 1.0), ratio))
-
-
-MOST_LEVELS = 0.25
-"""Share of the samples up to which their values are few: a channel of coarse digits."""
-FEWEST_LEVELS = 3
-"""Values of a channel at least from which its digit can be told."""
-ZEROS = 8
-"""Places of the zero between two digits that are tried: nobody knows where it lies."""
-
-
-def digit_of(values: Real) -> float:
-    """The step between neighbouring values of a channel; 0 where it has more than a few.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        The channel, sample by sample.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.timetests.scatter import digit_of
-    >>> digit_of(np.round(np.sin(np.arange(100.0)) / 0.25) * 0.25)
-    0.25
-    """
-    levels = np.unique(values)
-    if not FEWEST_LEVELS <= len(levels) <= MOST_LEVELS * len(values):
-        return 0.0
-    return float(np.median(np.diff(levels)))
-
-
-def roundings(exact: Real, written: Real) -> Real:
-    """Errors (ZEROS, n) of exact values (n,) that are written to the digit of others.
-
-    One row for each place of the zero between two digits; no row where there is no digit.
-    """
-    digit = digit_of(written)
-    if digit == 0.0:
-        return np.zeros((0, len(exact)))
-    moved = exact + digit * ((np.arange(ZEROS) + 0.5) / ZEROS - 0.5)[:, None]
-    return np.asarray(digit * np.round(moved / digit) - moved, dtype=float)
