@@ -10,7 +10,6 @@ import os
 import platform
 import signal
 from collections.abc import Iterator
-from io import BytesIO
 from typing import Any
 
 # Before numpy is: its linear algebra has a kernel for each kind of processor, of which the last
@@ -24,6 +23,7 @@ from hypothesis import HealthCheck, settings
 
 from command_line import damper, springpot, write
 from remembered import remember
+from unpainted import leave_unpainted
 from whole_answers import stays
 
 __all__ = ["damper", "springpot", "stays", "write"]
@@ -81,16 +81,7 @@ def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
 
     The pictures in it, most of the work, are drawn up but not painted.
     """
-    figure = pytest.importorskip("matplotlib.figure")
-    paint = figure.Figure.savefig
-
-    def stand_in(self: Any, file: Any, **given: Any) -> None:
-        if isinstance(file, BytesIO):
-            file.write(b"<svg></svg>")
-        else:
-            paint(self, file, **given)
-
-    monkeypatch.setattr(figure.Figure, "savefig", stand_in)
+    leave_unpainted(monkeypatch)
 
 
 @pytest.fixture
