@@ -20,6 +20,7 @@ if platform.machine() in ("x86_64", "AMD64"):
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 from command_line import damper, springpot, write
 from remembered import remember
@@ -38,6 +39,12 @@ for name, examples in (("any machine", 15), ("soak", 300)):
         name, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
     )
 settings.load_profile("any machine")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Hypothesis looks for constants worth trying only in the soak: it parses every module."""
+    if config.getoption("--hypothesis-profile", default=None) != "soak":
+        providers._get_local_constants = lambda none=providers._local_constants: none
 
 
 def pytest_collection_finish() -> None:

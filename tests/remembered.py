@@ -8,6 +8,7 @@ import inspect
 import io
 import pickle
 from collections.abc import Callable
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -49,6 +50,7 @@ def remember(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, "examine", _remembering(module.examine))
 
 
+@cache
 def _remembering(examine: Callable[..., Any]) -> Callable[..., Any]:
     signature = inspect.signature(examine)
     name = f"{examine.__module__}.{examine.__qualname__}"

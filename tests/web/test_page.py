@@ -167,7 +167,7 @@ def leave_with_everything(here: Page, error: float) -> None:
     """Take each thing along that is made at once, and open it."""
     here.page.click("#leave")
     assert here.violations() == []
-    name, content = here.download("json")
+    _, content = here.download("json")
     answer = json.loads(content)
     assert answer["schema"] == "springpot.discovery/2"
     last = answer["steps"][-1]
