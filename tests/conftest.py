@@ -34,7 +34,7 @@ SELDOM = 100_000, 20, 20
 """After how many new objects Python looks for garbage; its own are 700, 10, 10."""
 
 # A busy machine draws slowly: that says nothing of what is tested.
-for name, examples in (("any machine", 15), ("soak", 300)):
+for name, examples in (("any machine", 10), ("soak", 300)):
     settings.register_profile(
         name, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
     )
