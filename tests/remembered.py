@@ -43,8 +43,9 @@ def remember(monkeypatch: pytest.MonkeyPatch) -> None:
         module = importlib.import_module(place)
         for name in names.split():
             monkeypatch.setattr(module, name, _remembering(getattr(module, name)))
-    compare = _remembering(springpot.timetests.comparing.compare)
-    monkeypatch.setattr(springpot.timetests.comparing, "compare", compare)
+    for name in ("compare", "compare_sweeps"):
+        module = springpot.timetests.comparing
+        monkeypatch.setattr(module, name, _remembering(getattr(module, name)))
     for place in RUNGS:
         module = importlib.import_module(place)
         monkeypatch.setattr(module, "examine", _remembering(module.examine))
