@@ -222,7 +222,7 @@ def test_one_leaves_with_a_report(page: Open, damper: bytes):
     here.page.click("#leave")
     name, content = here.download("report")
     assert name == "damper-report.html"
-    assert f"{MODEL}: effect-missing" in content.decode()
+    assert b"effect-missing" in content
 
 
 @pytest.mark.soak

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from browsing import IN_A_BROWSER, Open, Page
 
-import springpot
+import springpot.api
 from springpot.diagnosis.result import silent
 from springpot.errors import DataError
 from springpot.registry import plugins
@@ -71,7 +71,7 @@ def answer(relaxed: dict[str, Any]) -> dict[str, Any]:
     state = {"data": relaxed["digest"], "model": "maxwell"}
     few = [plugins().effect(name) for name in FEW]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("springpot.api.library", lambda *_, **__: few)
+        patch.setattr(springpot.api, "library", lambda *_, **__: few)
         return json.loads(to_json(answered(silent, state, relaxed["text"])))
 
 
