@@ -277,14 +277,10 @@ def diagnose(
 
     Examples
     --------
-    >>> import numpy as np, springpot
-    >>> omega = 2 * np.pi * np.geomspace(0.5, 50.0, 30)
-    >>> heavy = springpot.parse_model("fractional-maxwell + inertia")
-    >>> exact = heavy.stiffness(np.array([400.0, 60.0, 0.5, 0.002]), omega)
-    >>> noise = np.random.default_rng(1).normal(size=(2, 30)) * 0.01
-    >>> data = springpot.Measurement(omega, exact * (1 + noise[0] + 1j * noise[1]))
-    >>> springpot.diagnose(data, "fractional-maxwell").best.effect
-    'inertia'
+    >>> import springpot
+    >>> found = springpot.diagnose("artificial-hidden", "fractional-maxwell")
+    >>> found.verdict, found.best.effect
+    ('effect-missing', 'inertia')
     """
     tests = excluded(_tests(measurement), exclude)
     held = constrained(_judged(model), timetests.units_of(tests), fix, bounds, tie)
