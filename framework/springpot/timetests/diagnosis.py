@@ -56,7 +56,7 @@ from springpot.thresholds import EXPERIMENT, SEARCH
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .disturbances import slip_beside
 from .exponentials import quick_parts
-from .fitting import identify
+from .fitting import identify, refound
 from .floor import material_floor
 from .intervals import beside_limits
 from .left import AskedTests, Left, Promise, Tried, delta_bic, plain_bic, power_of
@@ -418,7 +418,12 @@ def _finished(case: TimeCase, accuracy: Accuracy | None) -> TimeCase:
     """A case with what is told when all is judged."""
     shown = beside_limits(case.base, case.asked.parts)
     misfits = [misfit_of(part, case.base) for part in case.asked.parts]
-    told = in_practice(replace(case.diagnosis, parameters=shown.parameters), misfits, accuracy)
+    values = shown.parameters
+    if accuracy is not None:
+        base, tests = case.base, case.asked.tests
+        calibration = accuracy.calibration(base, np.zeros(len(base.theta)), tests, refound(base))
+        values = calibration.beside(values, base.model, units_of(tests))
+    told = in_practice(replace(case.diagnosis, parameters=values), misfits, accuracy)
     lowest = material_floor([case.base]).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
     told = replace(told, error=error, next_experiment=next_test(case))
