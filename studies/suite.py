@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 
-SUITE, TARGET = "springpot-60", 1e-6
+SUITE, DRAWN, TARGET = "springpot-60", "springpot-hard-20", 1e-6
 ROUNDING = 1e-12
 STARTS = 200
 """Descents among which the least objective is looked for, half of them from even orders of size."""
@@ -124,22 +124,24 @@ def page() -> str:
     text = PAGE.read_text(encoding="utf-8").partition(MADE)[0] + MADE
     for part in PARTS:
         rows = [p for p in suite.problems if suite.measured[p.name].part == part]
-        text += f"\n### {part.capitalize()}: {len(rows)}\n\n{TABLE}"
-        text += "".join(_row(each, suite.measured[each.name]) for each in rows)
+        text += f"\n### {part.capitalize()}: {len(rows)}\n\n{_table(rows, suite.measured)}"
+    drawn = plugins().find("suite", DRAWN)
+    return text + f"\n### Of {DRAWN}\n\n{_table(drawn.problems, drawn.measured)}"
+
+
+def _table(problems: Sequence[DataSet], measured: Mapping[str, Measured]) -> str:
+    text = "| problem | parameters | what it is |\n| --- | ---: | --- |\n"
+    for each in problems:
+        count = int(measured[each.name].features["parameters"])
+        # One that was drawn is told by its model alone.
+        says = f"`{each.model}`" if each.name.startswith(DRAWN) else each.summary
+        text += f"| `{short(each.name)}` | {count} | {says} |\n"
     return text
-
-
-TABLE = "| problem | parameters | what it is |\n| --- | ---: | --- |\n"
 
 
 def short(name: str) -> str:
     """A problem's name without its suite's."""
     return name.partition("/")[2]
-
-
-def _row(problem: DataSet, told: Measured) -> str:
-    count = int(told.features["parameters"])
-    return f"| `{short(problem.name)}` | {count} | {problem.summary} |\n"
 
 
 def draw_map(folder: Path) -> None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mkdocs.structure.files import Files
     from mkdocs.structure.pages import Page
 
-RACES = {"springpot-60": ("suite_race", "suite_repeated")}
+RACES = {"springpot-60": ("suite_race", "suite_repeated"), "springpot-hard-20": ("suite_hard",)}
 """Studies whose archives tell who arrives."""
 EASIER = ("funnel",)
 """Features that are the smaller, the harder a problem is."""
@@ -61,7 +61,11 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
         narrow = '<svg style="max-width: 100%; height: auto"'
         return f"<div>{picture[picture.index('<svg') :].replace('<svg', narrow, 1)}</div>"
 
-    return MAP.sub(drawn, ROW.sub(r"| [`\1`](suite/\1.md) |", markdown))
+    def linked(row: re.Match[str]) -> str:
+        return f"| [`{row[1]}`](suite/{row[1]}.md) |" if row[1] in known else row[0]
+
+    known = {short(name) for suite in RACES for name in plugins().find("suite", suite).measured}
+    return MAP.sub(drawn, ROW.sub(linked, markdown))
 
 
 def pages(suite: Suite) -> Iterator[tuple[str, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import csv
+import importlib
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -153,7 +154,7 @@ def test_names_of_problems_and_the_map_lead_to_their_pages():
     turned = suite_pages.on_page_markdown(
         text, page=SimpleNamespace(file=files), config=None, files=None
     )
-    assert turned.count("](suite/") == 60
+    assert turned.count("](suite/") == 60 + 20
     assert 'xlink:href="suite/shear-wave.html"' in turned
 
 
@@ -166,6 +167,7 @@ def test_names_of_problems_and_the_map_lead_to_their_pages():
         ("suite_budgets", "suite_budgets/ranks_by_budget"),
         ("suite_tuned", "suite_tuned/tuned"),
         ("expensive", "expensive/expensive"),
+        ("bias", "bias/bias"),
     ],
 )
 def test_a_table_says_first_what_its_script_asks(script, table):
@@ -174,5 +176,26 @@ def test_a_table_says_first_what_its_script_asks(script, table):
     head = ast.get_docstring(ast.parse((Path(STUDIES) / f"{script}.py").read_text()))
     asks = asking(head, Table("", (), ())).asks
     assert all(word in asks for word in ("Measure: ", "What would answer it: "))
-    page = (Path(STUDIES).parent / "results" / f"{table}.md").read_text()
-    assert page.split("\n\n")[1] == asks
+    assert first_of(table) == asks
+
+
+@pytest.mark.parametrize(
+    ("script", "table"),
+    [
+        ("suite_race", "suite_race/parts"),
+        ("suite_swarm", "suite_swarm/readings"),
+        ("swarm_claim", "swarm_claim/swarm_overview"),
+        ("optimiser_comparison", "optimiser_comparison/ranking"),
+    ],
+)
+def test_a_table_of_a_study_says_first_what_that_asks(script, table):
+    from paper.asking import asked
+
+    study = importlib.import_module(script).study
+    assert first_of(table) == asked(study, Table("", (), ())).asks
+
+
+def first_of(table):
+    """What a table of the results says before its rows."""
+    page = (Path(STUDIES).parent / "results" / f"{table}.md").read_text(encoding="utf-8")
+    return page.split("\n\n")[1]
