@@ -2,6 +2,11 @@
 
     python studies/bias.py [--runs 60] [--budget 500]
 
+Question: which optimisers without derivatives would find an optimum more readily in the centre of
+the box, or at its edges, than elsewhere? Measure: where the best of a flat objective lies, and how
+well one landscape is solved with its optimum moved, p adjusted by Holm for all of them. What would
+answer it: a place that is preferred on the flat objective; none seen is no proof of none.
+
 No data are fitted: a flat objective of random numbers shows where a search likes to be, and one
 landscape with its optimum moved to the centre and into corners what that is worth. Writes
 results/bias/bias.md and its plot.
@@ -15,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asking
 from paper.draw import COLOURS, INK, can_draw, sheet
 from springpot import plugins
 from springpot.benchmark import save_table
@@ -63,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     ]
     table = bias_table(f"{DIMENSION} parameters, {given.budget} evaluations", tested)
     given.out.mkdir(parents=True, exist_ok=True)
-    for path in save_table(table, given.out, "bias", ("md", "csv")):
+    for path in save_table(asking(__doc__, table), given.out, "bias", ("md", "csv")):
         print(path)
     if can_draw(given.out):
         draw(tested, given.out)

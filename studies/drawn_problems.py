@@ -115,14 +115,19 @@ OBJECTIVES = ("relative", "relative", "paper")
 
 def drawn(seed: int, number: int) -> DataSet:
     """The problem of that number."""
+    return described(f"drawn-{seed}-{number}", seed, number)[1]
+
+
+def described(name: str, seed: int, number: int) -> tuple[dict[str, Any], DataSet]:
+    """The problem of that number under a name, with its row of a suite's description."""
     rng = np.random.default_rng([seed, number])
     while True:
-        found = _attempt(f"drawn-{seed}-{number}", rng)
+        found = _attempt(name, rng)
         if found is not None:
             return found
 
 
-def _attempt(name: str, rng: np.random.Generator) -> DataSet | None:
+def _attempt(name: str, rng: np.random.Generator) -> tuple[dict[str, Any], DataSet] | None:
     kind = str(rng.choice([*KINDS, "record"], p=[*KINDS.values(), 1.0 - sum(KINDS.values())]))
     protocols = _protocols(kind, rng)
     expression = _expression(kind, rng)
@@ -152,12 +157,17 @@ def _attempt(name: str, rng: np.random.Generator) -> DataSet | None:
         stiffness_scale=scale,
         **given,
     )
-    problem = searched(made)
+    try:
+        problem = searched(made)
+    except SpringpotError:
+        # A record of nothing at its first sample is no data.
+        return None
     inside = place(made, problem)
     held = np.all((inside >= problem.lower) & (inside <= problem.upper))
     with np.errstate(all="ignore"):
         usable = bool(held) and np.isfinite(problem.evaluate(inside))
-    return made if usable else None
+    told = {**given, "tests": [kind], "noise": noise, "scale": scale, "wide": wide}
+    return (told, made) if usable else None
 
 
 def _protocols(kind: str, rng: np.random.Generator) -> list[dict[str, Any]]:

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asked
 from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from paper.results import available
@@ -61,7 +62,7 @@ class Finish:
 def finish(path: Path, folder: Path) -> None:
     """Write the ranking, the times and two figures."""
     race = trials_of(path)
-    save_table(ranking(race), folder, "ranking")
+    save_table(asked(study, ranking(race)), folder, "ranking")
     save_table(times(race), folder, "timing_by_optimiser")
     if can_draw(folder):
         draw_success(race, folder)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 
-SUITE, TARGET = "springpot-60", 1e-6
+SUITE, DRAWN, TARGET = "springpot-60", "springpot-hard-20", 1e-6
 ROUNDING = 1e-12
 STARTS = 200
 """Descents among which the least objective is looked for, half of them from even orders of size."""
 ROOT = Path(__file__).parents[1]
-TABLE = ROOT / "plugins/springpot_plugins/suites" / f"{SUITE}.csv"
+SUITES = ROOT / "plugins/springpot_plugins/suites"
 PAGE, IMAGES = ROOT / "docs" / "suite.md", ROOT / "docs" / "images"
 PARTS = ("easy", "hard", "deceptive")
 
@@ -58,9 +58,9 @@ def sweeps() -> list[str]:
     ]
 
 
-def plan() -> Plan:
+def plan(suite: str = SUITE) -> Plan:
     """All problems, each with its own model and objective."""
-    return Study("suite", [SUITE], ["own"], ["own"], ["random-search"]).plan()
+    return Study("suite", [suite], ["own"], ["own"], ["random-search"]).plan()
 
 
 def best_known(problem: SpecimenProblem, truth: Real | None) -> tuple[Real, float]:
@@ -99,8 +99,14 @@ def measured(case: RaceCase) -> tuple[float, Features]:
 def main() -> None:
     """Measure all, and write the table."""
     found = {case.source.name: measured(case) for case in plan().cases}
-    parts = parts_of({name: features for name, (_, features) in found.items()})
-    with TABLE.open("w", newline="", encoding="utf-8") as stream:
+    write(SUITE, found, parts_of({name: features for name, (_, features) in found.items()}))
+
+
+def write(
+    suite: str, found: Mapping[str, tuple[float, Features]], parts: Mapping[str, str]
+) -> None:
+    """Write what was measured beside a suite's description."""
+    with (SUITES / f"{suite}.csv").open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(["problem", "best", "part", *(each.name for each in fields(Features))])
         for name, (best, features) in found.items():
@@ -117,34 +123,25 @@ def page() -> str:
     suite = plugins().find("suite", SUITE)
     text = PAGE.read_text(encoding="utf-8").partition(MADE)[0] + MADE
     for part in PARTS:
-        names = [p.name for p in suite.problems if suite.measured[p.name].part == part]
-        links = ", ".join(f"[{_short(name)}](#{_short(name)})" for name in names)
-        text += f"\n**{part.capitalize()}** ({len(names)}): {links}\n"
-    text += "\n## The problems\n"
-    for problem in suite.problems:
-        text += _section(problem, suite.measured[problem.name])
+        rows = [p for p in suite.problems if suite.measured[p.name].part == part]
+        text += f"\n### {part.capitalize()}: {len(rows)}\n\n{_table(rows, suite.measured)}"
+    drawn = plugins().find("suite", DRAWN)
+    return text + f"\n### Of {DRAWN}\n\n{_table(drawn.problems, drawn.measured)}"
+
+
+def _table(problems: Sequence[DataSet], measured: Mapping[str, Measured]) -> str:
+    text = "| problem | parameters | what it is |\n| --- | ---: | --- |\n"
+    for each in problems:
+        count = int(measured[each.name].features["parameters"])
+        # One that was drawn is told by its model alone.
+        says = f"`{each.model}`" if each.name.startswith(DRAWN) else each.summary
+        text += f"| `{short(each.name)}` | {count} | {says} |\n"
     return text
 
 
-def _short(name: str) -> str:
+def short(name: str) -> str:
+    """A problem's name without its suite's."""
     return name.partition("/")[2]
-
-
-def _section(problem: DataSet, told: Measured) -> str:
-    features = dict(told.features)
-    count = int(features.pop("parameters"))
-    truth = ", ".join(f"{key} = {value:g}" for key, value in problem.truth.items())
-    assert problem.best is not None
-    # Of exact data nothing but rounding is left.
-    best = f"{problem.best:.6g}" if problem.best > ROUNDING else "0"
-    numbers = ", ".join(f"{key} {value:g}" for key, value in features.items())
-    return (
-        f"\n### {_short(problem.name)}\n\n{problem.summary}\n\n"
-        f"- Model: `{problem.model}`, {count} parameters; objective `{problem.objective}`\n"
-        f"- Data: {problem.test} ({problem.kind})\n"
-        f"- Truth: {truth or 'not known'}; best known objective {best}\n"
-        f"- Features: {told.part}; {numbers}\n"
-    )
 
 
 def draw_map(folder: Path) -> None:
@@ -158,18 +155,20 @@ def draw_map(folder: Path) -> None:
     signs = np.sign(axes[[0, 1], [keys.index("modality"), keys.index("parameters")]])
     plane = axes[:2] * signs[:, None]
     places = scores @ plane.T
-    with sheet(folder, SUITE, 9.2, 6.4, (".png",)) as figure:
+    links = [f"suite/{short(name)}.html" for name in measured]
+    with sheet(folder, SUITE, 9.2, 6.4, (".svg",)) as figure:
         ax = figure.subplots()
         for part, colour, marker in zip(PARTS, COLOURS, MARKERS, strict=False):
             here = [i for i, each in enumerate(measured.values()) if each.part == part]
-            ax.scatter(*places[here].T, color=colour, marker=marker, label=part, s=34)
+            points = ax.scatter(*places[here].T, color=colour, marker=marker, label=part, s=34)
+            points.set_urls([links[i] for i in here])
         told = []
         for key, arrow in zip(keys, 3.0 * plane.T, strict=True):
             ax.annotate("", arrow, (0.0, 0.0), arrowprops={"arrowstyle": "->", "color": "0.8"})
             told.append(ax.text(*(1.14 * arrow), key, color="0.45", fontsize=8, ha="center"))
         ax.set(xlabel="first principal component", ylabel="second principal component")
         legend_above(figure, ax, "The sixty problems by their measured features")
-        _name(ax, [_short(name) for name in measured], places, told)
+        _name(ax, [short(name) for name in measured], links, places, told)
 
 
 AROUND = np.pi / 8.0 * np.arange(16.0)
@@ -177,7 +176,9 @@ AWAY = [(r * np.cos(a), r * np.sin(a)) for r in (6.0, 12.0, 20.0, 30.0, 42.0) fo
 """Where a name may stand beside its point, in points of print."""
 
 
-def _name(ax: Axes, names: Sequence[str], places: Real, told: Sequence[Text]) -> None:
+def _name(
+    ax: Axes, names: Sequence[str], links: Sequence[str], places: Real, told: Sequence[Text]
+) -> None:
     """Write names beside their points, each at the nearest place where it hides nothing."""
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox
@@ -199,6 +200,7 @@ def _name(ax: Axes, names: Sequence[str], places: Real, told: Sequence[Text]) ->
                 color=INK,
                 ha=side,
                 va="center",
+                url=links[i],
                 arrowprops={"arrowstyle": "-", "color": "0.6", "lw": 0.4, "shrinkB": 2},
             )
             # Only now does it know its place; its line may cross what it likes.

@@ -7,10 +7,12 @@ which nothing counts.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asked
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import CellScores
@@ -45,12 +47,17 @@ def finish(path: Path, folder: Path) -> None:
     """Write the table by the parts of the suite."""
     with Store(path) as store:
         findings = Findings.of(store)
-    save_table(by_part(findings), folder, "parts")
+    save_table(asked(study, by_part(findings)), folder, "parts")
 
 
-def by_part(findings: Findings) -> Table:
-    """Share of trials at the target by part of the suite, the best on the hard half first."""
-    measured = plugins().find("suite", SUITE).measured
+def by_part(
+    findings: Findings,
+    suite: str = SUITE,
+    parts: Mapping[str, Sequence[str]] = PARTS,
+    judging: str = "hard half",
+) -> Table:
+    """Share of trials at the target by part of the suite, the best on the judging one first."""
+    measured = plugins().find("suite", suite).measured
     cells: dict[str, list[CellScores]] = {}
     for scores in findings.scores:
         cells.setdefault(scores.cell.label, []).append(scores)
@@ -60,22 +67,22 @@ def by_part(findings: Findings) -> Table:
             [
                 scores.hits
                 for scores in cells[label]
-                if measured[scores.cell.problem.dataset].part in PARTS[part]
+                if measured[scores.cell.problem.dataset].part in parts[part]
             ]
         )
         return int(np.isfinite(hits).sum()), len(hits)
 
-    labels = sorted(cells, key=lambda label: -share(label, "hard half")[0])
-    rows = [(label, *(wilson(*share(label, part)) for part in PARTS)) for label in labels]
-    first, of = share(labels[0], "hard half")
+    labels = sorted(cells, key=lambda label: -share(label, judging)[0])
+    rows = [(label, *(wilson(*share(label, part)) for part in parts)) for label in labels]
+    first, of = share(labels[0], judging)
     verdict = "No optimiser exceeds" if first <= CEILING * of else f"{labels[0]} exceeds"
     note = (
         f"Share of trials that reached the target within {findings.scale.budget} evaluations, with"
-        f" Wilson's 95 % interval. {verdict} {100 * CEILING:g} % on the hard half: the most is"
+        f" Wilson's 95 % interval. {verdict} {100 * CEILING:g} % on the {judging}: the most is"
         f" {100 * first / of:.0f} %, of {labels[0]}. The parts are told by measured features:"
         " docs/suite.md."
     )
-    return Table("By the parts of the suite", ("optimiser", *PARTS), rows, note)
+    return Table("By the parts of the suite", ("optimiser", *parts), rows, note)
 
 
 study = Study(

@@ -79,9 +79,9 @@ study = Study(
 )
 
 
-def archived(path: Path) -> dict[str, dict[str, tuple[Real, Real]]]:
+def archived(path: Path, suite: str = SUITE) -> dict[str, dict[str, tuple[Real, Real]]]:
     """The trials of an archive."""
-    best = {each.name: each.best for each in plugins().find("suite", SUITE).problems}
+    best = {each.name: each.best for each in plugins().find("suite", suite).problems}
     archive = Archive.read(path)
     target = float(archive.facts["target"])
     found: dict[str, dict[str, list[tuple[float, float]]]] = {}

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asked
 from springpot import plugins
 from springpot.benchmark import Findings, Study, Table, save_table
 from springpot.benchmark.archive import opened
@@ -46,7 +47,7 @@ def finish(path: Path, folder: Path) -> None:
     """Write the table of the readings."""
     with opened(path, ARCHIVE) as store:
         findings = Findings.of(store)
-    save_table(readings(findings), folder, "readings")
+    save_table(asked(study, readings(findings)), folder, "readings")
 
 
 def readings(findings: Findings) -> Table:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.asking import asked
 from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
@@ -60,7 +61,7 @@ def finish(path: Path, folder: Path) -> None:
         for name in CLASSES
         for k in range(len(findings.scale.marks))
     }
-    save_table(overview(findings, found), folder, "swarm_overview")
+    save_table(asked(study, overview(findings, found)), folder, "swarm_overview")
     save_table(details(findings, found), folder, "swarm_ranks")
     if can_draw(folder):
         draw_ranks(findings, found, folder)

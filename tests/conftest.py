@@ -10,7 +10,6 @@ import os
 import platform
 import signal
 from collections.abc import Iterator
-from io import BytesIO
 from typing import Any
 
 # Before numpy is: its linear algebra has a kernel for each kind of processor, of which the last
@@ -21,9 +20,11 @@ if platform.machine() in ("x86_64", "AMD64"):
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 from command_line import damper, springpot, write
 from remembered import remember
+from unpainted import leave_unpainted
 from whole_answers import stays
 
 __all__ = ["damper", "springpot", "stays", "write"]
@@ -33,11 +34,17 @@ SELDOM = 100_000, 20, 20
 """After how many new objects Python looks for garbage; its own are 700, 10, 10."""
 
 # A busy machine draws slowly: that says nothing of what is tested.
-for name, examples in (("any machine", 15), ("soak", 300)):
+for name, examples in (("any machine", 10), ("soak", 300)):
     settings.register_profile(
         name, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
     )
 settings.load_profile("any machine")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Hypothesis looks for constants worth trying only in the soak: it parses every module."""
+    if config.getoption("--hypothesis-profile", default=None) != "soak":
+        providers._get_local_constants = lambda none=providers._local_constants: none
 
 
 def pytest_collection_finish() -> None:
@@ -81,16 +88,7 @@ def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
 
     The pictures in it, most of the work, are drawn up but not painted.
     """
-    figure = pytest.importorskip("matplotlib.figure")
-    paint = figure.Figure.savefig
-
-    def stand_in(self: Any, file: Any, **given: Any) -> None:
-        if isinstance(file, BytesIO):
-            file.write(b"<svg></svg>")
-        else:
-            paint(self, file, **given)
-
-    monkeypatch.setattr(figure.Figure, "savefig", stand_in)
+    leave_unpainted(monkeypatch)
 
 
 @pytest.fixture

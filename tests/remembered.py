@@ -8,6 +8,7 @@ import inspect
 import io
 import pickle
 from collections.abc import Callable
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -42,13 +43,15 @@ def remember(monkeypatch: pytest.MonkeyPatch) -> None:
         module = importlib.import_module(place)
         for name in names.split():
             monkeypatch.setattr(module, name, _remembering(getattr(module, name)))
-    compare = _remembering(springpot.timetests.comparing.compare)
-    monkeypatch.setattr(springpot.timetests.comparing, "compare", compare)
+    for name in ("compare", "compare_sweeps"):
+        module = springpot.timetests.comparing
+        monkeypatch.setattr(module, name, _remembering(getattr(module, name)))
     for place in RUNGS:
         module = importlib.import_module(place)
         monkeypatch.setattr(module, "examine", _remembering(module.examine))
 
 
+@cache
 def _remembering(examine: Callable[..., Any]) -> Callable[..., Any]:
     signature = inspect.signature(examine)
     name = f"{examine.__module__}.{examine.__qualname__}"

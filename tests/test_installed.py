@@ -80,12 +80,6 @@ def _pip(*arguments: str | Path) -> None:
     assert found.returncode == 0, found.stderr
 
 
-def _wheels(target: Path, *sources: Path) -> None:
-    _pip(
-        "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir", target, *sources
-    )
-
-
 @pytest.fixture(scope="session")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Environment:
     """The environment; it borrows numpy and the like from the running one.
@@ -93,7 +87,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Environment:
     So that no network is needed.
     """
     base = tmp_path_factory.mktemp("installed")
-    source, wheels, home = (base / name for name in ("source", "wheels", "home"))
+    source, home = base / "source", base / "home"
     # Built from copies, so that no build leaves anything in the checkout or takes anything from an
     # older one.
     ignored = shutil.ignore_patterns("__pycache__", "*.egg-info", "build", "test_*.py")
@@ -105,26 +99,17 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Environment:
         else:
             shutil.copy(path, source / name)
     shutil.copytree(EXAMPLE, base / "example", ignore=ignored)
-    _wheels(wheels, source, base / "example")
     folder = base / "environment"
     venv.create(folder, with_pip=False)
-    python = _binary(folder, "python")
-    _pip(
-        "--python",
-        python,
-        "install",
-        "--no-deps",
-        "--no-index",
-        "--no-compile",
-        *wheels.glob("*.whl"),
-    )
     places = {"base": str(folder), "platbase": str(folder)}
     site = Path(sysconfig.get_path("purelib", "venv", vars=places))
-    # After the wheels: pip must not take the running environment's springpot for an older one to be
-    # replaced.
     (site / "borrowed.pth").write_text(
         sysconfig.get_path("purelib") + "\n" + sysconfig.get_path("platlib") + "\n"
     )
+    # Pip must not take the running environment's springpot for an older one to be replaced.
+    alone = "--no-deps", "--no-index", "--no-build-isolation", "--no-compile", "--ignore-installed"
+    python = _binary(folder, "python")
+    _pip("--python", python, "install", *alone, source, base / "example")
     home.mkdir()
     return Environment(folder, home)
 

@@ -19,6 +19,9 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
+from springpot_plugins.suites import SUITES
+from springpot_plugins.suites.described import measured
+
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 FETCHED = re.compile(r"<(?:script|img|link|iframe)\b[^>]*?(?:src|href)=\"?(https?:|//)[^>]*>")
@@ -95,7 +98,10 @@ def test_every_page_is_built_and_can_be_reached(site: Path):
         page for page in pages if page != "404" and not page.startswith(("gallery/", f"{BESIDE}/"))
     }
     sources = {path.relative_to(DOCS).with_suffix("").as_posix() for path in DOCS.rglob("*.md")}
-    assert pages == (sources - {"README"}) | {"index"}
+    made = {f"suite/{name.partition('/')[2]}" for suite in SUITES for name in measured(suite)}
+    assert pages == (sources - {"README"}) | {"index"} | made
+    for page in ("suite/shear-wave", "suite/record-jenkins"):
+        assert f'href="{page}.html"' in (site / "suite.html").read_text(encoding="utf-8")
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     assert not [name for name in sources if f"{name}.md" not in navigation]
     assert (site / "schemas" / "identification.json").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import csv
+import importlib
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,7 +23,7 @@ STUDIES = str(Path(__file__).parents[1] / "studies")
 def beside(monkeypatch):
     monkeypatch.syspath_prepend(STUDIES)
     yield
-    others = ("budgets", "tuned", "swarm", "choice", "repeated", "portfolio", "race")
+    others = ("budgets", "tuned", "swarm", "choice", "repeated", "portfolio", "race", "pages")
     for name in ("suite", "drawn_problems", *(f"suite_{each}" for each in others)):
         sys.modules.pop(name, None)
 
@@ -121,6 +122,42 @@ def test_the_page_tells_what_the_table_says():
     assert suite_repeated.page(text, SimpleNamespace(rows=values)) == text
 
 
+def test_a_page_tells_what_a_problem_is_and_who_arrives():
+    import suite_pages
+    from springpot import plugins
+    from springpot.benchmark import Study
+
+    suite = plugins().find("suite", "springpot-60")
+    (case,) = (
+        Study("one", [name := f"{suite.name}/mass-and-delay"], ["own"], ["own"], ["native"])
+        .plan()
+        .cases
+    )
+    hits = {"slow": [(np.array([900.0]), np.array([900])), (np.array([np.inf]), np.array([2000]))]}
+    hits["lost"] = [(np.array([np.inf]), np.array([8000]))]
+    told = suite_pages._page(suite, suite.problem(name), case, hits)
+    assert told.startswith(f"# {name}\n")
+    assert "| `inertia.m` | 1000 kg | 2e-06 | 2000 | 0.0004 |" in told
+    assert f'default_rng(list(b"{name}"))' in told
+    assert "## How hard it is: deceptive" in told
+    # A trial in vain costs what it spent.
+    assert "| `slow` | 1 of 2 | 2,900 | 900 |" in told
+    assert "In no trial: `lost`." in told
+
+
+def test_names_of_problems_and_the_map_lead_to_their_pages():
+    import suite
+    import suite_pages
+
+    files = SimpleNamespace(src_uri="suite.md")
+    text = suite.PAGE.read_text(encoding="utf-8")
+    turned = suite_pages.on_page_markdown(
+        text, page=SimpleNamespace(file=files), config=None, files=None
+    )
+    assert turned.count("](suite/") == 60 + 20
+    assert 'xlink:href="suite/shear-wave.html"' in turned
+
+
 @pytest.mark.parametrize(
     ("script", "table"),
     [
@@ -130,6 +167,7 @@ def test_the_page_tells_what_the_table_says():
         ("suite_budgets", "suite_budgets/ranks_by_budget"),
         ("suite_tuned", "suite_tuned/tuned"),
         ("expensive", "expensive/expensive"),
+        ("bias", "bias/bias"),
     ],
 )
 def test_a_table_says_first_what_its_script_asks(script, table):
@@ -138,5 +176,26 @@ def test_a_table_says_first_what_its_script_asks(script, table):
     head = ast.get_docstring(ast.parse((Path(STUDIES) / f"{script}.py").read_text()))
     asks = asking(head, Table("", (), ())).asks
     assert all(word in asks for word in ("Measure: ", "What would answer it: "))
-    page = (Path(STUDIES).parent / "results" / f"{table}.md").read_text()
-    assert page.split("\n\n")[1] == asks
+    assert first_of(table) == asks
+
+
+@pytest.mark.parametrize(
+    ("script", "table"),
+    [
+        ("suite_race", "suite_race/parts"),
+        ("suite_swarm", "suite_swarm/readings"),
+        ("swarm_claim", "swarm_claim/swarm_overview"),
+        ("optimiser_comparison", "optimiser_comparison/ranking"),
+    ],
+)
+def test_a_table_of_a_study_says_first_what_that_asks(script, table):
+    from paper.asking import asked
+
+    study = importlib.import_module(script).study
+    assert first_of(table) == asked(study, Table("", (), ())).asks
+
+
+def first_of(table):
+    """What a table of the results says before its rows."""
+    page = (Path(STUDIES).parent / "results" / f"{table}.md").read_text(encoding="utf-8")
+    return page.split("\n\n")[1]

@@ -30,13 +30,11 @@ from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis, Fitted, Progress, silent, unseen
 from springpot.errors import DataError, ModelError, OptionError
-from springpot.identification.calibration import calibration_of
-from springpot.identification.fitted import Fit
 from springpot.identification.fitting import identify as identify_objects
 from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
-from springpot.identification.searching import searched
+from springpot.identification.searching import refound
 from springpot.identification.space import require_conditions
 from springpot.measurement.conversion import joined
 from springpot.measurement.measurement import Measurement
@@ -206,24 +204,9 @@ def _calibrated(
     fit: Identification, tests: Sequence[Test], objective: Objective | None, promised: Accuracy
 ) -> Identification:
     """A fit whose intervals hold what the instrument promises."""
-
-    def again(moved: Sequence[Test]) -> Mapping[str, float]:
-        data, seeds = sweep_of(moved), [fit.theta]
-        if data is None:
-            found: Identification | Fit = timetests.identify(
-                moved, fit.model, objective=objective, seeds=seeds, thorough=False, near=True
-            )
-        else:
-            found = searched(fit.model, data, objective, seeds)
-        return found.model.named(found.theta)
-
-    terms = promised.terms
-    # A test in time has no phase.
-    if not any(isinstance(test, Measurement) for test in tests):
-        terms = {"gain": terms["gain"]}
+    again = timetests.refound if sweep_of(tests) is None else refound
     scatter = np.sqrt(np.clip(np.diag(fit.theta_covariance), 0.0, None))
-    calibration = calibration_of(fit.model, fit.theta, scatter, tests, terms, str(promised), again)
-    return fit.calibrated(calibration)
+    return fit.calibrated(promised.calibration(fit, scatter, tests, again(fit, objective)))
 
 
 def diagnose(
@@ -277,14 +260,10 @@ def diagnose(
 
     Examples
     --------
-    >>> import numpy as np, springpot
-    >>> omega = 2 * np.pi * np.geomspace(0.5, 50.0, 30)
-    >>> heavy = springpot.parse_model("fractional-maxwell + inertia")
-    >>> exact = heavy.stiffness(np.array([400.0, 60.0, 0.5, 0.002]), omega)
-    >>> noise = np.random.default_rng(1).normal(size=(2, 30)) * 0.01
-    >>> data = springpot.Measurement(omega, exact * (1 + noise[0] + 1j * noise[1]))
-    >>> springpot.diagnose(data, "fractional-maxwell").best.effect
-    'inertia'
+    >>> import springpot
+    >>> found = springpot.diagnose("artificial-hidden", "fractional-maxwell")
+    >>> found.verdict, found.best.effect
+    ('effect-missing', 'inertia')
     """
     tests = excluded(_tests(measurement), exclude)
     held = constrained(_judged(model), timetests.units_of(tests), fix, bounds, tie)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from springpot.benchmark import Table
+from springpot.benchmark import Study, Table
 
 FIRST = "Question: "
 """With what the paragraph of a script's head begins that states it."""
@@ -22,3 +22,10 @@ def asking(head: str | None, table: Table) -> Table:
         if paragraph.strip().startswith(FIRST):
             return replace(table, asks=" ".join(paragraph.split()))
     raise ValueError("a study states its question in its head")
+
+
+def asked(study: Study, table: Table) -> Table:
+    """The same table, which says first what its study asks."""
+    heads = ("Question", "Measure", "What would answer it")
+    parts = (f"{head}: {said}" for head, said in zip(heads, study.asks, strict=True))
+    return replace(table, asks=" ".join(parts))

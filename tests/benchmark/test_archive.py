@@ -240,3 +240,14 @@ def test_the_published_race_takes_a_new_optimiser_on_all_its_problems():
     cases = study_of(published, ["random-search"]).plan().cases
     raced = {problem.digest: problem.dataset for problem in Archive.read(published).problems}
     assert {case.digest: case.source.name for case in cases} == raced
+
+
+def test_one_problem_of_the_published_race_is_raced_alone(springpot):
+    published = Path(__file__).parents[2] / "results" / "suite_race" / "suite_race.zip"
+    wave = "springpot-60/shear-wave"
+    alone = study_of(published, ["random-search"], [wave])
+    assert [case.source.name for case in alone.plan().cases] == [wave]
+    # It does not go on with what was run of all.
+    assert alone.name != study_of(published, ["random-search"]).name
+    told = springpot("run", published, "--optimiser", "native", "--problem", "shear-waves")
+    assert (told.code, "has no trials of 'shear-waves'" in told.err) == (2, True)

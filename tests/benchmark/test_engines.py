@@ -78,19 +78,19 @@ FAULTS = {
 def faulty(tmp_path_factory):
     """A study in which every fault happens, beside one good optimiser."""
     entrants = [*(Moody(mood=mood) for mood in FAULTS), Walk()]
-    study = moody_study("fine", optimisers=entrants, memory=160)
+    study = moody_study("fine", optimisers=entrants, memory=160, repetitions=1)
     return run_study(study, workers=2, out=tmp_path_factory.mktemp("faulty"), quiet=True)
 
 
-@pytest.mark.soak_cases("eat", "segfault", "vanish")
 @pytest.mark.parametrize("mood", FAULTS)
 def test_a_fault_becomes_a_status_and_the_study_goes_on(faulty, mood):
     status, reason = FAULTS[mood]
-    assert (faulty.ran, faulty.failed) == (3 * len(FAULTS) + 3, 3 * len(FAULTS))
+    assert (faulty.ran, faulty.failed) == (len(FAULTS) + 1, len(FAULTS))
     rows = trials(faulty.store)
-    assert [row.status for row in rows[f"moody(mood={mood})"]] == [status] * 3
-    assert all(reason in row.reason and row.best is None for row in rows[f"moody(mood={mood})"])
-    assert [row.status for row in rows["walk"]] == [Status.BUDGET] * 3
+    (row,) = rows[f"moody(mood={mood})"]
+    assert (row.status, row.best) == (status, None)
+    assert reason in row.reason
+    assert [row.status for row in rows["walk"]] == [Status.BUDGET]
     assert mood == "eat" or reason in (faulty.store.parent / "failures.md").read_text()
 
 

@@ -43,7 +43,7 @@ def test_numbers_stand_at_decades_or_at_six_even_places():
     ("value", "text"),
     [
         (0.0, "0"), (0.001, "0.001"), (0.0001, "1e-4"), (10000.0, "10000"),
-        (1e5, "1e5"), (1e-12, "1e-12"), (1e12, "1e+12"), (0.5, "0.5"),
+        (1e5, "1e5"), (1e-12, "1e-12"), (1e12, "1e+12"), (-200.0, "-200"),
     ],
 )  # fmt: skip
 def test_a_number_at_an_axis_is_short(value, text):

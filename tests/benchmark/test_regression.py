@@ -46,7 +46,7 @@ def baseline(tmp_path_factory):
 
 
 @pytest.mark.soak_cases("20")
-@pytest.mark.parametrize("repeats", [5, 20])
+@pytest.mark.parametrize("repeats", [3, 20])
 def test_the_committed_baseline_is_kept(monkeypatch, repeats):
     monkeypatch.chdir(ROOT)
     gate = check(load_study(GATE).with_options(repeats=repeats), BASELINE)

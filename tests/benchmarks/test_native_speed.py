@@ -66,10 +66,10 @@ def test_single_fits_take_less_time_than_scipy_from_random_starts():
     for name in TRUTHS:
         model, _, data = setup(name)
         native[name] = seconds(
-            lambda i, m=model, d=data: fit(m, d, rng=np.random.default_rng(i)), 30
+            lambda i, m=model, d=data: fit(m, d, rng=np.random.default_rng(i)), 12
         )
         plain[name] = seconds(
-            lambda i, m=model, d=data: multistart(m, d, np.random.default_rng(i)), 15
+            lambda i, m=model, d=data: multistart(m, d, np.random.default_rng(i)), 6
         )
     print(
         {name: (f"{1e3 * native[name]:.2f} ms", f"{1e3 * plain[name]:.2f} ms") for name in TRUTHS}

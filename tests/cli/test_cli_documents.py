@@ -18,6 +18,8 @@ from springpot.files import LARGEST, json_of, toml_in, toml_of
 from springpot.web.sessions import session_of
 from springpot.web.tasks import perform
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 CASES = 25
 """Of each kind of document."""
 SEED = 7

@@ -6,6 +6,8 @@ import pytest
 import springpot as library
 from springpot.cli.predict import table_text
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 @pytest.fixture
 def fit(springpot, damper, tmp_path):

@@ -200,7 +200,7 @@ SCENARIOS = {
     "diagnosis/result.py:accepting": of_call("diagnosis/result.py:accepting", "inertia", True, 0.1),
     "diagnosis/result.py:leaving_out": of_call("diagnosis/result.py:leaving_out", 3, 0.1),
     "diagnosis/result.py:leaving_out_the_beginning": of_call(
-        "diagnosis/result.py:leaving_out_the_beginning", 0.3
+        "diagnosis/result.py:leaving_out_the_beginning", 0.3, 4
     ),
     "diagnosis/result.py:splitting": of_call("diagnosis/result.py:splitting", "temperature", 0.1),
     "diagnosis/result.py:turning": of_call("diagnosis/result.py:turning", "sweep.csv"),

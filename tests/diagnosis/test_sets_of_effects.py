@@ -218,6 +218,7 @@ def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):
     assert evidence.places("ba") == {"b": ("b", "d", "f"), "a": ("a", "c")}
 
 
+@pytest.mark.soak
 def test_the_best_set_is_minimal(three):
     """Without any of its effects the evidence is less, beyond doubt."""
     found = searched_sets(three, LIBRARY)

@@ -125,3 +125,13 @@ def test_the_command_shows_the_budget(damper, request):
     command("identify", damper, "--model", "fractional-maxwell", "--accuracy", "two").is_one_line(
         "accuracy 'two'"
     )
+
+
+@pytest.mark.parametrize("data", [swept(1), relaxed()], ids=["sweep", "relaxation"])
+def test_a_diagnosis_tells_the_intervals_of_the_identification(data):
+    found = springpot.diagnose(data, MODEL, only=["inertia"], accuracy="2%,3mrad").parameters
+    fit = springpot.identify(data, MODEL, accuracy="2%,3mrad")
+    plain = springpot.identify(data, MODEL)
+    for name, value in found.items():
+        assert (value.low, value.high) == pytest.approx((fit[name].low, fit[name].high), rel=1e-3)
+    assert found["k"].high - found["k"].low > 3.0 * (plain["k"].high - plain["k"].low)

@@ -20,6 +20,8 @@ from springpot.measurement import TimeTest
 ROOT = Path(__file__).parents[2]
 DESCRIPTION = "2436458add12480f4b77a565a1e3429887717d2a28dd0cf79da44f8f6f8d92d5"
 
+DRAWN = "cd1af1aa4e69183ade9bfde61a96847fae30dc58e2694dc3d083da42349f82fe"
+
 
 @pytest.fixture(scope="module")
 def suite():
@@ -38,6 +40,21 @@ def problem(case):
 def test_a_suite_of_that_name_never_changes():
     text = files("springpot_plugins.suites").joinpath("springpot-60.toml").read_bytes()
     assert sha256(text).hexdigest() == DESCRIPTION, "give a changed suite another name"
+
+
+def test_the_drawn_suite_is_what_its_seed_draws_and_what_no_descent_solves(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "studies")
+    import suite_hard
+
+    text = files("springpot_plugins.suites").joinpath("springpot-hard-20.toml").read_bytes()
+    assert sha256(text).hexdigest() == DRAWN, "give a changed suite another name"
+    hard = springpot.plugins().find("suite", "springpot-hard-20")
+    assert {each.features["modality"] for each in hard.measured.values()} == {1.0}
+    known = hard.problem("springpot-hard-20/drawn-185")
+    told, again = suite_hard.described(known.name, suite_hard.SEED, 185)
+    assert suite_hard.demanding(told)
+    assert (told["model"], told["truth"]) == (known.model, dict(known.truth))
+    assert known.tests()[0].digest() == again.tests()[0].digest()
 
 
 def test_sixty_problems_from_two_to_fourteen_parameters(suite, plan):

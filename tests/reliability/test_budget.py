@@ -155,10 +155,10 @@ def test_a_reader_that_takes_all_memory_is_ended_and_gives_it_back(path):
 
     before = resource.getrlimit(resource.RLIMIT_AS)
     with pytest.raises(DataError, match="more than 200 MiB of memory"):
-        within_budget(path, lambda: bytearray(300 << 20))
+        within_budget(path, lambda: bytearray(220 << 20))
     assert resource.getrlimit(resource.RLIMIT_AS) == before
-    assert len(within_budget(path, lambda: bytearray(100 << 20))) == 100 << 20
-    assert len(bytearray(300 << 20)) == 300 << 20
+    assert len(within_budget(path, lambda: bytearray(60 << 20))) == 60 << 20
+    assert len(bytearray(220 << 20)) == 220 << 20
 
 
 @LINUX

@@ -17,6 +17,8 @@ from springpot.registry import parse_model
 from springpot.report.fit_text import many_csv, many_text
 from springpot.report.tables import write_parameters, write_values
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 ROWS = [
     (("k",), Value(399.4123, 391.0, 407.8, "kN/m")),
     (("c",), Value(0.05179, 0.0515, 0.0521, "kN s^alpha/m")),

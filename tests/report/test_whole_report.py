@@ -52,6 +52,7 @@ def relaxed(seed=4):
 
 
 DETERMINED = ("inertia", "time-delay", "gain-error", "parallel-spring")
+ON_A_LADDER = (*DETERMINED, "specimen-inertia", "fixture-resonance", "phase-error")
 
 
 def results():
@@ -80,7 +81,7 @@ def results():
         "sweep foretold": springpot.predict(springpot.identify(relaxed(), MODEL), sweep()),
         # Of effects that are determined, however a machine rounds.
         "diagnosis": springpot.diagnose(sweep("light", 2, 0.001), MODEL, only=DETERMINED),
-        "ladder": springpot.discover(heavy, MODEL, accept="inertia"),
+        "ladder": springpot.discover(heavy, MODEL, accept="inertia", only=ON_A_LADDER),
         "comparison": springpot.compare(heavy, [MODEL, "kelvin", "fractional-maxwell + inertia"]),
         "master curve": springpot.mastercurve(heated, vertical=False),
         "master curve both ways": springpot.mastercurve(heated),

@@ -12,6 +12,8 @@ import pytest
 from springpot import Measurement, identify
 from springpot.registry import parse_model
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 BAND = "1Hz:48Hz"
 
 

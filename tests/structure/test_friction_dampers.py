@@ -9,6 +9,8 @@ from springpot.errors import ModelError
 from springpot.structure import GroundMotion, artificial, motion_of, steady_of
 from springpot.structure.reading import read_structure
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MASS, STIFFNESS, DAMPING = 1e4, 4e6, 0.02
 TEXT = """[structure]
 mass = 1e4

@@ -14,6 +14,8 @@ from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, artificial, simulate
 from springpot.structure.next_test import further_tests
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 RECORD = artificial(np.random.default_rng(1), duration=1.5)
 MODEL = "kelvin + inertia"
 UNITS = Units("N/m", "m")

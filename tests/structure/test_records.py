@@ -15,6 +15,8 @@ from springpot.structure import Damper, Frame, GroundMotion, simulate
 from springpot.structure.answers import RecordSuite, described_suite
 from springpot.structure.records import read_record, records_meant
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 FRAME = """[structure]
 storeys = 2
 mass = 1e5

@@ -10,6 +10,8 @@ from springpot.structure import motion_of, steady_of
 from springpot.structure.motion import GroundMotion
 from springpot.structure.reading import read_structure
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 HEAD = """[structure]
 mass = 1e4
 stiffness = 4e6

@@ -18,6 +18,8 @@ from springpot.structure import (
 )
 from springpot.structure.answers import described
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MAXWELL, KELVIN = parse_model("fractional-maxwell"), parse_model("kelvin")
 THETA = MAXWELL.theta(k=4e6, c=6e5, alpha=0.55)
 COVARIANCE = np.diag((0.05 * THETA) ** 2)

@@ -305,7 +305,8 @@ def test_the_beginning_of_a_step_is_left_out_where_it_fails_from_the_first_sampl
     part = SimpleNamespace(test=TimeTest.of_relaxation(time, 1.0 / time))
     place = SimpleNamespace(low=low, high=2.0)
     steps = list(verdict._steps([part], "unexplained", [place]))
-    assert steps == ([leaving_out_the_beginning(3.0)] if told else [])
+    assert steps == ([leaving_out_the_beginning(3.0, rows=2)] if told else [])
+    assert [step.exclude for step in steps] == ([(1, 2)] if told else [])
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

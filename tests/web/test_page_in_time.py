@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 from browsing import IN_A_BROWSER, Open, Page
 
-import springpot
+import springpot.api
 from springpot.diagnosis.result import silent
 from springpot.errors import DataError
+from springpot.registry import plugins
 from springpot.report.text import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
 from springpot.web.specimen import SCHEMA, Specimen, specimen_of
-from springpot.web.tasks import answered, curve, first, held, perform, trial, understand
+from springpot.web.tasks import answered, curve, first, held, perform, trial, turned, understand
 
 TIME = np.geomspace(0.1, 100.0, 40)
 ORDER = 0.2
+FEW = "parallel-springpot", "parallel-spring", "relaxation-mode"
 
 
 def relaxation(every: int = 1) -> bytes:
@@ -53,6 +55,15 @@ def record() -> bytes:
     return head + b"".join(b"%.6g,%.6g,%.6g\n" % row for row in rows)
 
 
+def against() -> bytes:
+    """The record with a force that counts the other way."""
+    head, *rows = record().decode().splitlines()
+    cells = (row.split(",") for row in rows)
+    return "\n".join(
+        [head, *(f"{t},{moved},{-float(pulled)}" for t, moved, pulled in cells)]
+    ).encode()
+
+
 def opened(name: str, content: bytes) -> dict[str, Any]:
     """What the page is told of a file."""
     return understand(silent, name, base64.b64encode(content).decode())
@@ -65,14 +76,18 @@ def relaxed() -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def answer(relaxed: dict[str, Any]) -> dict[str, Any]:
+    """As few effects give it: that of all of them takes ten times as long."""
     state = {"data": relaxed["digest"], "model": "maxwell"}
-    return json.loads(to_json(answered(silent, state, relaxed["text"])))
+    few = [plugins().effect(name) for name in FEW]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(springpot.api, "library", lambda *_, **__: few)
+        return json.loads(to_json(answered(silent, state, relaxed["text"])))
 
 
 @pytest.mark.soak
 def test_the_answer_is_that_of_discover(answer: dict[str, Any]):
     test = Specimen.of_file("relax.csv", relaxation(), "").tests[0]
-    same = springpot.discover([test], "maxwell", accept=[])
+    same = springpot.discover([test], "maxwell", accept=[], only=FEW)
     assert answer["discovery"] == json.loads(to_json(same))
 
 
@@ -112,6 +127,22 @@ def test_every_effect_that_was_fitted_comes_with_its_curve(answer: dict[str, Any
     left = np.array(preview["planes"]["signal"]["storage"])
     width = np.array(answer["model"]["planes"]["signal"]["width"])
     assert np.sqrt(np.mean((left / width) ** 2)) < 2.0
+
+
+def test_a_force_that_counts_the_other_way_is_seen_turned_and_turned():
+    data = opened("record.csv", against())
+    state = {"data": data["digest"], "model": "kelvin"}
+    told = json.loads(to_json(answered(silent, state, data["text"])))
+    (action,) = [one for one in told["actions"] if one["turns"]]
+    assert action["label"] == "turn record"
+    preview, now = told["previews"][action["name"]], told["discovery"]["diagnosis"]["error"]
+    assert preview["error"] < 1.05 * now["noise_floor"] < 0.1 * now["relative_rms"]
+    # It is drawn over the data as they stand.
+    assert max(map(abs, preview["planes"]["signal"]["storage"])) < 10.0
+    anew = turned(silent, state, data["text"], "record.csv", joined=False)
+    assert anew["source"] == "record.csv?force=-N"
+    assert anew["scene"]["storage"] == [-one for one in data["scene"]["storage"]]
+    assert "note sign" not in anew["provenance"]
 
 
 def test_parameters_tell_how_they_move_together(answer: dict[str, Any]):
@@ -263,6 +294,26 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     here.shows("maxwell")
     here.page.mouse.move(600, 450)
     assert "kPa; model" in here.reads("#readout")
+
+
+@pytest.mark.soak
+@IN_A_BROWSER
+def test_a_record_is_turned_by_a_click_and_what_was_foretold_is_fitted(page: Open):
+    here = page()
+    here.open("record.csv", against(), "kelvin")
+    assert here.reads("#add").startswith("Turn record → ")
+    here.page.click("#add")
+    here.page.locator("#verdict.adequate").wait_for(state="attached")
+    assert here.reads("#turned") == "turned: force=-N"
+    card = here.page.locator("[role=option]:has-text('not fitted')").first
+    effect = card.get_attribute("data-effect")
+    card.hover()
+    fitted = here.page.locator(f"[data-effect='{effect}']:not(:has-text('not fitted'))")
+    fitted.wait_for(state="attached")
+    assert here.page.locator("#plot-view .line.preview").count() == 1
+    here.page.click("#undo")
+    here.page.locator("#verdict.unexplained").wait_for(state="attached")
+    assert here.page.locator("#turned").count() == 0
 
 
 @pytest.mark.soak

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browsing import IN_A_BROWSER, SMALL, violations_on
+from browsing import IN_A_BROWSER, SMALL, playwright, violations_on
 
 import springpot
 from springpot.report.html import report_html
 from springpot.web.sessions import measured_in
+from unpainted import leave_unpainted
 
 pytest.importorskip("matplotlib")
 pytestmark = IN_A_BROWSER
@@ -28,7 +30,10 @@ def report(damper: bytes, tmp_path_factory: pytest.TempPathFactory) -> Path:
     only = ["inertia", "specimen-inertia", "time-delay"]
     ladder = springpot.discover(data, MODEL, accept=["inertia"], only=only)
     path = tmp_path_factory.mktemp("report") / "report.html"
-    path.write_text(report_html(ladder, data, ["springpot"]), encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        # Most of the work, and nobody looks at them here.
+        leave_unpainted(patch)
+        path.write_text(report_html(ladder, data, ["springpot"]), encoding="utf-8")
     return path
 
 
@@ -76,6 +81,41 @@ def test_the_ladder_is_played_and_scrubbed(shown: Shown):
     assert page.inner_text("#verdict").startswith(f"{MODEL} + inertia: adequate")
     page.click("#play")
     assert page.locator("#scrub").input_value() == "0"
+
+
+def test_it_is_the_page_with_its_hovers(browser: Any, report: Path, tmp_path: Path):
+    """Without a server and without a network, whatever the data are called."""
+    evil = "</script><script>alert(1)</script>"
+    escaped = json.dumps(evil).replace("<", "\\u003c")
+    told = report.read_text(encoding="utf-8")
+    renamed = told.replace('"name": "damper"', f'"name": {escaped}')
+    assert renamed != told
+    path = tmp_path / "report.html"
+    path.write_text(renamed, encoding="utf-8")
+    context = browser.new_context(offline=True)
+    page, faults = context.new_page(), []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+    page.goto(path.as_uri())
+    assert page.locator("#plot-ladder .rung-mark.accepted").count() == 2
+    assert page.inner_text("#verdict").startswith(f"{MODEL} + inertia: adequate")
+    page.click("#rungs button >> nth=0")
+    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing")
+    page.hover("#effect-inertia")
+    assert page.locator("#plot-view .line.preview").count() == 2
+    assert "0.57" in page.text_content("#plot-ladder .ghost")
+    page.select_option("#plane", "log-complex")
+    assert "Δ ln K" in page.text_content("#plot-residual")
+    page.click("#effect-inertia")
+    assert page.locator("#accept").is_hidden()
+    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing"), (
+        "a report accepts nothing"
+    )
+    page.click("#play")
+    playwright.expect(page.locator("#rung-0")).to_have_attribute("aria-current", "step")
+    playwright.expect(page.locator("#rung-1")).to_have_attribute("aria-current", "step")
+    assert faults == []
+    context.close()
 
 
 @pytest.mark.soak

@@ -505,18 +505,32 @@ def _told(archive: Archive) -> str:
     return f"{archive.path.name}, study {facts['name']} ({', '.join(parts)})"
 
 
-def study_of(path: Path, optimisers: Sequence[str]) -> Study:
+def study_of(path: Path, optimisers: Sequence[str], only: Sequence[str] = ()) -> Study:
     """A study of the problems of an archive, for optimisers that are to be raced beside it.
+
+    Parameters
+    ----------
+    path : Path
+        The archive.
+    optimisers : sequence of str
+        Who is raced.
+    only : sequence of str
+        Names of data; those of all problems by default.
 
     Raises
     ------
     StudyError
-        If its data are not known here under their names.
+        If its data are not known here under their names, or it has no trials of them.
     """
     archive = Archive.read(path)
     facts, models = archive.facts, dict[str, list[str]]()
     levels = json.loads(facts.get("noise", "{}"))
-    for problem in archive.problems:
+    there = [problem.dataset for problem in archive.problems]
+    for name in only:
+        if name not in there:
+            raise StudyError(f"{path} has no trials of {name!r}")
+    problems = [each for each in archive.problems if not only or each.dataset in only]
+    for problem in problems:
         # Levels of noise are made from the data without it.
         name = problem.dataset
         if levels.get(name):
@@ -525,10 +539,10 @@ def study_of(path: Path, optimisers: Sequence[str]) -> Study:
         if problem.model not in expressions:
             expressions.append(problem.model)
     return Study(
-        f"{facts['name']}-beside",
+        "-".join((facts["name"], "beside", *(name.rpartition("/")[2] for name in only))),
         datasets=list(models),
         models=models,
-        objectives=_objectives(archive.problems, levels),
+        objectives=_objectives(problems, levels),
         optimisers=list(optimisers),
         repetitions=int(facts["repetitions"]),
         budget=int(facts["budget"]),

@@ -56,6 +56,11 @@ class Features:
     funnel: float
     lure: float
 
+    @property
+    def deceptive(self) -> bool:
+        """Whether most descents end in one wrong valley, or nothing falls to the optimum."""
+        return self.lure > 0.0 or self.funnel < 0.0
+
     def to_dict(self) -> dict[str, float]:
         """By name."""
         return {each.name: float(getattr(self, each.name)) for each in fields(self)}
@@ -132,6 +137,6 @@ def parts_of(measured: Mapping[str, Features]) -> dict[str, str]:
         found[name] = "hard"
         if i in easy:
             found[name] = "easy"
-        elif measured[name].lure > 0.0 or measured[name].funnel < 0.0:
+        elif measured[name].deceptive:
             found[name] = "deceptive"
     return found

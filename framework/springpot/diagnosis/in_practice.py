@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
@@ -12,6 +12,10 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import OptionError
+from springpot.identification.calibration import Calibration, calibration_of
+from springpot.identification.fitted import FittedModel
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test
 from springpot.measurement.units import ANGLE_UNITS, STRAIN_UNITS
 from springpot.misfit.error import percent
 from springpot.numerics import rms
@@ -101,6 +105,20 @@ class Accuracy:
         phase = self.modulus if self.phase is None else self.phase
         quantile = student(INTERVAL, np.inf)
         return {"gain": self.modulus / quantile, "phase": phase / quantile}
+
+    def calibration(
+        self,
+        fit: FittedModel,
+        scatter: Real,
+        tests: Sequence[Test],
+        again: Callable[[Sequence[Test]], Mapping[str, float]],
+    ) -> Calibration:
+        """What it adds to the uncertainty of parameters, see `calibration_of`."""
+        terms = self.terms
+        # A test in time has no phase.
+        if not any(isinstance(test, Measurement) for test in tests):
+            terms = {"gain": terms["gain"]}
+        return calibration_of(fit.model, fit.theta, scatter, tests, terms, str(self), again)
 
     def holds(self, misfits: Sequence[Misfit]) -> bool:
         """Whether each test is met within what is promised.

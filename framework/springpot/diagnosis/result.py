@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from springpot.identification.value import PartResult, Quantities, Value, parts_of, values_of
 from springpot.lazy import draw, html_of, text_of
-from springpot.misfit.error import Error
+from springpot.misfit.error import Error, percent
 from springpot.misfit.where import Where
 from springpot.plain_data import json_number, jsonable
 from springpot.registry import parse_model, plugins
@@ -52,6 +52,8 @@ class ToDo:
         The column that is split, if that is the step; a file does not hold it.
     exclude : tuple of int
         Rows of the data that are left out, the first being 1; a file does not hold them.
+    turns : str
+        The test of which a channel is turned, if that is the step; a file does not hold it.
     """
 
     says: str
@@ -59,6 +61,7 @@ class ToDo:
     error_after: float = float("nan")
     split: str = field(default="", compare=False)
     exclude: tuple[int, ...] = field(default=(), compare=False)
+    turns: str = field(default="", compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
@@ -85,12 +88,12 @@ def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
     return tuple(replace(step, command=step.command.replace(f" {DATA} ", given)) for step in steps)
 
 
-def turning(spec: str) -> ToDo:
-    """To turn one channel; `spec` opens the data so.
+def turning(spec: str, test: str = "", error_after: float = float("nan")) -> ToDo:
+    """To turn one channel of a test; `spec` opens the data so.
 
     Of a force that counts the other way every other answer is wrong.
     """
-    return ToDo(TURN, suggested("diagnose", spec))
+    return ToDo(TURN, suggested("diagnose", spec), error_after, turns=test)
 
 
 def splitting(
@@ -108,12 +111,13 @@ def leaving_out(row: int, error_after: float) -> ToDo:
     return ToDo(says, command, error_after, exclude=(row,))
 
 
-def leaving_out_the_beginning(until: float) -> ToDo:
-    """To leave out what was measured while a step was still being made, up to a time in s."""
+def leaving_out_the_beginning(until: float, rows: int) -> ToDo:
+    """To leave out the first rows, measured while a step was still made, up to a time in s."""
     says = (
         "the misfit is largest at the beginning, where a step is still made: leave it out, compare"
     )
-    return ToDo(says, suggested("diagnose", DATA, "--exclude", f"time=..{until:.3g}"))
+    command = suggested("diagnose", DATA, "--exclude", f"time=..{until:.3g}")
+    return ToDo(says, command, exclude=tuple(range(1, rows + 1)))
 
 
 def accepting(effect: str, explains: bool, error_after: float) -> ToDo:
@@ -434,10 +438,15 @@ class Diagnosis:
 
     def behind_a_sign(self) -> Diagnosis:
         """The same, which says first that a channel is to be turned, where one is."""
-        if self.verdict == "adequate" or all(step.says != TURN for step in self.steps):
+        turns = [step for step in self.steps if step.says == TURN]
+        if self.verdict == "adequate" or not turns:
             return self
         first = "the force seems to count the other way: until it is turned nothing else holds"
-        return replace(self, says=f"{first}; {self.says}")
+        if isnan(after := turns[0].error_after):
+            return replace(self, says=f"{first}; {self.says}")
+        # The noise is read from what this model leaves, and tells nothing of the other.
+        before = percent(self.error.relative_rms)
+        return replace(self, says=f"{first}; the error is {before}, and {percent(after)} turned")
 
     def shelf_of(self, candidate: Candidate) -> Shelf:
         """What an effect does for the misfit of this model.

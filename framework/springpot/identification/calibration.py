@@ -19,10 +19,13 @@ from springpot.errors import OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
+from springpot.measurement.units import Units
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
+
+from .value import Value
 
 QUANTILE = student(INTERVAL, float("inf"))
 """Standard uncertainties to the end of an interval of a calibration, whose size is given."""
@@ -71,6 +74,19 @@ class Calibration:
         ]
         lower, upper = zip(*ends, strict=True)
         return np.array(lower), np.array(upper)
+
+    def beside(self, values: Mapping[str, Value], model: Model, units: Units) -> dict[str, Value]:
+        """Values in printed units, their intervals with all terms beside what they were told by."""
+        found = dict(values)
+        spread = np.sqrt(np.diag(self.shared))
+        for parameter, sd in zip(model.parameters, spread.tolist(), strict=True):
+            value = found.get(parameter.name)
+            if value is not None:
+                factor = units.of(parameter.unit)[0]
+                at, low, high = value.value / factor, value.low / factor, value.high / factor
+                low, high = _widened(parameter, at, low, high, sd)
+                found[parameter.name] = replace(value, low=low * factor, high=high * factor)
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, for `read`."""

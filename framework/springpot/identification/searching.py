@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -11,11 +11,12 @@ import numpy as np
 
 from springpot.errors import LONGEST_REASON, OptionError
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test, sweep_of
 from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .fitted import Fit
+from .fitted import Fit, FittedModel
 from .free_factors import superposed_fit
 from .levels_alone import usual_objective
 from .material import is_material, shifted_by
@@ -121,6 +122,20 @@ BUDGET = 8000
 """Evaluations of a restart: 20 particles and 400 time instances, as in section 5.1 of the paper."""
 MORE_STARTS = 32
 """Starts of a fit that has not been confirmed, or that a simpler model beats."""
+
+
+def refound(
+    fit: FittedModel, objective: Objective | None = None
+) -> Callable[[Sequence[Test]], Mapping[str, float]]:
+    """What finds the parameters of other sweeps, by name, from where a fit has ended."""
+
+    def again(moved: Sequence[Test]) -> Mapping[str, float]:
+        data = sweep_of(moved)
+        assert data is not None
+        found = searched(fit.model, data, objective, [fit.theta])
+        return found.model.named(found.theta)
+
+    return again
 
 
 def searched(

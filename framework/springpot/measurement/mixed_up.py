@@ -10,7 +10,9 @@ has a channel of the wrong sign.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from shlex import split
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,6 +25,7 @@ from .measurement import Measurement
 from .mixed_tests import sweeps_of
 from .timetest import TimeTest
 
+Turned = TypeVar("Turned")
 EXCHANGED = "note exchange"
 """Key of the note in a measurement's provenance."""
 FEWEST_POINTS = 5
@@ -154,6 +157,14 @@ def said_of_sign(provenance: Mapping[str, str]) -> list[str]:
 def turned(provenance: Mapping[str, str]) -> str:
     """The data with one channel turned, where it seems to count the other way; empty for others."""
     return "".join(split(provenance.get(SIGN, "").partition(", open ")[2]))
+
+
+def turned_over(test: Turned) -> Turned:
+    """The same test, what it answers counting the other way; one of frequencies stays."""
+    if not isinstance(test, TimeTest):
+        return test
+    told = {key: said for key, said in test.provenance.items() if key != SIGN}
+    return replace(test, response=-test.response, provenance=told)
 
 
 def sign_note(test: TimeTest, hint: str) -> dict[str, str]:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .comparing import compare as compare, standing_of as standing_of
     from .diagnosis import diagnose as diagnose, examine as examine
     from .discovery import discover as discover
-    from .fitting import identify as identify
+    from .fitting import identify as identify, refound as refound
     from .prediction import predict_test as predict_test
     from .ranking import rank as rank
     from .recording import predicted as predicted, recorded as recorded
@@ -24,7 +24,7 @@ __getattr__, __dir__ = offered(
         "diagnosis": "diagnose examine",
         "discovery": "discover",
         "comparing": "compare standing_of",
-        "fitting": "identify",
+        "fitting": "identify refound",
         "prediction": "predict_test",
         "ranking": "rank",
         "recording": "predicted recorded",

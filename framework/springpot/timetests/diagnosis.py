@@ -27,13 +27,22 @@ from springpot.diagnosis.experiment import (
     worth_telling_apart,
 )
 from springpot.diagnosis.in_practice import Accuracy, in_practice
-from springpot.diagnosis.result import Candidate, Diagnosis, Fitted, NextExperiment, unseen
+from springpot.diagnosis.result import (
+    Candidate,
+    Diagnosis,
+    Fitted,
+    NextExperiment,
+    ToDo,
+    turning,
+    unseen,
+)
 from springpot.errors import SpringpotError
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_up import turned, turned_over
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import plain
@@ -47,7 +56,7 @@ from springpot.thresholds import EXPERIMENT, SEARCH
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .disturbances import slip_beside
 from .exponentials import quick_parts
-from .fitting import identify
+from .fitting import identify, refound
 from .floor import material_floor
 from .intervals import beside_limits
 from .left import AskedTests, Left, Promise, Tried, delta_bic, plain_bic, power_of
@@ -362,6 +371,12 @@ def examine(
         effects = list(plugins().items("effect"))
     library = [there for effect in effects for there in at_tests(effect, given)]
     model = at_rigs(model, given)
+    turns, base = _turns(given, model, base)
+    if turns:
+        # Until it is turned nothing else holds, and no effect is looked for.
+        case = _judged(given, model, [], base, None, fitted)
+        told = replace(case.diagnosis, steps=turns).behind_a_sign()
+        return _finished(case._replace(diagnosis=told), accuracy)
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
     case = _judged(given, model, library, base, None, fitted)
@@ -374,9 +389,41 @@ def examine(
         # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
         # second.
         case = _judged(given, model, library, None, noise, fitted)
+    return _finished(case, accuracy)
+
+
+def _turns(
+    tests: Sequence[Test], model: Model, base: Identification | None
+) -> tuple[tuple[ToDo, ...], Identification | None]:
+    """What turns the channels that count the other way, if the model follows them so; and the fit.
+
+    A record alone may look so, as above a resonance that it does not show.
+    """
+    specs = {test.name: spec for test in tests if (spec := turned(test.provenance))}
+    if not specs:
+        return (), base
+    base = base or identify(tests, model)
+    anew = [turned_over(test) if test.name in specs else test for test in tests]
+    fit = identify(anew, model)
+    before, after = (
+        plain_bic(Left.of(one, parts_of_specimen(given)))
+        for one, given in ((base, tests), (fit, anew))
+    )
+    if before - after < SEARCH.decisive:
+        return (), base
+    return tuple(turning(spec, name, fit.relative_rms) for name, spec in specs.items()), base
+
+
+def _finished(case: TimeCase, accuracy: Accuracy | None) -> TimeCase:
+    """A case with what is told when all is judged."""
     shown = beside_limits(case.base, case.asked.parts)
     misfits = [misfit_of(part, case.base) for part in case.asked.parts]
-    told = in_practice(replace(case.diagnosis, parameters=shown.parameters), misfits, accuracy)
+    values = shown.parameters
+    if accuracy is not None:
+        base, tests = case.base, case.asked.tests
+        calibration = accuracy.calibration(base, np.zeros(len(base.theta)), tests, refound(base))
+        values = calibration.beside(values, base.model, units_of(tests))
+    told = in_practice(replace(case.diagnosis, parameters=values), misfits, accuracy)
     lowest = material_floor([case.base]).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
     told = replace(told, error=error, next_experiment=next_test(case))

@@ -258,6 +258,20 @@ def identify(
     return _told(replace(result, parts=left.rows(parts, left.noise, result.tests)))
 
 
+def refound(
+    fit: Identification, objective: Objective | None = None
+) -> Callable[[Sequence[Test]], Mapping[str, float]]:
+    """What finds the parameters of other tests, by name, from where a fit has ended."""
+
+    def again(moved: Sequence[Test]) -> Mapping[str, float]:
+        found = identify(
+            moved, fit.model, objective=objective, seeds=[fit.theta], thorough=False, near=True
+        )
+        return found.model.named(found.theta)
+
+    return again
+
+
 def _at_best_rig(
     fitted: Callable[[Model], Identification],
     model: Model,

@@ -22,14 +22,13 @@ from springpot.diagnosis.result import (
     ToDo,
     Verdict,
     leaving_out_the_beginning,
-    turning,
 )
 from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.errors import ModelError
 from springpot.identification.result import Identification
 from springpot.identification.uncertainty import correlation_of
 from springpot.identification.value import PartResult, Value
-from springpot.measurement.mixed_up import said_of_sign, turned
+from springpot.measurement.mixed_up import said_of_sign
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
@@ -259,7 +258,7 @@ def answer_of(
     )
     fit = _going_on_from(base, tried, alike[:1])
     aside = slip.aside if slipped and weights[-1] > EVIDENCE.credible else None
-    return TimeCase(diagnosis.behind_a_sign(), base, fit, tuple(tried), asked, aside)
+    return TimeCase(diagnosis, base, fit, tuple(tried), asked, aside)
 
 
 def _over_one_noise(
@@ -337,9 +336,6 @@ def _taken_by_own(tests: Sequence[PartResult]) -> float:
 
 def _steps(parts: Sequence[TestPart], verdict: Verdict, where: Sequence[Where]) -> Iterator[ToDo]:
     """What can be done with the tests themselves."""
-    for part in parts:
-        if spec := turned(part.test.provenance):
-            yield turning(spec)
     if verdict == "effect-missing" or not where or len(parts) != 1:
         return
     test = parts[0].test
@@ -348,7 +344,8 @@ def _steps(parts: Sequence[TestPart], verdict: Verdict, where: Sequence[Where]) 
     # Of a step that took its time the usual advice is to look at what comes long after it.
     later = np.flatnonzero(test.time > where[0].high)
     if len(later):
-        yield leaving_out_the_beginning(0.5 * (where[0].high + float(test.time[later[0]])))
+        until = 0.5 * (where[0].high + float(test.time[later[0]]))
+        yield leaving_out_the_beginning(until, int(later[0]))
 
 
 def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:

@@ -393,13 +393,13 @@ class Server:
             if name in ("kind", "law"):
                 nothing = ""
             arguments[name] = given.get(name) or nothing
-        if task in ("leave", "again"):
+        if task in ("leave", "again", "turned"):
             arguments |= {"source": data["source"], "joined": data["joined"]}
         key = ""
         if task in KEPT:
             key = f"{task} {state.key}"
         lane = "quiet" if given.get("quiet") else LANES[task]
-        return self._stream(task, arguments, lane, key)
+        return self._stream(task, arguments, lane, key, remember=task == "turned")
 
     def _watch(self, given: dict[str, Any]) -> Response:
         """What is new in the folder that the command line named; of none, nothing."""
@@ -463,7 +463,8 @@ LANES = {
     "held": "long",
     "laws": "long",
 }
-LANES |= {"first": "short", "curve": "short", "again": "short", "trial": "short"}
+SHORT = ("first", "curve", "again", "turned", "trial")
+LANES |= dict.fromkeys(SHORT, "short")
 """Which workers do what the page asks of data."""
 EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",), "trial": ("law",)}
 """What these tasks are told beside the state."""

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.files import json_of
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_up import turned
 from springpot.measurement.opening import Test
 from springpot.measurement.reader import LONGEST_NAME
 from springpot.registry import open_measurement, open_tests
@@ -127,6 +128,16 @@ class Specimen:
         """With the tests of another."""
         return Specimen((*self.files, *other.files))
 
+    def turned(self) -> Specimen:
+        """With the channels turned that seem to count the other way, as opening it so would do.
+
+        Raises
+        ------
+        DataError
+            If a file holds several tests that do not all count so.
+        """
+        return replace(self, files=tuple(map(_turned, self.files)))
+
     def as_sweep(self) -> Measurement | None:
         """Its one file as points at frequencies, if that is what its signals are too."""
         if len(self.files) > 1:
@@ -154,6 +165,16 @@ Opened: TypeAlias = Measurement | Specimen
 def _opened(file: dict[str, str], by: Callable[[str], Tests]) -> Tests:
     with as_file(file["name"], base64.b64decode(file["content"])) as path:
         return by(f"{path}{file['choice']}")
+
+
+def _turned(file: dict[str, str]) -> dict[str, str]:
+    found = [turned(test.provenance) for test in _opened(file, open_tests)]
+    if not any(found):
+        return file
+    name = safe_name(file["name"])
+    if len(set(found)) > 1:
+        raise DataError(f"{name} holds several tests: open one alone, as '{max(found)}'")
+    return {**file, "choice": found[0].removeprefix(name)}
 
 
 def is_specimen(text: str) -> bool:

@@ -320,6 +320,17 @@ def again(
     return _understood(_opened(text), source, joined=joined)
 
 
+def turned(
+    told: Told, state: Mapping[str, Any], text: str, source: str, joined: bool
+) -> dict[str, Any]:
+    """The data with the channels turned that seem to count the other way."""
+    data = _opened(text)
+    if not isinstance(data, Specimen):
+        raise DataError("a channel is turned of tests in time: these are sweeps at frequencies")
+    data = data.turned()
+    return _understood(data, ", ".join(data.sources), joined=joined)
+
+
 def dataset(told: Told, name: str) -> dict[str, Any]:
     """A registered data set, with conditions behind ``@``; never a file.
 
@@ -541,6 +552,7 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "begin": begin,
     "dataset": dataset,
     "again": again,
+    "turned": turned,
     "answer": answered,
     "first": first,
     "curve": curve,

@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 
 from springpot.hooks import hookimpl
 from springpot.measurement import DataSet, Measured, Suite
 
-NAME = "springpot-60"
+SUITES = {
+    "springpot-60": "60 problems of 2 to 14 parameters: sweeps, steps, records, joint tests and"
+    " populations; exact, noisy and measured",
+    "springpot-hard-20": "20 problems that a seed draws and of whose 64 descents none arrives",
+}
 
 
 @hookimpl
 def springpot_suites() -> Iterable[Suite]:
-    """One; nothing is read or computed before it is used."""
-    summary = (
-        "60 problems of 2 to 14 parameters: sweeps, steps, records, joint tests and populations;"
-        " exact, noisy and measured"
+    """Nothing of them is read or computed before it is used."""
+    return tuple(
+        Suite(name, summary, partial(_problems, name), partial(_measured, name))
+        for name, summary in SUITES.items()
     )
-    return (Suite(NAME, summary, _problems, _measured),)
 
 
-def _problems() -> tuple[DataSet, ...]:
+def _problems(name: str) -> tuple[DataSet, ...]:
     from .described import loaded
 
-    return loaded(NAME)
+    return loaded(name)
 
 
-def _measured() -> Mapping[str, Measured]:
+def _measured(name: str) -> Mapping[str, Measured]:
     from .described import measured
 
-    return measured(NAME)
+    return measured(name)

@@ -89,6 +89,7 @@ def _problem(
         model=told["model"],
         test=f"{' and '.join(_words(each) for each in tests)}; "
         + (f"noise of {100 * noise:g} %" if noise else "no noise"),
+        stiffness_scale=told.get("scale"),
         **common,
     )
 

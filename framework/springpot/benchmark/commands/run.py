@@ -50,6 +50,13 @@ if TYPE_CHECKING:
     metavar="NAME",
     help="Race this one beside an archive that is given for STUDY.py; may be repeated.",
 )
+@click.option(
+    "--problem",
+    "problems",
+    multiple=True,
+    metavar="NAME",
+    help="Of the archive, on this one alone; may be repeated.",
+)
 @click.option("--retry-failed", is_flag=True, help="Run trials that failed before once more.")
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @json_option
@@ -62,6 +69,7 @@ def command(
     out: Path,
     beside: Path | None,
     optimisers: tuple[str, ...],
+    problems: tuple[str, ...],
     retry_failed: bool,
     quiet: bool,
     as_json: bool,
@@ -79,16 +87,16 @@ def command(
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
     is_archive = study.suffix == ".zip"
-    if is_archive != bool(optimisers):
+    if is_archive != bool(optimisers) or (problems and not is_archive):
         raise click.UsageError(
-            "--optimiser goes with an archive (.zip), and an archive with it",
+            "--optimiser goes with an archive (.zip), an archive and --problem with it",
             click.get_current_context(),
         )
     # Optimisers of other makers print what they like.
     with own_stdout(quiet):
         declared: Study | Path = study
         if is_archive:
-            declared, beside = study_of(study, optimisers), study
+            declared, beside = study_of(study, optimisers, problems), study
         outcome = run_study(
             declared, workers, engine, budget, repeats, out, quiet, retry_failed, beside=beside
         )

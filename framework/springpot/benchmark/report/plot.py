@@ -242,7 +242,7 @@ def _sample(label: str, pen: Pen) -> Html:
 
 def _tick(value: float) -> str:
     """Short: 0.001 and 10000, but 1e-4 and 1e5."""
-    if value == 0 or 1e-3 <= value < 1e5:
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
         return f"{value:g}"
     return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
 

@@ -16,16 +16,19 @@ import numpy as np
 from springpot.diagnosis.ladder import Examined, Ladder
 from springpot.errors import SpringpotError
 from springpot.identification.fitted import FittedModel
+from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_up import turned_over
 from springpot.measurement.opening import Test, sweep_of
 from springpot.misfit.refit import Refit, refit
 from springpot.registry import of_each
 from springpot.rheology.model import Model
 from springpot.rheology.points import Points, Real
+from springpot.timetests.fitting import identify
 from springpot.timetests.residuals_of_tests import units_of
 
 from ..answers import reference_note
-from .in_time import DrawnTests
+from .in_time import DrawnTests, TimeScene
 from .scene import parameters_of, proposed_points, rounded
 
 
@@ -77,31 +80,40 @@ class Act:
         By which it is known, called, and told.
     preview : Preview
         The model as it would then be.
-    used : Measurement
-        The sweep that would then be used.
+    used : tuple of Measurement or TimeTest
+        The tests that would then be used.
     accept : tuple of str
         Effects that are accepted by it.
     exclude : tuple of int
         Rows that are left out by it, counted from 0 among those that were used.
+    turns : tuple of str
+        The tests of which a channel is turned by it.
     """
 
     name: str
     label: str
     says: str
     preview: Preview
-    used: Test
+    used: tuple[Test, ...]
     accept: tuple[str, ...] = ()
     exclude: tuple[int, ...] = ()
+    turns: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """What it is called, and what accepting it does."""
-        names = ("name", "label", "says", "accept", "exclude")
+        names = ("name", "label", "says", "accept", "exclude", "turns")
         return {name: getattr(self, name) for name in names}
+
+    def drawn_in(self, scene: DrawnTests) -> dict[str, Any]:
+        """The model as it would then be, over the data as they stand."""
+        if isinstance(scene, TimeScene):
+            scene = replace(scene, turned=self.turns)
+        return preview(scene, self.used, self.preview)
 
 
 def acted(case: Examined) -> Iterator[Act]:
-    """What can be done with the data of an answer, all of it found in sweeps."""
-    base, (used, *_) = case.base, case.tests
+    """What can be done with the data of an answer."""
+    base, tests = case.base, tuple(case.tests)
     for step in case.diagnosis.steps:
         if step.split:
             effect = of_each(step.split)
@@ -109,23 +121,44 @@ def acted(case: Examined) -> Iterator[Act]:
             grown = refit(base.model + effect, base.data, base.noise)
             one = Preview(effect.name, grown.model, grown.theta, True)
             label = f"split by {step.split}"
-            yield Act(effect.name, label, step.says, one, used, accept=(effect.name,))
+            yield Act(effect.name, label, step.says, one, tests, accept=(effect.name,))
+    turns = [step for step in case.diagnosis.steps if step.turns]
+    if turns:
+        names = tuple(step.turns for step in turns)
+        turned = tuple(turned_over(test) if test.name in names else test for test in tests)
+        said, one = " and ".join(names), _fitted_anew(base, turned)
+        yield Act(f"{said} turned", f"turn {said}", turns[0].says, one, turned, turns=names)
     # All at once, as the answer was found without all of them.
     rows = [row - 1 for step in case.diagnosis.steps for row in step.exclude]
     if rows:
-        what, stand = f"row {rows[0] + 1}", "stands"
-        if len(rows) > 1:
-            what, stand = f"rows {', '.join(str(row + 1) for row in rows)}", "stand"
-        stays = np.ones(len(used), dtype=bool)
-        stays[rows] = False
-        yield Act(
-            f"without {what}",
-            f"leave out {what}",
-            f"{what} {stand} out: without it every fit is that of the others",
-            Preview("", base.model, base.theta, True),
-            used.subset(stays),
-            exclude=tuple(rows),
-        )
+        yield _without(rows, base, tests)
+
+
+def _fitted_anew(base: FittedModel, tests: Sequence[Test]) -> Preview:
+    """The model fitted to tests that an answer was not found for; a sweep was searched without."""
+    if isinstance(base, Identification):
+        base = identify(tests, base.model)
+    return Preview("", base.model, base.theta, True)
+
+
+def _without(rows: Sequence[int], base: FittedModel, tests: tuple[Test, ...]) -> Act:
+    what, stand = f"row {rows[0] + 1}", "stands"
+    if len(rows) > 1:
+        stand = "stand"
+        what = f"rows {', '.join(str(row + 1) for row in rows)}"
+    if 2 < len(rows) == rows[-1] - rows[0] + 1:
+        what = f"rows {rows[0] + 1} to {rows[-1] + 1}"
+    stays = np.ones(len(tests[0]), dtype=bool)
+    stays[rows] = False
+    used = (tests[0].subset(stays), *tests[1:])
+    return Act(
+        f"without {what}",
+        f"leave out {what}",
+        f"{what} {stand} out: without it every fit is that of the others",
+        _fitted_anew(base, used),
+        used,
+        exclude=tuple(rows),
+    )
 
 
 DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
@@ -166,7 +199,7 @@ def drawn(ladder: Ladder, scene: DrawnTests) -> dict[str, Any]:
     (model, correlation), units = case.correlated, units_of(case.tests)
     # Once, for previews and rivals alike: each is a model with its parameters.
     grown, acts = list(grown_by_each(case)), list(acted(case))
-    acted_on = {act.name: preview(scene, [act.used], act.preview) for act in acts}
+    acted_on = {act.name: act.drawn_in(scene) for act in acts}
     return {
         **scene.whole(case.base),
         "discovery": ladder.to_dict(),

@@ -5,7 +5,7 @@ Which axes there are, and what stands on them, is told to the page as data.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -44,10 +44,13 @@ class TimeScene:
     fitted : sequence of TimeTest or Measurement, optional
         Those that models are fitted to, where some are left out: they tell the temperature to which
         parameters belong.
+    turned : collection of str, optional
+        The tests of which a channel counts the other way: what is computed stands there turned.
     """
 
     tests: Sequence[Test]
     fitted: Sequence[Test] = ()
+    turned: Collection[str] = ()
     seen = None
 
     @cached_property
@@ -144,8 +147,10 @@ class TimeScene:
         for part, rows, grid in zip(self.parts, self.rows, self.grids, strict=True):
             with np.errstate(all="ignore"):
                 every = np.arange(len(part.measured))
-                answer = part.answer(model, theta, self.reference, every).value
-                curves.append(_curve(part, model, theta, self.reference, grid, answer))
+                sign = -1.0 if part.test.name in self.turned else 1.0
+                answer = sign * part.answer(model, theta, self.reference, every).value
+                curve = _curve(part, model, theta, self.reference, grid, sign * answer)
+                curves.append([sign * each for each in curve])
             points.append(_both(answer, part, rows))
             missed.append(_both(part.measured - answer, part, rows))
             widths.append(_both(part.sd, part, rows)[0])

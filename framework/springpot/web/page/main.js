@@ -3,6 +3,7 @@
 import * as api from "./api.js";
 import { Asked } from "./asked.js";
 import { Chosen } from "./chosen.js";
+import { Pointed } from "./pointed.js";
 import { Compare } from "./compare.js";
 import { Data, choiceOf, listenForDrops, openDialog } from "./data.js";
 import { byId, download, enable, usable } from "./dom.js";
@@ -46,6 +47,7 @@ class App {
     this.hands = new Hands(this);
     this.asked = new Asked(this);
     this.chosen = new Chosen(this);
+    this.pointed = new Pointed(this);
     this.panels = [
       (this.hero = new Hero(byId("hero-body"), this)),
       new Data(byId("data-body"), this),
@@ -202,6 +204,12 @@ class App {
     }, onto);
   }
 
+  // The same data, a channel of which counts the other way: what was accepted and left out stays.
+  turn() {
+    const state = this.standing;
+    return this.read((how) => api.ask("turned", { state }, how), state.data);
+  }
+
   openSet(name) {
     return this.read((how) => api.upload(new Uint8Array(), { dataset: name }, how));
   }
@@ -309,7 +317,11 @@ class App {
       return;
     }
     const actions = [...this.answer.actions, ...(this.others?.actions || [])];
-    const { accept, exclude, model } = actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    const { accept, exclude, model, turns } = actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    if (turns?.length) {
+      this.turn();
+      return;
+    }
     if (model !== undefined) {
       this.step({ ...ofModel(this.standing, model), accepted: accept });
       return;
@@ -443,6 +455,7 @@ class App {
     this.compare.preview(effect);
     this.ladder.preview(effect);
     this.missing.show(effect);
+    this.pointed.at(effect);
     this.resting.bring();
   }
 

@@ -60,7 +60,7 @@ export class Hero {
     this.says.textContent = answer ? verdict(answer) : withoutAnswer(scene, refused);
     this.says.className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
     this.place.textContent = "";
-    const found = lawOf(answer, laws) || (diagnosis ? proposed(diagnosis) : null);
+    const found = turnOf(answer) || lawOf(answer, laws) || (diagnosis ? proposed(diagnosis) : null);
     this.effect = found?.effect || null;
     this.add.hidden = Boolean(this.app.fixed) || !found;
     if (!answer) return;
@@ -70,7 +70,7 @@ export class Hero {
     if (diagnosis.where.length) this.place.textContent = sentence(spotOf(diagnosis.where[0], answer.spots[0], scene));
     if (diagnosis.verdict === "effect-missing" && found?.parameters) this.place.textContent += ` ${explained(found)}`;
     this.place.title = this.place.textContent;
-    if (found) this.add.textContent = `Add ${found.effect.split(" =")[0]} → ${fallTo(found, diagnosis.error)}`;
+    if (found) this.add.textContent = `${found.label || `Add ${found.effect.split(" =")[0]}`} → ${fallTo(found, diagnosis.error)}`;
   }
 
   // In units of the noise floor, as this is what decides; the size in per cent below it.
@@ -80,6 +80,12 @@ export class Hero {
     put(this.big, h("span", { class: "big" }, told[0]), h("span", {}, told[1]),
       h("span", { class: "quiet" }, `${percent(error.relative_rms)} of ${error.test || of}`));
   }
+}
+
+// Of a channel that counts the other way every other answer is wrong.
+function turnOf(answer) {
+  const turn = answer?.actions.find(({ turns }) => turns?.length);
+  return turn ? { effect: turn.name, label: `Turn ${turn.turns.join(" and ")}`, error_after: answer.previews[turn.name].error } : null;
 }
 
 // A law that was found comes before effects that only help.

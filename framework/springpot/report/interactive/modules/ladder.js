@@ -52,7 +52,7 @@ export class Ladder {
       put(this.other, h("p", { class: "quiet" }, answer ? "" : "The error of each model against the noise floor is drawn here."));
       return;
     }
-    put(this.list, this.leftOut(), this.held(), this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
+    put(this.list, this.turned(), this.leftOut(), this.held(), this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
     put(this.other, beside ? this.besideList(beside) : null);
     this.draw(this.app.steps, beside);
     this.preview(this.app.hovered);
@@ -83,6 +83,12 @@ export class Ladder {
       i && !this.app.fixed ? h("button", { type: "button", id: `remove-${i}`, class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
         onclick: () => this.app.remove(i - 1) }, "×") : null,
       alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
+  }
+
+  // What was turned is no more told by the data themselves.
+  turned() {
+    const said = this.app.data?.source?.match(/[\w ]+=-[^,]+/);
+    return said ? h("li", { id: "turned", title: `opened as ${this.app.data.source}` }, `turned: ${said[0]}`) : null;
   }
 
   // What is fitted to fewer rows than were measured says so, before its first rung.

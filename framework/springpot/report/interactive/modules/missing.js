@@ -178,6 +178,12 @@ export class Missing {
     !(candidate.probability >= LEAST) ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
 
+  // What was only foretold has its own error and size now.
+  fitted(candidate) {
+    const option = document.getElementById(idOf(candidate.effect));
+    option?.replaceWith(this.option(candidate, this.app.answer.discovery.diagnosis.error.noise_floor));
+  }
+
   // What only shows beside the effect that leads is told so: by itself it lowers nothing.
   beside({ error_beside: error }) {
     return error == null ? ["", ""] : [" beside", `${this.app.answer.discovery.diagnosis.leading[0]} and `];
@@ -258,7 +264,7 @@ export class Missing {
       ...row("size", Object.entries(candidate.parameters).map(([name, value]) => {
         const [told, interval] = withInterval(value.value, value.low, value.high);
         return pretty(`${name} = ${told} ${interval} ${value.unit === "-" ? "" : value.unit}`);
-      }).join("; ") || "not fitted: it stands too far behind"),
+      }).join("; ") || pretty(candidate.shown || "not fitted: it stands too far behind")),
       ...(candidate.error_beside == null ? [] : row(`with ${this.beside(candidate)[1]}it`, this.fallTo(candidate.error_beside))),
       ...row("error", preview ? `${this.fallTo(preview.error)}${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
       ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
@@ -280,7 +286,7 @@ function othersOf({ answer, laws, others }) {
   if (!answer) return [];
   const known = new Set(answer.discovery.diagnosis.candidates.map((candidate) => candidate.effect));
   const acts = answer.actions.filter((action) => !known.has(action.name)).map((action) => ({
-    effect: action.name, label: action.label, says: action.says, shown: action.shown || action.accept[0] || "the error of the others",
+    effect: action.name, label: action.label, says: action.says, shown: action.shown || action.accept[0] || (action.turns?.length ? "the other way" : "the error of the others"),
     shelf: answer.discovery.verdict === "sought" ? SO_FAR : ON_DATA }));
   const found = (laws?.texts || []).map((text, i) => {
     const { says, parameters, probability } = laws.invention.laws[i];
