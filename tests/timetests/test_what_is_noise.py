@@ -11,7 +11,7 @@ from springpot.measurement import Loading, TimeTest, noise_of
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
-from springpot.timetests.colour import Imposed, powers_of
+from springpot.timetests.colour import Imposed, powers_of, with_the_motion
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Promise
 from springpot.timetests.residuals_of_tests import parts_of_specimen
@@ -76,6 +76,16 @@ def test_what_goes_with_the_motion_is_no_noise(height):
         left = missed - place * (missed @ place) / 200 + noise(seed + 50, 200, 0.5)
         found = scatter_of_record(left, np.zeros((0, 200)), motion, 200)
         assert found.misfit == (height > 0.0)
+
+
+@pytest.mark.parametrize("seed", [2, 19, 21, 27])
+def test_noise_that_is_larger_where_the_motion_is_quick_is_noise(seed):
+    rng = np.random.default_rng(seed)
+    moved = np.convolve(rng.normal(size=840), np.hanning(41), "valid")
+    quick = np.abs(np.gradient(moved))
+    left = rng.normal(size=800) * quick / quick.max()
+    spectrum = np.full(800, np.var(left))
+    assert with_the_motion(left, spectrum, powers_of(moved))[0] > 0.1
 
 
 def test_one_sample_far_off_is_no_jump():

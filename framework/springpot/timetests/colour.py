@@ -334,8 +334,14 @@ def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float
     every = np.column_stack([residual, powers])
     white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
     basis = np.linalg.qr(white[1:].T)[0]
-    n, count = basis.shape
-    explained = float(np.sum((basis.T @ white[0]) ** 2))
-    left = max(float(white[0] @ white[0]) - explained, SMALLEST)
+    n, p = basis.shape
+    along, size = basis.T @ white[0], np.sum(basis**2, axis=1)
+    # Noise may be larger where the specimen moves faster: each sample is believed to be as
+    # uncertain as it is itself off (White 1980, doi:10.2307/1912934; Satterthwaite 1946).
+    alone = (white[0] - basis @ along) ** 2 / np.maximum(1.0 - size, SMALLEST)
+    spread = (basis.T * alone) @ basis
+    whole = max(float(np.trace(spread)), SMALLEST)
+    count = whole**2 / max(float(np.sum(spread**2)), SMALLEST)
+    freedom = min(3.0 * whole**2 / max(float(np.sum((size * alone) ** 2)), SMALLEST), n - p)
     rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest
+    return float(fdtrc(count, freedom, float(along @ along) / whole)), rest
