@@ -16,6 +16,7 @@ from springpot.errors import DataError
 from springpot.identification.problem import relative_objective
 from springpot.measurement import Units
 from springpot.rheology.parameters import Dimension
+from springpot.thresholds import VERDICT
 from springpot.timetests import comparing
 
 
@@ -77,7 +78,7 @@ def test_another_objective_may_leave_a_larger_error(judged):
 
 
 def test_of_too_few_numbers_nothing_is_said(judged, monkeypatch):
-    few = SimpleNamespace(dof=comparing.FEWEST_ABOUT_MODEL - 1)
+    few = SimpleNamespace(dof=VERDICT.fewest_spare - 1)
     assert comparing.standing_of(fit(fit=few)) is None
 
     def refused(*given):

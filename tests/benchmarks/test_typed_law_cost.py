@@ -36,6 +36,7 @@ def seconds(data: springpot.Measurement, models: list[springpot.Model]) -> list[
     return [float(np.median(times)) for times in spent]
 
 
+@pytest.mark.suite_cases("inertia", "time-delay")
 @patient
 @pytest.mark.parametrize("name", PAIRS)
 def test_a_typed_law_costs_half_as_much_again_at_most(name: str):

@@ -241,6 +241,7 @@ def test_one_temperature_cannot_tell_what_temperature_would(effect, partner, bas
     assert [c for c in diagnosis.candidates if c.effect == effect and partner not in c.alike] == []
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("effect", ["inertia", soaked("specimen-inertia")])
 def test_fixture_and_specimen_inertia_are_one_class_while_waves_are_long(effect):
     one_class(

@@ -32,6 +32,7 @@ def questions():
 @pytest.mark.soak_cases(
     "artificial-fractional-zener-noise2-by-springpot",
     "fractional-zener-hides-time-delay",
+    "fractional-maxwell-hides-inertia",
     "any-material-hides-time-delay",
     "artificial-fractional-kelvin4-noise1-as-springpot",
     "sweep-hides-inertia-beside-a-relaxation",

@@ -68,6 +68,7 @@ def test_the_population_of_l_shade_shrinks_evenly_to_four(monkeypatch):
     assert (beaten <= np.round(2.6 * size)).all()
 
 
+@pytest.mark.soak
 def test_l_shade_finds_the_lowest_of_many_minima_in_most_runs():
     """As that of minionpy does: 20 of 20 in six parameters, by 11,280 evaluations (median)."""
     done = [run(lshade.LShade(), Rastrigin(s), 6000, generator(s), target=1e-6) for s in range(5)]

@@ -98,7 +98,6 @@ def test_an_activated_material_is_told_as_such():
     assert first.high[0] - first.low[0] < 6.0
 
 
-@pytest.mark.soak
 def test_sweeps_that_do_not_overlap_are_named():
     """Half a decade each, three decades apart.
 

@@ -35,6 +35,7 @@ def test_a_light_mass_is_what_is_missing(creep):
     assert found.candidates[0].over_floor < 1.05
 
 
+@pytest.mark.soak
 def test_beside_any_material_no_line_of_its_spectrum_is_off(creep):
     fit = identify(creep, parse_model("material + inertia"))
     assert fit.theta[-1] == pytest.approx(MASS, rel=0.01)

@@ -106,6 +106,7 @@ def test_a_drift_is_found_though_the_material_alone_takes_it_for_slow_modes(drif
     assert fit.parameters["force-drift.rate"].value == pytest.approx(0.2, rel=0.05)
 
 
+@pytest.mark.soak
 def test_a_comparison_in_time_is_loaded_again(drifting, loaded):
     comparison = compare([drifting], [MODEL, "fractional-maxwell + force-drift"])
     again = loaded(comparison)

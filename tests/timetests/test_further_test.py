@@ -57,6 +57,7 @@ def test_once_it_is_measured_the_question_is_closed(open_question) -> None:
     assert before["thermal-transient"] < 10.0 * before["thermal-force"]
 
 
+@pytest.mark.soak
 def test_nothing_is_asked_where_nothing_is_missing() -> None:
     exact = MODEL.relaxation(THETA, TIME)
     noise = 0.5 * np.random.default_rng(8).normal(size=len(TIME))

@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import springpot
+from remembered import remember
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement import Measurement
@@ -62,7 +63,10 @@ def state(data: Measurement) -> State:
 
 @pytest.fixture(scope="module")
 def ladder(state: State, data: Measurement) -> Ladder:
-    return ladder_of(state, data)
+    with pytest.MonkeyPatch.context() as patch:
+        # The README asks for the same.
+        remember(patch)
+        return ladder_of(state, data)
 
 
 @pytest.fixture(scope="module")

@@ -229,9 +229,11 @@ def spread_of(measurement: Measurement, condition: str) -> Spread | None:
     if condition == "amplitude":
         values = np.log(np.maximum(np.abs(column), np.finfo(float).tiny))
     whole = float(np.std(values))
+    own = 0.0
     # What frequency and temperature explain was not varied by anyone: an effect of it cannot be
     # told from theirs.
-    own = min(whole, _unexplained(measurement, condition, values))
+    if np.ptp(values) > 0.0:
+        own = min(whole, _unexplained(measurement, condition, values))
     return Spread(2.0 * whole, 2.0 * own, WANDER[condition], CHOSEN[condition])
 
 

@@ -61,8 +61,6 @@ DIFFERENCES = (2, 3, 4, 5)
 Of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
 order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points.
 """
-FEWEST_ABOUT_MODEL = 4
-"""Degrees of freedom from which the scatter about a model says how large the noise is."""
 LEAST_SPARE = 0.4
 """Share of the numbers that a model leaves over before its scatter says anything.
 
@@ -345,7 +343,9 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     frame = best.frame()
     # Without slow curves: where conditions differ from point to point there are none.
     dof = frame.size - int(frame.absorbed.shape[1])
-    if base.noise.source != "estimated" or dof < max(FEWEST_ABOUT_MODEL, LEAST_SPARE * frame.size):
+    if base.noise.source != "estimated" or dof < max(
+        VERDICT.fewest_spare, LEAST_SPARE * frame.size
+    ):
         return None
     everything = np.ones(frame.size, dtype=bool)
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))

@@ -20,7 +20,6 @@ from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
 from springpot.misfit.error import times
-from springpot.misfit.floor import FEWEST_ABOUT_MODEL
 from springpot.misfit.material import effects_of, lowest_error, material_floors
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
@@ -199,7 +198,7 @@ def standing_of(identified: Identification, promised: Accuracy | None = None) ->
 
 def _of_sweep(identified: Identification) -> Standing | None:
     """The same of sweeps alone."""
-    if identified.fit.dof < FEWEST_ABOUT_MODEL:
+    if identified.fit.dof < VERDICT.fewest_spare:
         return None
     try:
         # With the seed of the fit: asked twice, its standing is the same.
