@@ -5,9 +5,9 @@ import pytest
 
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.rounding import digit_of, roundings
 from springpot.registry import plugins
 from springpot.timetests import diagnose
-from springpot.timetests.scatter import digit_of, roundings
 
 TIME = 0.005 * np.arange(800)
 STROKE = 2.0 * np.sin(3.0 * np.pi * TIME)

@@ -60,6 +60,16 @@ def test_a_step_that_is_held_cannot_show_one():
     assert at_tests(effect, [dampers(1.0)]) == [effect]
 
 
+def test_a_blow_that_is_over_shows_one():
+    """When the specimen is back the constant is still there, and a spring's force is not."""
+    moved = 9.0 * np.sin(np.pi * np.minimum(2.0 * TIME[:200], 1.0)) ** 2
+    for control, other in (("displacement", "force"), ("force", "displacement")):
+        test = TimeTest.of_history(TIME[:200], moved, moved, "mm", "N", control=control)
+        assert test.kind == "recovery"
+        (effect,) = tried(f"{other}-offset")
+        assert at_tests(effect, [test]) == [effect]
+
+
 @pytest.mark.soak
 def test_of_a_force_that_was_imposed_the_displacement_has_it():
     """A spring and a dashpot side by side that swing about a place that is not zero."""

@@ -6,6 +6,7 @@ from scipy import stats
 from scipy.linalg import toeplitz
 
 from springpot.memory import spectrum_of
+from springpot.timetests.colour import of_a_ripple
 from springpot.timetests.disturbances import periodogram
 from springpot.timetests.scatter import (
     FEWEST,
@@ -19,7 +20,6 @@ from springpot.timetests.scatter import (
     _fitted,
     _jumps,
     _log_likelihood,
-    _of_a_ripple,
     _scattered,
     likeliest_jump,
     powers,
@@ -154,10 +154,12 @@ def test_a_ripple_or_twice_the_noise_is_told(rng):
     n = 30
     ripple = 2.0 * np.cos(2.0 * np.pi * 6.0 * np.arange(n) / n)
     both = np.concatenate([ripple, ripple])
-    assert _of_a_ripple((rng.normal(size=2 * n) + both).reshape(2, -1)) < 1e-3
-    assert _of_a_ripple(np.zeros((2, n))) == 1.0
-    assert _of_a_ripple(both.reshape(2, -1)[:, :11]) == 1.0
-    chances = [_of_a_ripple(rng.normal(size=(2, n))) for _ in range(500)]
+    chance, omega = of_a_ripple((rng.normal(size=2 * n) + both).reshape(2, -1))
+    assert chance < 1e-3
+    assert omega == pytest.approx(2.0 * np.pi * 6.0 / n, abs=0.5 * np.pi / n)
+    assert of_a_ripple(np.zeros((2, n)))[0] == 1.0
+    assert of_a_ripple(both.reshape(2, -1)[:, :11])[0] == 1.0
+    chances = [of_a_ripple(rng.normal(size=(2, n)))[0] for _ in range(500)]
     assert np.mean(np.array(chances) < 0.2) < 0.25
     assert scatter_of_sweep(2.0 * rng.normal(size=60), True).local < LOCAL
     assert scatter_of_sweep(2.0 * rng.normal(size=60), False).local >= LOCAL

@@ -11,10 +11,16 @@ from springpot.measurement import Loading, TimeTest, noise_of
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
+from springpot.timetests.colour import Imposed, powers_of
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Promise
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scatter import ResidualScatter, scatter_of, scatter_of_sweep
+from springpot.timetests.scatter import (
+    ResidualScatter,
+    scatter_of,
+    scatter_of_record,
+    scatter_of_sweep,
+)
 from springpot.timetests.score import TimeScan, _different
 
 TIME = np.geomspace(0.01, 100.0, 120)
@@ -37,6 +43,39 @@ def test_the_corners_that_a_smooth_effect_leaves_of_a_jump_are_misfit(seed):
 @pytest.mark.parametrize("memory", [0.0, 0.3, 0.6])
 def test_noise_with_a_memory_has_no_jump(memory):
     assert not any(scatter_of(noise(seed, memory=memory)).misfit for seed in range(40))
+
+
+def beside_hum(seed, size, height, memory=0.0):
+    hum = height * np.sin(1.43 * np.arange(size) + 1.0)
+    motion = Imposed((0, 0), False, np.zeros((size, 0)))
+    return scatter_of_record(noise(seed, size, memory) + hum, np.zeros((0, size)), motion, size)
+
+
+@pytest.mark.parametrize(("size", "memory"), [(25, 0.0), (60, 0.5), (400, 0.0), (400, 0.5)])
+def test_a_hum_is_no_noise(size, memory):
+    """Read as noise it hides whatever an effect does beside it."""
+    found = [beside_hum(seed, size, 30.0, memory) for seed in range(6)]
+    assert all(each.misfit for each in found)
+    assert np.median([each.size for each in found]) == pytest.approx(1.0, abs=0.25)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5])
+def test_a_faint_hum_and_none_are_noise(memory):
+    assert not any(beside_hum(seed, 400, 0.2, memory).misfit for seed in range(8))
+    assert not any(beside_hum(seed, size, 0.0).misfit for seed in range(8) for size in (25, 60))
+
+
+@pytest.mark.parametrize("height", [0.0, 3.0])
+def test_what_goes_with_the_motion_is_no_noise(height):
+    """Of a random motion a stop is missed as quickly as noise with a memory varies."""
+    for seed in range(8):
+        moved = lfilter([1.0], [1.0, -1.5, 0.85], noise(seed, 200))
+        place = moved / moved.std()
+        missed = height * np.sign(place) * np.maximum(np.abs(place) - 0.7, 0.0)
+        motion = Imposed((0, 0), False, powers_of(moved))
+        left = missed - place * (missed @ place) / 200 + noise(seed + 50, 200, 0.5)
+        found = scatter_of_record(left, np.zeros((0, 200)), motion, 200)
+        assert found.misfit == (height > 0.0)
 
 
 def test_one_sample_far_off_is_no_jump():

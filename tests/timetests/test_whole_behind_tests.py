@@ -25,7 +25,7 @@ from test_whole_timetests import (
     swept,
 )
 
-from springpot.measurement import Loading, TimeTest
+from springpot.measurement import Loading, TimeTest, rounding
 from springpot.measurement.imposed import imposed_noise
 from springpot.registry import plugins
 from springpot.timetests import (
@@ -90,7 +90,7 @@ def test_a_test_as_numbers(name, stays):
         found |= {
             "against": runs_against(test),
             "apparent": part.apparent and [part.apparent.omega, part.apparent.stiffness],
-            "digit": scatter.digit_of(test.response),
+            "digit": rounding.digit_of(test.response),
             "imposed": len(test.loading.value) > 9 and imposed_noise(test.loading.value),
         }
         scales = Scales.of([part])
@@ -196,7 +196,7 @@ def test_scatter_of_a_residual(name, stays):
             ],
             "size": [scatter.times_noise(residual, 1.0), where.rms(residual)],
             "power": scatter.powers(residual),
-            "rounded": scatter.digit_of(np.round(residual, 2)),
+            "rounded": rounding.digit_of(np.round(residual, 2)),
         },
         within=1e-3,
     )

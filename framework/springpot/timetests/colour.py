@@ -13,9 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from springpot.measurement.rounding import digit_of, is_even
+from springpot.measurement.steady_start import cycles_of
+from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
+from springpot.measurement.timetest import TimeTest
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH
 
@@ -245,3 +251,91 @@ def repeated(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
     # One of them may stand out, or all may a little.
     chances = count * np.exp(logs.min()), gammaincc(count, -np.sum(logs))
     return float(min(2.0 * min(chances), 1.0)), rest
+
+
+def of_a_ripple(rows: Real, sought: NDArray[np.bool_] | None = None) -> tuple[float, float]:
+    """Chance that of white noise (r, n) one period holds so large a share, and its frequency.
+
+    In radians a sample. Of the largest of m ordinates, each a sum over the rows (Fisher 1929,
+    doi:10.1098/rspa.1929.0151, by Bonferroni's inequality); between two whole periods a ripple
+    falls into both. Where not all (n - 1,) are sought, the others count as noise.
+    """
+    from scipy.special import betainc
+
+    count, n = rows.shape
+    whole = n * float(np.sum(rows**2))
+    if n < FEWEST_OF_SCATTER or whole == 0.0:
+        return 1.0, 0.0
+    power = np.sum(np.abs(np.fft.rfft(rows, 2 * n, axis=1)[:, 1:-1]) ** 2, axis=0)
+    sought = np.ones(n - 1, dtype=bool) if sought is None else sought
+    top = int(np.argmax(np.where(sought, power, -1.0)))
+    share = min(2.0 * float(power[top]) / whole, 1.0)
+    # Each ordinate has 2 r of the r n degrees of freedom: a beta variable of r and r (n/2 - 1).
+    chance = np.count_nonzero(sought) * betainc(count * (0.5 * n - 1.0), float(count), 1.0 - share)
+    return float(min(1.0, chance)), np.pi * (top + 1) / n
+
+
+class Imposed(NamedTuple):
+    """What a channel that was imposed may leave its traces by in the noise of the other.
+
+    Attributes
+    ----------
+    period : tuple of int
+        Of the motion; see `repeated`. None of an uneven one.
+    coarse : bool
+        Whether it has few values: what a model makes of their rounding has lines.
+    powers : ndarray, shape (n, p)
+        Of its place and speed, of an uneven one.
+    """
+
+    period: tuple[int, int]
+    coarse: bool
+    powers: Real
+
+    @classmethod
+    def of(cls, test: TimeTest) -> Imposed:
+        """What was imposed in a test."""
+        value, count = test.loading.recorded.value, len(test.time)
+        powers = np.zeros((count, 0))
+        if test.kind == "history" and FEWEST <= len(value) == count and is_even(test.time):
+            powers = powers_of(value)
+        return cls(cycles_of(test.loading, count), digit_of(value) > 0.0, powers)
+
+
+def powers_of(value: Real) -> Real:
+    """Products (n, 9) of place and speed of a motion (n,), up to the third degree.
+
+    By samples a little apart: of its noise a model has answered to the nearest ones, too.
+    """
+    around = np.pad(value, ORDER, mode="edge")
+    speed = around[2 * ORDER :] - around[: -2 * ORDER]
+    place, speed = (each / max(float(np.abs(each).max()), SMALLEST) for each in (value, speed))
+    degrees = [(i, j) for i in range(4) for j in range(4 - i) if i + j]
+    return np.stack([place**i * speed**j for i, j in degrees], axis=1)
+
+
+def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float, Real]:
+    """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
+
+    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
+    speed is known by them where it varies as quickly as noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    spectrum : ndarray, shape (n,)
+        Variance of each number of the noise's cosine transform.
+    powers : ndarray, shape (n, p)
+        Of place and speed; see `powers_of`.
+    """
+    from scipy.special import fdtrc
+
+    every = np.column_stack([residual, powers])
+    white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
+    basis = np.linalg.qr(white[1:].T)[0]
+    n, count = basis.shape
+    explained = float(np.sum((basis.T @ white[0]) ** 2))
+    left = max(float(white[0] @ white[0]) - explained, SMALLEST)
+    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
+    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest

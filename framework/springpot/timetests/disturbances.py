@@ -25,7 +25,7 @@ from ..numerics import SMALLEST, rms
 from .colour import UPPER
 from .left import Left, delta_bic
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import TAILS, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
+from .scatter import TAILS, WIDE, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped
 
 TAPER = 0.1
@@ -36,10 +36,6 @@ AROUND = 20
 """Ordinates on either side with which one is compared."""
 RARE = 1e-6
 """Chance of noise alone below which the largest ordinate is a line."""
-WIDE = 3
-"""Ordinates on either side over which a line that falls between two of them is spread."""
-
-
 SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""
 BESIDE = 3

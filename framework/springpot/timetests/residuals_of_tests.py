@@ -21,7 +21,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.steady_start import cycles_of
+from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
@@ -32,11 +32,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from .colour import Imposed
 from .recording import recorded, spread
 from .scatter import (
     FEWEST,
     ResidualScatter,
-    roundings,
     scatter_of,
     scatter_of_record,
     scatter_of_sweep,
@@ -395,8 +395,12 @@ class InTimePart(TestPart):
 
     def scatter(self, residual: Real) -> ResidualScatter:
         """From the spectrum of the residual."""
-        period = cycles_of(self.test.loading, len(residual))
-        return scatter_of_record(residual, self.rounded(residual), period, self.worth)
+        return scatter_of_record(residual, self.rounded(residual), self.imposed, self.worth)
+
+    @cached_property
+    def imposed(self) -> Imposed:
+        """What of the loading may leave its traces in the noise."""
+        return Imposed.of(self.test)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""

@@ -25,7 +25,18 @@ from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
-from .colour import SLOWEST, UPPER, Colour, colour_of, frequencies, repeated, transformed
+from .colour import (
+    SLOWEST,
+    UPPER,
+    Colour,
+    Imposed,
+    colour_of,
+    frequencies,
+    of_a_ripple,
+    repeated,
+    transformed,
+    with_the_motion,
+)
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -54,6 +65,8 @@ to the usual ones from which it is."""
 TAILS = 3.0
 """Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
 that is further off is an outlier."""
+WIDE = 3
+"""Ordinates on either side over which a line that falls between two of them is spread."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 LEVEL = 4
@@ -200,7 +213,7 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
 
 
 def scatter_of_record(
-    residual: Real, rounded: Real, period: tuple[int, int], worth: float
+    residual: Real, rounded: Real, imposed: Imposed, worth: float
 ) -> ResidualScatter:
     """The same of a record: noise does not go with the motion, as rounding does.
 
@@ -210,8 +223,8 @@ def scatter_of_record(
         Over the presumed noise.
     rounded : ndarray, shape (z, n)
         Errors of rounding, of a channel with few values.
-    period : tuple of int
-        Of the motion; see `repeated`. None of an uneven one.
+    imposed : Imposed
+        The motion.
     worth : float
         Independent numbers that tell the presumed noise.
     """
@@ -223,11 +236,15 @@ def scatter_of_record(
         lines = float(np.mean([scatter_of(row).excess for row in rounded]))
         return scatter_of(residual, share**2 * max(lines, 0.0), worth)
     found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
-    if power > 0.0 and period[1]:
-        chance, rest = repeated(residual, period)
+    if not (imposed.coarse or found.misfit):
+        found = _beside_lines(residual, found, imposed.period, worth)
+    if power > 0.0 and imposed.period[1]:
+        chance, rest = repeated(residual, imposed.period)
+    elif imposed.powers.size and power > 0.0 and not found.misfit:
+        chance, rest = with_the_motion(residual, found.spectrum(len(residual)), imposed.powers)
     if chance >= found.chance:
         return found
-    # What repeats is no noise: that is what does not.
+    # What goes with the motion is no noise: that is what does not.
     if chance < LOCAL:
         found = scatter_of(rest, worth=worth)
     return replace(found, local=chance)
@@ -309,7 +326,7 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     smooth = float(ndtr(-alike * np.sqrt(count)))
     # Three chances to be missed, of which the worst one is told.
     local = min(
-        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, _of_a_ripple(halves))
+        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, of_a_ripple(halves)[0])
     )
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
@@ -317,22 +334,40 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
 
 
-def _of_a_ripple(halves: Real) -> float:
-    """Chance that of white noise one period holds so large a share of K' and K'' (2, n) together.
+def _beside_lines(
+    residual: Real, noise: ResidualScatter, period: tuple[int, int], worth: float
+) -> ResidualScatter:
+    """The noise without lines that go with no motion, as of a hum: they are none.
 
-    Of the largest of m ordinates, each a sum over both (Fisher 1929, doi:10.1098/rspa.1929.0151,
-    by Bonferroni's inequality); between two whole periods a ripple falls into both.
+    Sought where no misfit of a model reaches, and between the harmonics of a motion.
     """
-    from scipy.special import betainc
-
-    n = halves.shape[1]
-    power = np.abs(np.fft.rfft(halves, 2 * n, axis=1)[:, 1:-1]) ** 2
-    whole = n * float(np.sum(halves**2))
-    if n < FEWEST_OF_SCATTER or whole == 0.0:
-        return 1.0
-    share = min(2.0 * float(power.sum(axis=0).max()) / whole, 1.0)
-    # Each ordinate has four of the 2 n degrees of freedom: a beta variable of 2 and n - 2.
-    return float(min(1.0, power.shape[1] * betainc(n - 2.0, 2.0, 1.0 - share)))
+    n = len(residual)
+    rest, first, size = residual, 1.0, np.sqrt(noise.spectrum(n))
+    omega = np.pi * np.arange(1, n) / n
+    sought = omega > np.pi * min(UPPER, SLOWEST / n)
+    if period[1]:
+        motion = 2.0 * np.pi * period[0] / period[1]
+        sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
+    for _ in range(PARTS):
+        white = transformed(transformed(rest) / size, back=True)
+        chance, line = of_a_ripple(white[None], sought)
+        if chance >= LOCAL:
+            break
+        first = min(first, chance)
+        # It lies between two of these frequencies.
+        near = line + np.pi / n * np.linspace(-1.0, 1.0, 2 * PARTS + 1)
+        waves = np.exp(1j * np.multiply.outer(near, np.arange(n)))
+        turn = waves[int(np.argmax(np.abs(waves @ white)))]
+        basis = np.linalg.qr(np.column_stack([turn.real, turn.imag]))[0]
+        rest = rest - basis @ (basis.T @ rest)
+    if first >= LOCAL:
+        return noise
+    own = scatter_of(rest, worth=worth)
+    if n < FEWEST:
+        # What the signal tells of its noise holds the line.
+        return replace(own, size=min(times_noise(rest, 1.0), 1.0), local=min(own.local, first))
+    # A faint line makes the error no larger than chance may.
+    return replace(own, local=min(own.local, own.chance_of(residual, own)))
 
 
 def times_noise(residual: Real, size: float) -> float:
@@ -659,44 +694,3 @@ def _chance(ratio: float, above: float, below: float) -> float:
     if np.isinf(below):
         return float(chdtrc(above, above * ratio))
     return float(fdtrc(above, max(below, 1.0), ratio))
-
-
-MOST_LEVELS = 0.25
-"""Share of the samples up to which their values are few: a channel of coarse digits."""
-FEWEST_LEVELS = 3
-"""Values of a channel at least from which its digit can be told."""
-ZEROS = 8
-"""Places of the zero between two digits that are tried: nobody knows where it lies."""
-
-
-def digit_of(values: Real) -> float:
-    """The step between neighbouring values of a channel; 0 where it has more than a few.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        The channel, sample by sample.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.timetests.scatter import digit_of
-    >>> digit_of(np.round(np.sin(np.arange(100.0)) / 0.25) * 0.25)
-    0.25
-    """
-    levels = np.unique(values)
-    if not FEWEST_LEVELS <= len(levels) <= MOST_LEVELS * len(values):
-        return 0.0
-    return float(np.median(np.diff(levels)))
-
-
-def roundings(exact: Real, written: Real) -> Real:
-    """Errors (ZEROS, n) of exact values (n,) that are written to the digit of others.
-
-    One row for each place of the zero between two digits; no row where there is no digit.
-    """
-    digit = digit_of(written)
-    if digit == 0.0:
-        return np.zeros((0, len(exact)))
-    moved = exact + digit * ((np.arange(ZEROS) + 0.5) / ZEROS - 0.5)[:, None]
-    return np.asarray(digit * np.round(moved / digit) - moved, dtype=float)

@@ -123,7 +123,8 @@ def _beside_a_spring(test: TimeTest) -> bool:
     other test tells the spring.
     """
     if test.kind not in ("relaxation", "creep"):
-        return test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
+        came_back = test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
+        return came_back or test.kind == "recovery"
     size = np.abs(test.loading.value)
     below = np.count_nonzero(size < NEAR_TOP * size.max())
     return test.loading.sampled and bool(below >= SEVERAL)
