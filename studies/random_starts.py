@@ -2,6 +2,10 @@
 
     python studies/random_starts.py [--shared FOLDER] [--out results/random_starts]
 
+Question: do 64 random starts find what one identification misses, and what do they cost? Measure:
+the error of each fit in pyRheo's own measure, and its processor time. What would answer it: a fit
+by random starts that is better by more than a thousandth.
+
 pyRheo (Miranda-Valdez et al. 2025, DOI 10.1039/D5DD00021A) fits an oscillation by SciPy's Powell or
 Nelder-Mead method from 64 random starts. It minimises the sum of squares of the relative
 differences of G' and of G'', each by itself, here the objective `relative-each`. Its starts are
@@ -23,6 +27,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 import springpot
+from paper.asking import asking
 from springpot.benchmark import Table, save_table
 from springpot.errors import SpringpotError
 from springpot.report.tables import Entry
@@ -167,7 +172,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = [row for title, data in opened(options.shared) for row in compared(data, title)]
     options.out.mkdir(parents=True, exist_ok=True)
-    save_table(table(rows), options.out, "random_starts")
+    save_table(asking(__doc__, table(rows)), options.out, "random_starts")
 
 
 if __name__ == "__main__":

@@ -32,12 +32,12 @@ def ranked(*means):
     return SimpleNamespace(labels=("a", "b", "c"), means=np.array(means, dtype=float))
 
 
-def test_who_overtakes_whom_is_said_at_the_budget_where_it_happens(monkeypatch):
+def test_who_overtakes_whom_is_said_at_the_budget_where_it_happens():
     import suite_budgets
 
-    monkeypatch.setattr(suite_budgets, "BUDGETS", (50, 200, 1000))
-    ranks = {50: ranked(1, 2, 3), 200: ranked(2, 1, 3), 1000: ranked(2, 1, 1)}
-    found = [each[:4] for each in suite_budgets.overtaken(ranks)]
+    early, then, late = ranked(1, 2, 3), ranked(2, 1, 3), ranked(2, 1, 1)
+    steps = [(50, 200, early, then), (200, 1000, then, late)]
+    found = [each[:4] for each in suite_budgets.overtaken(steps)]
     # Level with another is not ahead of it.
     assert found == [(50, 200, "b", "a"), (200, 1000, "c", "a")]
 
@@ -168,6 +168,7 @@ def test_names_of_problems_and_the_map_lead_to_their_pages():
         ("suite_tuned", "suite_tuned/tuned"),
         ("expensive", "expensive/expensive"),
         ("bias", "bias/bias"),
+        ("random_starts", "random_starts/random_starts"),
     ],
 )
 def test_a_table_says_first_what_its_script_asks(script, table):

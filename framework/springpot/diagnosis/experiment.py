@@ -38,7 +38,7 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
 from springpot.writing import NAMED
 
-from ..numerics import ALIKE, SMALLEST
+from ..numerics import ALIKE, PRINTED, SMALLEST
 from .grown import COLUMN, Untold
 from .result import NextExperiment
 
@@ -143,13 +143,14 @@ class Contest(ABC):
             return slopes
 
         # Parameters differ in size by many decades, and their columns carry the units: scaled by
-        # the columns.
+        # the columns. What changes no digit that is printed is not gone after.
         nearest = least_squares(
             residual,
             inside,
             jacobian,
             (limits[:, 0], limits[:, 1]),
             x_scale="jac",
+            ftol=PRINTED,
             max_nfev=EVALUATIONS,
         )
         return float(np.sqrt(2.0 * nearest.cost))
