@@ -25,7 +25,7 @@ from springpot.measurement.timetest import TimeTest
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH
 
-from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST
+from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST, non_negative
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -334,14 +334,16 @@ def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float
     every = np.column_stack([residual, powers])
     white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
     basis = np.linalg.qr(white[1:].T)[0]
-    n, p = basis.shape
-    along, size = basis.T @ white[0], np.sum(basis**2, axis=1)
-    # Noise may be larger where the specimen moves faster: each sample is believed to be as
-    # uncertain as it is itself off (White 1980, doi:10.2307/1912934; Satterthwaite 1946).
-    alone = (white[0] - basis @ along) ** 2 / np.maximum(1.0 - size, SMALLEST)
-    spread = (basis.T * alone) @ basis
-    whole = max(float(np.trace(spread)), SMALLEST)
-    count = whole**2 / max(float(np.sum(spread**2)), SMALLEST)
-    freedom = min(3.0 * whole**2 / max(float(np.sum((size * alone) ** 2)), SMALLEST), n - p)
+    left = white[0] - basis @ (basis.T @ white[0])
+    # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
+    # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
+    # doi:10.2307/1911963). Nowhere so small that a few samples tell all.
+    squares = np.column_stack([np.ones(len(left)), powers**2])
+    variance = squares @ non_negative(squares, left**2)[0]
+    uneven = np.sqrt(np.maximum(variance / np.mean(variance), 0.25))
+    basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
+    n, count = basis.shape
+    explained = float(np.sum((basis.T @ value) ** 2))
+    left = max(float(value @ value) - explained, SMALLEST)
     rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(fdtrc(count, freedom, float(along @ along) / whole)), rest
+    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest
