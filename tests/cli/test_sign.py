@@ -37,6 +37,8 @@ def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_wa
         "wrong sign"
         in json.loads(springpot("diagnose", path, "--model", "kelvin", "--json").out)["notes"][0]
     )
+    climbed = springpot("discover", path, "--model", "kelvin", "--auto")
+    assert climbed.out.splitlines()[-1] == f"next: springpot {shlex.join(command)}"
     turned = springpot(*command)
     assert turned.code == 0
     assert "wrong sign" not in turned.err

@@ -154,7 +154,7 @@ def _next_command(
     """The command that goes on from an answer; empty where only a measurement does."""
     judged = with_model(model)
     # Before all else: of a force that counts the other way every other answer is wrong.
-    if list(right_way) != list(named):
+    if diagnosis.turns and list(right_way) != list(named):
         return suggested("diagnose", *right_way, *judged)
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     # One of several specimens has no level of its own.

@@ -436,9 +436,14 @@ class Diagnosis:
             return self.candidates[0]
         return None
 
+    @property
+    def turns(self) -> list[ToDo]:
+        """The steps that turn a channel, before which nothing else holds."""
+        return [step for step in self.steps if step.says == TURN]
+
     def behind_a_sign(self) -> Diagnosis:
         """The same, which says first that a channel is to be turned, where one is."""
-        turns = [step for step in self.steps if step.says == TURN]
+        turns = self.turns
         if self.verdict == "adequate" or not turns:
             return self
         first = "the force seems to count the other way: until it is turned nothing else holds"
