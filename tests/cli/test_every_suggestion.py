@@ -123,6 +123,7 @@ ANSWER = SimpleNamespace(
     verdict="adequate",
     leading=("inertia",),
     best=SimpleNamespace(effect="inertia", model=parse_model("kelvin"), fails=True, unclear=False),
+    turns=[],
 )
 
 
@@ -151,7 +152,7 @@ def after_discovery(_):
     for change in ({}, {"one_test": "temperature=20"}, {"leading": (), "best": None}):
         diagnosis = SimpleNamespace(**{**vars(ANSWER), **change})
         called("cli/discover.py:_next")(
-            SimpleNamespace(**ladder, diagnosis=diagnosis), ["warm.csv"], "kelvin"
+            SimpleNamespace(**ladder, diagnosis=diagnosis), ["warm.csv"], "kelvin", []
         )
 
 

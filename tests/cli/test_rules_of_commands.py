@@ -82,16 +82,17 @@ def test_an_answer_is_written_at_once():
 
 
 @pytest.mark.parametrize(
-    ("named", "right_way", "line"),
+    ("named", "right_way", "turns", "line"),
     [
-        (["a"], ["a"], "springpot compare a"),
-        (["a", "b"], ["a", "b"], ""),
-        (["a", "b"], ["a", "b?force=-N"], "springpot diagnose a 'b?force=-N'"),
+        (["a"], ["a"], False, "springpot compare a"),
+        (["a", "b"], ["a", "b"], False, ""),
+        (["a", "b"], ["a", "b?force=-N"], True, "springpot diagnose a 'b?force=-N'"),
+        (["a"], ["a?force=-N"], False, "springpot compare a"),
     ],
 )
-def test_where_any_material_is_adequate_models_are_compared(named, right_way, line):
+def test_where_any_material_is_adequate_models_are_compared(named, right_way, turns, line):
     """Of any kind of test; a ranking is of one file."""
-    answer = SimpleNamespace(one_test="", offered="", verdict="adequate")
+    answer = SimpleNamespace(one_test="", offered="", verdict="adequate", turns=turns)
     assert diagnose._next_command(answer, named, None, right_way) == line
 
 

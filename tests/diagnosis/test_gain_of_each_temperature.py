@@ -51,5 +51,5 @@ def test_no_law_explains_it_and_a_factor_at_each_takes_it_to_the_noise(found):
 
 @pytest.mark.soak
 def test_the_next_command_accepts_it(found):
-    command = _next_command(found, "steps.csv", MODEL)
-    assert command == f"discover steps.csv --model '{MODEL}' --accept free-vertical-shift"
+    command = _next_command(found, ["steps.csv"], MODEL, ["steps.csv"])
+    assert command == f"springpot discover steps.csv --model '{MODEL}' --accept free-vertical-shift"

@@ -157,8 +157,7 @@ def command(
     # A program that reads the JSON reads nothing else.
     if not as_json:
         _tell_written(figure, report)
-        right_way = timetests.turned_data(tests, data)
-        print(f"\nnext: {_next(ladder, data, model, right_way)}")
+        print(f"\nnext: {_next(ladder, data, model, tests)}")
     return code
 
 
@@ -253,14 +252,15 @@ def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
         raise click.UsageError(words, click.get_current_context())
 
 
-def _next(ladder: Ladder, data: Sequence[str], model: str | None, right_way: Sequence[str]) -> str:
+def _next(ladder: Ladder, data: Sequence[str], model: str | None, tests: Sequence[Test]) -> str:
     """The command to go on with.
 
     One test, or one effect more where one is named, or the parameters reached.
     """
     judged = with_model(model)
     diagnosis = ladder.diagnosis
-    if diagnosis.turns and list(right_way) != list(data):
+    right_way = timetests.turned_data(tests, data)
+    if diagnosis.turns and right_way != list(data):
         return suggested("diagnose", *right_way, *judged)
     # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all
     # are of none.
