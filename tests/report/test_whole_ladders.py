@@ -171,7 +171,10 @@ def test_what_can_be_done_with_an_answer(monkeypatch):
     data = springpot.Measurement(OMEGA, k, units=UNITS)
     base = SimpleNamespace(model=MODEL, theta=THETA, data=data, noise=None)
     for exclude, words in (((3,), "row 3"), ((3, 5), "rows 3, 5")):
-        steps = [SimpleNamespace(split="", exclude=(row,), turns="", says="") for row in exclude]
+        steps = [
+            SimpleNamespace(split="", exclude=(row,), turns="", says="it stands out")
+            for row in exclude
+        ]
         diagnosis = SimpleNamespace(steps=steps)
         (act,) = answers.acted(SimpleNamespace(base=base, tests=[data], diagnosis=diagnosis))
         assert act.name == f"without {words}"

@@ -7,7 +7,7 @@ In units of a noise that is borne out, and without points that no physics explai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
@@ -19,7 +19,6 @@ from springpot.errors import DataError
 from springpot.identification.material import is_material
 from springpot.identification.searching import refound
 from springpot.identification.space import require_conditions
-from springpot.identification.value import Value
 from springpot.measurement.independence import steadied
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
@@ -354,19 +353,10 @@ def examine(
         # Of points that were set aside no fit tells how far they are off.
         diagnosis = in_practice(diagnosis, [misfit_of(search.base)], accuracy)
     if accuracy is not None:
-        values = _as_promised(diagnosis.parameters, search.base, accuracy)
+        fit, raw = search.base.identified, search.base.data.raw
+        values = accuracy.beside(diagnosis.parameters, fit, [raw], raw.units, refound(fit))
         diagnosis = replace(diagnosis, parameters=values)
     return Case(search, naming, floor, evidence, tuple(outliers), diagnosis, course)
-
-
-def _as_promised(
-    values: Mapping[str, Value], base: Refit, accuracy: Accuracy
-) -> Mapping[str, Value]:
-    """Parameters that are uncertain by what the instrument promises too."""
-    fit, data = base.identified, base.data.raw
-    unknown = np.zeros(len(fit.theta))
-    calibration = accuracy.calibration(fit, unknown, [data], refound(fit))
-    return calibration.beside(values, fit.model, data.units)
 
 
 def misfit_of(base: Refit) -> Misfit:

@@ -14,9 +14,10 @@ from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.identification.calibration import Calibration, calibration_of
 from springpot.identification.fitted import FittedModel
+from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
-from springpot.measurement.units import ANGLE_UNITS, STRAIN_UNITS
+from springpot.measurement.units import ANGLE_UNITS, STRAIN_UNITS, Units
 from springpot.misfit.error import percent
 from springpot.numerics import rms
 from springpot.rheology.points import Complex, Real
@@ -119,6 +120,19 @@ class Accuracy:
         if not any(isinstance(test, Measurement) for test in tests):
             terms = {"gain": terms["gain"]}
         return calibration_of(fit.model, fit.theta, scatter, tests, terms, str(self), again)
+
+    def beside(
+        self,
+        values: Mapping[str, Value],
+        fit: FittedModel,
+        tests: Sequence[Test],
+        units: Units,
+        again: Callable[[Sequence[Test]], Mapping[str, float]],
+    ) -> dict[str, Value]:
+        """Parameters in printed units, their intervals with it beside the scatter."""
+        # The scatter stands in the intervals: only what it adds is asked.
+        calibration = self.calibration(fit, np.zeros(len(fit.theta)), tests, again)
+        return calibration.beside(values, fit.model, units)
 
     def holds(self, misfits: Sequence[Misfit]) -> bool:
         """Whether each test is met within what is promised.

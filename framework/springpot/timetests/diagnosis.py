@@ -421,8 +421,7 @@ def _finished(case: TimeCase, accuracy: Accuracy | None) -> TimeCase:
     values = shown.parameters
     if accuracy is not None:
         base, tests = case.base, case.asked.tests
-        calibration = accuracy.calibration(base, np.zeros(len(base.theta)), tests, refound(base))
-        values = calibration.beside(values, base.model, units_of(tests))
+        values = accuracy.beside(values, base, tests, units_of(tests), refound(base))
     told = in_practice(replace(case.diagnosis, parameters=values), misfits, accuracy)
     lowest = material_floor([case.base]).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from springpot.diagnosis.ladder import Examined, Ladder
+from springpot.diagnosis.result import ToDo
 from springpot.errors import SpringpotError
 from springpot.identification.fitted import FittedModel
 from springpot.identification.result import Identification
@@ -129,9 +130,9 @@ def acted(case: Examined) -> Iterator[Act]:
         said, one = " and ".join(names), _fitted_anew(base, turned)
         yield Act(f"{said} turned", f"turn {said}", turns[0].says, one, turned, turns=names)
     # All at once, as the answer was found without all of them.
-    rows = [row - 1 for step in case.diagnosis.steps for row in step.exclude]
-    if rows:
-        yield _without(rows, base, tests)
+    leaving = [step for step in case.diagnosis.steps if step.exclude]
+    if leaving:
+        yield _without(leaving, base, tests)
 
 
 def _fitted_anew(base: FittedModel, tests: Sequence[Test]) -> Preview:
@@ -141,20 +142,22 @@ def _fitted_anew(base: FittedModel, tests: Sequence[Test]) -> Preview:
     return Preview("", base.model, base.theta, True)
 
 
-def _without(rows: Sequence[int], base: FittedModel, tests: tuple[Test, ...]) -> Act:
-    what, stand = f"row {rows[0] + 1}", "stands"
+def _without(steps: Sequence[ToDo], base: FittedModel, tests: tuple[Test, ...]) -> Act:
+    rows, says = [row - 1 for step in steps for row in step.exclude], steps[0].says
+    what = f"row {rows[0] + 1}"
     if len(rows) > 1:
-        stand = "stand"
         what = f"rows {', '.join(str(row + 1) for row in rows)}"
     if 2 < len(rows) == rows[-1] - rows[0] + 1:
         what = f"rows {rows[0] + 1} to {rows[-1] + 1}"
+    if len(steps) > 1:
+        says = f"{what} stand out: without them every fit is that of the others"
     stays = np.ones(len(tests[0]), dtype=bool)
     stays[rows] = False
     used = (tests[0].subset(stays), *tests[1:])
     return Act(
         f"without {what}",
         f"leave out {what}",
-        f"{what} {stand} out: without it every fit is that of the others",
+        says,
         _fitted_anew(base, used),
         used,
         exclude=tuple(rows),
