@@ -342,7 +342,7 @@ def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float
     # .01, and one below .001.
     squares = np.column_stack([np.ones(len(left)), powers**2])
     variance = squares @ non_negative(squares, left**2)[0]
-    uneven = np.sqrt(np.maximum(variance / max(np.mean(variance), SMALLEST), 0.25))
+    uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
     basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
     n, count = basis.shape
     explained = float(np.sum((basis.T @ value) ** 2))
