@@ -92,13 +92,43 @@ def draw_view(
     return drawn
 
 
-def text_of(result: object) -> str:
-    """What the command line prints of a result."""
-    text: str = import_module(TELLS).told(result)
-    return text
+class Drawn:
+    """What has a picture."""
+
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
+        """The picture of it, on a figure of its own, in a file, or on axes that are given.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+        ax : matplotlib.axes.Axes, optional
+            Draw there instead, where one pair of axes is enough.
+
+        Returns
+        -------
+        Figure, Path or Axes
+            A figure that shows itself in a notebook; the file that was written; or the axes that
+            were given.
+
+        Raises
+        ------
+        OutputError
+            If matplotlib is missing, the file cannot be written, both places are given, or one pair
+            of axes does not hold the picture.
+        """
+        return draw(self, path, ax)
 
 
-def html_of(result: object) -> str:
-    """What a notebook shows of a result."""
-    page: str = import_module(TELLS).shown(result)
-    return page
+class Printed:
+    """An answer whose text is what the command line prints of it, in notebooks as a page."""
+
+    def __str__(self) -> str:
+        text: str = import_module(TELLS).told(self)
+        return text
+
+    def _repr_html_(self) -> str:
+        page: str = import_module(TELLS).shown(self)
+        return page

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan, nan
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from springpot.identification.value import PartResult, Quantities, Value, parts_of, values_of
-from springpot.lazy import draw, html_of, text_of
+from springpot.lazy import Drawn, Printed
 from springpot.misfit.error import Error, percent
 from springpot.misfit.where import Where
 from springpot.plain_data import json_number, jsonable
@@ -22,11 +21,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 from springpot.writing import NAMED, in_shell, suggested
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
@@ -338,8 +332,10 @@ class NextExperiment:
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class Diagnosis(Drawn, Printed):
     """The answer to the question what is missing from a model.
+
+    Its picture has the error as it is and with each leading effect, beside the floors.
 
     Attributes
     ----------
@@ -508,18 +504,6 @@ class Diagnosis:
             return "next"
         return "helps, but is no proof"
 
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """The error as it is and with each leading effect, beside the floors.
-
-        See `springpot.lazy.draw`.
-        """
-        return draw(self, path, ax)
-
-    def __str__(self) -> str:
-        return text_of(self)
-
     def __repr__(self) -> str:
         return f"<Diagnosis {self.model.name} of {self.data}: {self.verdict}; {self.says}>"
 
@@ -580,9 +564,6 @@ class Diagnosis:
             steps=tuple(ToDo.from_dict(row) for row in answer["steps"]),
             quantities=Quantities.within(answer),
         )
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
 
 def silent(stage: str) -> None:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from springpot.lazy import html_of, text_of
+from springpot.lazy import Printed
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
     FILE_UNITS,
@@ -317,7 +317,7 @@ class Quantity:
 
 
 @dataclass(frozen=True, eq=False)
-class Quantities:
+class Quantities(Printed):
     """The quantities of a fit, or of data.
 
     Attributes
@@ -402,12 +402,6 @@ class Quantities:
 
     def __repr__(self) -> str:
         return f"<Quantities of {self.name}: {', '.join(row.name for row in self.rows)}>"
-
-    def __str__(self) -> str:
-        return text_of(self)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
 
 AT = ("frequency", "temperature", "amplitude")

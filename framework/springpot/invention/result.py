@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from springpot.diagnosis.search import grown_with
 from springpot.errors import ModelError
 from springpot.identification.leastsquares import Effort
 from springpot.identification.value import Value, values_of
-from springpot.lazy import draw, html_of, text_of
+from springpot.lazy import Drawn, Printed
 from springpot.misfit.error import Error
 from springpot.misfit.floor import is_arithmetic
 from springpot.numerics import NEGLIGIBLE
@@ -30,11 +29,6 @@ from springpot.rheology.typed import law
 from springpot.thresholds import EVIDENCE, INVENTION, VERDICT
 
 from .grammar import symbols
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 Verdict = Literal["law", "class", "none"]
 
@@ -227,8 +221,10 @@ class FoundLaw:
 
 
 @dataclass(frozen=True, eq=False)
-class Invention:
+class Invention(Drawn, Printed):
     """The answer to the question which law is missing.
+
+    Its picture has the data, the model and the law.
 
     Attributes
     ----------
@@ -303,9 +299,6 @@ class Invention:
             raise ModelError(f"no law was found of {self.data}: {self.says}")
         return self.best.effect(name)
 
-    def __str__(self) -> str:
-        return text_of(self)
-
     def __repr__(self) -> str:
         found = "".join(f", {law.text}" for law in filter(None, [self.best]))
         return f"<Invention of {self.data} beside {self.model.name}: {self.verdict}{found}>"
@@ -346,12 +339,3 @@ class Invention:
             notes=tuple(answer["notes"]),
             tried=answer["tried"],
         )
-
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """Data, model and law; see `springpot.lazy.draw`."""
-        return draw(self, path, ax)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
