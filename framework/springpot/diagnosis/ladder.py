@@ -18,7 +18,7 @@ from springpot.errors import ModelError, SpringpotError
 from springpot.identification.fitted import FittedModel
 from springpot.identification.space import require_conditions
 from springpot.identification.uncertainty import Uncertainty
-from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
+from springpot.identification.value import PartResult, Value, in_floors, parts_of
 from springpot.lazy import Drawn, Printed
 from springpot.measurement.opening import Test
 from springpot.misfit.drift_search import Course
@@ -26,7 +26,7 @@ from springpot.misfit.error import over_floor
 from springpot.misfit.material import MaterialFloor
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.plain_data import alive, json_number, jsonable, some
+from springpot.plain_data import alive, jsonable, read, some
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -302,24 +302,8 @@ class Step:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Step:
         """What `to_dict` gave."""
-        advice = row.get("next_experiment")
-        if advice is not None:
-            advice = NextExperiment.from_dict(advice)
-        return cls(
-            model=parse_model(row["model"]),
-            accepted=row["accepted"],
-            relative_rms=float(row["relative_rms"]),
-            noise_floor=json_number(row["noise_floor"]),
-            material_floor=json_number(row["material_floor"]),
-            predicted_error=row["predicted_error"],
-            material_chance=json_number(row["material_chance"]),
-            alike=tuple(row["class"]),
-            parameters=values_of(row["parameters"]),
-            changed=row["changed"],
-            tests=parts_of(row["tests"]),
-            test=row.get("test", ""),
-            next_experiment=advice,
-        )
+        model, tests = parse_model(row["model"]), parts_of(row["tests"])
+        return read(cls, row, model=model, tests=tests, alike=tuple(row["class"]))
 
 
 @dataclass(frozen=True, eq=False)

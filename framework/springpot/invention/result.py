@@ -16,12 +16,12 @@ from springpot.diagnosis.scan import applicable, possible, scan_effects
 from springpot.diagnosis.search import grown_with
 from springpot.errors import ModelError
 from springpot.identification.leastsquares import Effort
-from springpot.identification.value import Value, values_of
+from springpot.identification.value import Value
 from springpot.lazy import Drawn, Printed
 from springpot.misfit.error import Error
 from springpot.misfit.floor import is_arithmetic
 from springpot.numerics import NEGLIGIBLE
-from springpot.plain_data import alive, jsonable
+from springpot.plain_data import alive, jsonable, read
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -214,10 +214,8 @@ class FoundLaw:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> FoundLaw:
         """What `to_dict` gave."""
-        known = dict(row)
-        known |= {"parameters": values_of(row["parameters"]), "like": tuple(row["like"])}
         law(row["text"])
-        return cls(alike=tuple(known.pop("class")), **known)
+        return read(cls, row, alike=tuple(row["class"]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -325,17 +323,4 @@ class Invention(Drawn, Printed):
     @classmethod
     def from_dict(cls, answer: Mapping[str, Any]) -> Invention:
         """What `to_dict` gave."""
-        twice = ("error_before", "noise_floor")
-        rows = [{k: v for k, v in row.items() if k not in twice} for row in answer["laws"]]
-        following = answer["next_experiment"]
-        return cls(
-            data=answer["data"],
-            model=parse_model(answer["model"]),
-            verdict=answer["verdict"],
-            says=answer["says"],
-            error=Error.from_dict(answer["error"]),
-            laws=tuple(FoundLaw.from_dict(row) for row in rows),
-            next_experiment=following and NextExperiment.from_dict(following),
-            notes=tuple(answer["notes"]),
-            tried=answer["tried"],
-        )
+        return read(cls, answer, model=parse_model(answer["model"]))
