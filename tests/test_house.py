@@ -334,7 +334,7 @@ FACTS = {
     "cli/group.py": "BAD_INPUT",
     "comparison/ranking.py": "MOST_AT_ONE_FREQUENCY",
     "diagnosis/notes.py": "MEANINGS",
-    "diagnosis/verdict.py": "RULES",
+    "diagnosis/verdict.py": "ALARMED",
     "errors.py": "STDERR",
     "identification/robust.py": "TUNED",
     "identification/searching.py": "BUDGET",
