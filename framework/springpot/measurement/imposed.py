@@ -12,9 +12,8 @@ from math import comb, sqrt
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology.levels import HELD
 from springpot.rheology.motion import Between
-from springpot.rheology.points import Real
+from springpot.rheology.points import HELD, Real
 
 from ..numerics import NORMAL, SMALLEST, rms
 from .rounding import is_even, rounding_step

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError, plain
 from springpot.lazy import Drawn
-from springpot.rheology.levels import HELD
-from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
+from springpot.rheology.points import HELD, KELVIN, ROOM, Complex, Points, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of

@@ -14,9 +14,8 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, read
-from springpot.rheology.levels import HELD
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
-from springpot.rheology.points import Real
+from springpot.rheology.points import HELD, Real
 from springpot.thresholds import WHERE
 from springpot.writing import SHOWN
 

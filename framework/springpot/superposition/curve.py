@@ -38,10 +38,10 @@ from springpot.measurement.timetest import TimeTest
 from springpot.numerics import rms
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Compliance, Continuum
-from springpot.rheology.levels import HELD, Levels, level_text
+from springpot.rheology.levels import Levels, level_text
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift
-from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.rheology.points import HELD, KELVIN, Complex, Real
 from springpot.thresholds import SUPERPOSITION
 from springpot.writing import number
 
