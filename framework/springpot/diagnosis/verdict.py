@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import comb
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,12 @@ from springpot.misfit.residual_tests import OF_NEIGHBOURS, sets_apart
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .evidence import Evidence, credible
 from .grown import Grown, Search
-from .marginal import likeliest_unknown
+from .marginal import credible, likeliest_unknown
 from .result import Verdict
+
+if TYPE_CHECKING:
+    from .evidence import Evidence
 
 DEALT = 1000
 """Times that points which stand out are dealt out anew; a chance of 0.05 is known to an eighth."""

@@ -30,6 +30,8 @@ HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
 
 Rheometers state 1 to 2 % and
 0.1 to 0.5 K. Values that lie closer to one another are one level."""
+STEADY = HELD["amplitude"]
+"""Share of its largest value by which what is called held may move."""
 HELD_OTHER = 2e-3
 """The same of other settings, as a share of the largest.
 
