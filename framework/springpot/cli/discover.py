@@ -14,7 +14,7 @@ from springpot.writing import accepting, with_model
 from . import timetests
 from .common import (
     DATA,
-    FILE,
+    Output,
     accuracy_option,
     complete_data,
     emit,
@@ -83,13 +83,13 @@ ACCEPT = (
 )
 @click.option(
     "--report",
-    type=FILE,
+    type=Output("springpot.report.html:check_report_path"),
     metavar="FILE.html",
     help="Write the whole story as one self-contained page.",
 )
 @click.option(
     "--figure",
-    type=FILE,
+    type=Output("springpot.report.canvas:check_moving_path"),
     metavar="FILE",
     help="Draw the falling error, of tests in time each test with its fits"
     " (.png, .svg, .pdf, or .gif to play it).",
@@ -132,7 +132,6 @@ def command(
     if split is not None:
         accept = (of_each(split).name, *accept)
     _require_one_choice(auto, accept)
-    _check_paths(report, figure)
     expression = None
     if model is not None:
         expression = parse_model(model)
@@ -228,17 +227,6 @@ def _tell_written(*paths: Path | None) -> None:
     for path in paths:
         if path is not None:
             print(f"\nwritten: {path}")
-
-
-def _check_paths(report: Path | None, figure: Path | None) -> None:
-    """Tell of a path that cannot be written before minutes are spent on what goes there."""
-    from springpot.report.canvas import MOVING, check_figure_path
-    from springpot.report.html import check_report_path
-
-    if report is not None:
-        check_report_path(report)
-    if figure is not None:
-        check_figure_path(figure, MOVING)
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, TypeAlias
 
 from springpot.errors import OutputError
-from springpot.files import write_text, write_with
+from springpot.files import require_writable, write_text, write_with
 from springpot.identification.value import Value
 from springpot.writing import DIGITS, guarded, number as digits
 
@@ -298,17 +298,18 @@ def write_parameters(path: str | Path, fits: Sequence[Identification]) -> Path:
     return write_values(Path(path), title, heads, rows)
 
 
-def require_ending(path: Path) -> None:
+def check_table_path(path: Path) -> None:
     """Refuse a file whose ending tells no format, before time is spent on what goes there.
 
     Raises
     ------
     OutputError
-        If it has none of `ENDINGS`.
+        If it has none of `ENDINGS`, or the place cannot be written.
     """
     if path.suffix.lower() not in ENDINGS:
         known = ", ".join(sorted(ENDINGS))
         raise OutputError(f"{path}: the ending tells the format of a table: one of {known}")
+    require_writable(path)
 
 
 def write_values(
@@ -338,7 +339,7 @@ def write_values(
     OutputError
         If the ending tells no format, or the file cannot be written.
     """
-    require_ending(path)
+    check_table_path(path)
     rows, suffix = list(rows), path.suffix.lower()
     if suffix in (".csv", ".xlsx"):
         table = _in_full(title, heads, rows)
