@@ -559,6 +559,6 @@ def numbers(text: str) -> list[float]:
         low = high = nan
     if not 0.0 < low < high < float("inf"):
         advice = "write numbers with commas, or a range such as 0.1..100"
-        raise click.UsageError(f"'{text}': {advice}", click.get_current_context())
+        raise click.UsageError(f"'{text}': {advice}")
     spaced: list[float] = geomspace(low, high, SPACED).tolist()
     return spaced

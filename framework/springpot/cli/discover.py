@@ -182,8 +182,7 @@ def _tests(data: Sequence[str], geometry: str | None, specimens: bool) -> Sequen
     if len(data) > 1:
         raise click.UsageError(
             "several sweeps are judged one by one; together where a test in time is among them, or"
-            " as specimens (--own, --population file)",
-            click.get_current_context(),
+            " as specimens (--own, --population file)"
         )
     return [opened(data[0], geometry)]
 
@@ -232,12 +231,9 @@ def _tell_written(*paths: Path | None) -> None:
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
     """Either the evidence decides, or the user names what is accepted."""
     if auto and accept:
-        raise click.UsageError(
-            "give --auto or --accept EFFECT, not both", click.get_current_context()
-        )
+        raise click.UsageError("give --auto or --accept EFFECT, not both")
     if not auto and not accept:
-        words = "give --auto, or --accept EFFECT once or more"
-        raise click.UsageError(words, click.get_current_context())
+        raise click.UsageError("give --auto, or --accept EFFECT once or more")
 
 
 def _next(ladder: Ladder, data: Sequence[str], model: str | None, tests: Sequence[Test]) -> str:

@@ -134,10 +134,9 @@ def command(
     from springpot.report.tables import write_parameters
 
     if view is not None and figure is None:
-        advice = "--view says what is drawn: give --figure FILE too"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError("--view says what is drawn: give --figure FILE too")
     if as_csv and as_json:
-        raise click.UsageError("give --csv or --json, not both", click.get_current_context())
+        raise click.UsageError("give --csv or --json, not both")
     model, expression, held = _meant(model, times, per_decade)
     known = known_from(options)
     known["fix"] = held | known["fix"]
@@ -145,12 +144,11 @@ def command(
     tests = timetests.named_tests(data, geometry)
     if tests is not None and view is not None:
         advice = "--view says how a sweep is drawn, and these are tests in time: leave it out"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError(advice)
     together = tests is not None or joint or asks_for_all(known["own"], known["share"])
     if len(data) > 1 and not together:
         if figure is not None:
-            advice = "--figure draws one fit: name one DATA, or give --joint"
-            raise click.UsageError(advice, click.get_current_context())
+            raise click.UsageError("--figure draws one fit: name one DATA, or give --joint")
         return _each(data, expression, geometry, arguments, table, as_csv, as_json)
     fit = _fitted(tests or [opened_together(data, geometry)], expression, arguments)
     if figure is not None:

@@ -117,11 +117,9 @@ def _require_one_question(
     """Refuse what asks for nothing, or for several things at once."""
     # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
     if [frequency, omega, history].count(None) != 2:
-        advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError("give --frequency (Hz) or --omega (rad/s), or a --history")
     if geometry is not None and history is None:
-        advice = "--geometry is that of a --history: frequencies have none"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError("--geometry is that of a --history: frequencies have none")
 
 
 def show(predicted: Prediction) -> None:

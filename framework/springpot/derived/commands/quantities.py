@@ -71,7 +71,7 @@ def command(
     from springpot.report.told import told
 
     if as_csv and as_json:
-        raise click.UsageError("give --csv or --json, not both", click.get_current_context())
+        raise click.UsageError("give --csv or --json, not both")
     asked.update(settings_of(others))
     answer = quantities(data, model, **asked)
     if output is not None:

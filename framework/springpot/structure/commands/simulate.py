@@ -80,9 +80,9 @@ def command(
     from springpot.structure.records import records_meant
 
     if (not records) == (frequency is None):
-        raise click.UsageError("give a --record or a --frequency", click.get_current_context())
+        raise click.UsageError("give a --record or a --frequency")
     if further and not records:
-        raise click.UsageError("--next-experiment is for a --record", click.get_current_context())
+        raise click.UsageError("--next-experiment is for a --record")
     if not records:
         _steady(structure, str(frequency), figure, as_json)
         return 0
