@@ -35,7 +35,7 @@ from .common import (
     with_rows,
 )
 from .group import INTERRUPTED
-from .hints import Waiting, suggested
+from .hints import Waiting, kept_by, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.ladder import Ladder
@@ -135,8 +135,7 @@ def command(
     expression = None
     if model is not None:
         expression = parse_model(model)
-    # Before `known_from`, which takes the options out.
-    again = again_with(data, model, accept, auto, seed, geometry, options)
+    again = again_with(data, model, accept, auto, seed)
     chosen = library_from(options)
     effects = None
     if not auto:
@@ -289,30 +288,12 @@ def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tu
 
 
 def again_with(
-    data: Sequence[str],
-    model: str | None,
-    accept: tuple[str, ...],
-    auto: bool,
-    seed: int | None,
-    geometry: str | None,
-    options: dict[str, Any],
+    data: Sequence[str], model: str | None, accept: Sequence[str], auto: bool, seed: int | None
 ) -> list[str]:
     """The command that makes the same report again."""
-    again = ["springpot", "discover", *data]
-    if model is not None:
-        again += ["--model", model]
-    if auto:
-        again.append("--auto")
-    # There are none with --auto.
-    for name in accept:
-        again += ["--accept", name]
-    for name in ("effects", "accuracy"):
-        if options[name] is not None:
-            again += [f"--{name}", options[name]]
-    for name in ("effect", "without", "fix", "bounds", "tie", "exclude"):
-        for text in options[name]:
-            again += [f"--{name}", text]
-    again += ["--seed", str(seed or 0)]
-    if geometry is not None:
-        again += ["--geometry", geometry]
-    return again
+    # There are no effects with --auto.
+    chosen = ["--auto"] if auto else accepting(accept)
+    # Without one it is nothing that was given, and the random numbers of none are those of 0.
+    seeded = ["--seed", "0"] if seed is None else []
+    words = [*data, *with_model(model), *chosen, *kept_by("discover"), *seeded]
+    return ["springpot", "discover", *words]
