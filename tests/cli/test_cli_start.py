@@ -72,7 +72,7 @@ def test_without_a_package_the_gate_installs_springpot_itself(springpot, tmp_pat
             '"springpot @ https://x.org/s-1.0.whl"',
         ),
         (
-            {"url": "file:///home/me/s", "dir_info": {"editable": True}},
+            {"url": "file:///mine/s", "dir_info": {"editable": True}},
             "springpot  # installed from a folder here: write where it is to be found",
         ),
     ],
