@@ -368,8 +368,7 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
     ordered = np.moveaxis(values, 0, -1).copy()
     ordered.sort(axis=-1)
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
-    chosen: Real = np.moveaxis(ordered[..., places], -1, 0)
-    return chosen
+    return np.moveaxis(ordered[..., places], -1, 0)
 
 
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
@@ -459,5 +458,4 @@ def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
         below, above = np.split(own[:, first] * own[:, second] @ sides, 2, axis=1)
         most = np.stack([below, 1.0 - below - above, above]).argmax(axis=0)
         counts += np.stack([(most == region).sum(axis=0) for region in range(3)])
-    found: Real = counts.T / DRAWS
-    return found
+    return counts.T / DRAWS
