@@ -225,14 +225,15 @@ def wilcoxon_holm(scores: Real) -> Real:
     Over blocks: exact for up to 50 of them, ties or not (`sign_flips`), else by the normal
     approximation. Blocks in which a difference is not defined, both being infinite, count as ties.
     """
-    from scipy.stats import wilcoxon
-
     first, second = np.triu_indices(scores.shape[1], 1)
     a, b = scores.T[first], scores.T[second]
     same = a == b
     gaps = np.clip(np.where(same, 0.0, a) - np.where(same, 0.0, b), -1e300, 1e300)
     if gaps.shape[1] <= EXACT:
         return _square(holm(sign_flips(gaps)), scores.shape[1])
+    # Only now: it takes most of a second to import.
+    from scipy.stats import wilcoxon
+
     p = np.ones(len(gaps))
     differ = gaps.any(axis=1)
     if differ.any():
