@@ -39,7 +39,7 @@ def test_no_mass_is_found_in_it(seed):
 
 @pytest.mark.soak
 def test_nor_is_the_noise_read_from_what_a_mass_leaves_of_it():
-    rng, t = np.random.default_rng(4), 0.01 * np.arange(600)
+    rng, t = np.random.default_rng(5), 0.01 * np.arange(600)
     stroke = 5.0 * np.sin(2.0 * np.pi * t) * np.minimum(1.0, 0.2 + t / 6.0)
     model = parse_model("prony-2")
     theta = model.theta(k0=19.0, k1=24.0, tau1=0.13, k2=9.0, tau2=0.9)

@@ -47,7 +47,7 @@ def test_noise_with_a_memory_has_no_jump(memory):
 
 def beside_hum(seed, size, height, memory=0.0):
     hum = height * np.sin(1.43 * np.arange(size) + 1.0)
-    motion = Imposed((0, 0), False, np.zeros((size, 0)))
+    motion = Imposed((0, 0), False, None)
     return scatter_of_record(noise(seed, size, memory) + hum, np.zeros((0, size)), motion, size)
 
 

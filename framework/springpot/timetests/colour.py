@@ -284,37 +284,44 @@ class Imposed(NamedTuple):
         Of the motion; see `repeated`. None of an uneven one.
     coarse : bool
         Whether it has few values: what a model makes of their rounding has lines.
-    powers : ndarray, shape (n, p)
-        Of its place and speed, of an uneven one.
+    powers : tuple of ndarray
+        As of `powers_of`; of an uneven one alone.
     """
 
     period: tuple[int, int]
     coarse: bool
-    powers: Real
+    powers: tuple[Real, Real] | None
 
     @classmethod
     def of(cls, test: TimeTest) -> Imposed:
         """What was imposed in a test."""
         value, count = test.loading.recorded.value, len(test.time)
-        powers = np.zeros((count, 0))
+        powers = None
         if test.kind == "history" and FEWEST <= len(value) == count and is_even(test.time):
             powers = powers_of(value)
         return cls(cycles_of(test.loading, count), digit_of(value) > 0.0, powers)
 
 
-def powers_of(value: Real) -> Real:
-    """Products (n, 9) of place and speed of a motion (n,), up to the third degree.
+def powers_of(value: Real) -> tuple[Real, Real]:
+    """Place, speed and acceleration (n, 3) of a motion (n,), and products of the first two (n, 7).
 
-    By samples a little apart: of its noise a model has answered to the nearest ones, too.
+    Up to the third degree, by samples a little apart: of its noise a model has answered to the
+    nearest ones, too.
     """
     around = np.pad(value, ORDER, mode="edge")
-    speed = around[2 * ORDER :] - around[: -2 * ORDER]
-    place, speed = (each / max(float(np.abs(each).max()), SMALLEST) for each in (value, speed))
-    degrees = [(i, j) for i in range(4) for j in range(4 - i) if i + j]
-    return np.stack([place**i * speed**j for i, j in degrees], axis=1)
+    before, after = around[: -2 * ORDER], around[2 * ORDER :]
+    place, speed, turning = (
+        each / max(float(np.abs(each).max()), SMALLEST)
+        for each in (value, after - before, after - 2.0 * value + before)
+    )
+    degrees = [(i, total - i) for total in (2, 3) for i in range(total + 1)]
+    products = [place**i * speed**j for i, j in degrees]
+    return np.stack([place, speed, turning], axis=1), np.stack(products, axis=1)
 
 
-def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float, Real]:
+def with_the_motion(
+    residual: Real, spectrum: Real, of_motion: tuple[Real, Real]
+) -> tuple[float, Real]:
     """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
 
     Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
@@ -326,11 +333,12 @@ def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float
         Of a record.
     spectrum : ndarray, shape (n,)
         Variance of each number of the noise's cosine transform.
-    powers : ndarray, shape (n, p)
-        Of place and speed; see `powers_of`.
+    of_motion : tuple of ndarray
+        As of `powers_of`.
     """
     from scipy.special import fdtrc
 
+    linear, powers = of_motion[0].shape[1], np.hstack(of_motion)
     every = np.column_stack([residual, powers])
     white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
     basis = np.linalg.qr(white[1:].T)[0]
@@ -344,8 +352,12 @@ def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float
     variance = squares @ non_negative(squares, left**2)[0]
     uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
     basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
+    # A linear model that answers to noise of the motion is fitted too soft, and misses as much of
+    # the motion itself (Fuller 1987, Measurement Error Models, chapter 1): what goes with place,
+    # speed and acceleration as they are accuses of nothing.
+    followed = (basis.T @ value) ** 2
     n, count = basis.shape
-    explained = float(np.sum((basis.T @ value) ** 2))
-    left = max(float(value @ value) - explained, SMALLEST)
+    explained = float(np.sum(followed[linear:])) / (count - linear)
+    left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
     rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest
+    return float(fdtrc(count - linear, n - count, explained / left)), rest

@@ -240,7 +240,7 @@ def scatter_of_record(
         found = _beside_lines(residual, found, imposed.period, worth)
     if power > 0.0 and imposed.period[1]:
         chance, rest = repeated(residual, imposed.period)
-    elif imposed.powers.size and power > 0.0 and not found.misfit:
+    elif imposed.powers and power > 0.0 and not found.misfit:
         chance, rest = with_the_motion(residual, found.spectrum(len(residual)), imposed.powers)
     if chance >= found.chance:
         return found
