@@ -33,13 +33,7 @@ from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .recording import recorded, spread
-from .scatter import (
-    FEWEST,
-    ResidualScatter,
-    scatter_of,
-    scatter_of_record,
-    scatter_of_sweep,
-)
+from .scatter import FEWEST, ResidualScatter, scatter_of, scatter_of_record, scatter_of_sweep
 from .start import apparent
 from .traces_of_motion import Imposed
 from .where import places, places_in_sweep
