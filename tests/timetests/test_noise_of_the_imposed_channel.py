@@ -101,4 +101,4 @@ def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(
     assert heard(1.01 * 1.2 / least) == 0.0
     assert heard(0.99 * 0.075 / least, "force") == pytest.approx(most)
     assert heard(1.01 * 0.075 / least, "force") == 0.0
-    assert heard(0.1, moved=1e-3) == 0.0
+    assert heard(0.1, moved=-1e-3) == 0.0
