@@ -13,7 +13,9 @@ NOISE = 0.01 * np.random.default_rng(1).normal(size=900)
 
 
 def record(force, time=TIME, motion=MOTION):
-    return TimeTest.of_history(time, motion, force, "mm", "N", control="displacement")
+    return TimeTest.of_history(
+        time, motion, force, "mm", "N", control="displacement", name="record"
+    )
 
 
 @pytest.mark.parametrize("mains", [49.96, 60.03])
@@ -21,7 +23,9 @@ def test_a_hum_is_taken_off_and_told(mains):
     hum = 0.1 * np.sin(2.0 * np.pi * mains * TIME + 1.0)
     test = record(MOTION + NOISE + hum)
     assert test.response == pytest.approx(MOTION + NOISE, abs=0.005)
-    assert f"{mains:.3g} Hz (0." in test.provenance["note hum"]
+    assert f"record: the force holds the hum of the mains, {mains:.3g} Hz (0." in said_of_strays(
+        test
+    )
 
 
 def test_two_lines_of_the_mains_are_found():

@@ -238,13 +238,13 @@ def at_mains(hertz: Real) -> NDArray[np.bool_]:
 def without_hum(
     response: Real, clock: Real, imposed: Real, unit: str
 ) -> tuple[Real, dict[str, str]]:
-    """What a specimen answered (n,) without the hum of the mains, and a note of a test on that."""
+    """What a specimen answered (n,) without the hum of the mains, and what is told of that."""
     hums = hum_in(response, clock, imposed)
     if not hums:
         return response, {}
     lines = " and ".join(f"{hum.hertz:.3g} Hz ({hum.size:.2g} {unit})" for hum in hums)
-    says = f"the response holds the hum of the mains, {lines} in amplitude: taken off"
-    return response - sum(hum.course for hum in hums), {"note hum": says}
+    says = f"holds the hum of the mains, {lines} in amplitude: taken off"
+    return response - sum(hum.course for hum in hums), {"hum": says}
 
 
 def hum_in(response: Real, clock: Real, imposed: Real) -> list[Hum]:

@@ -478,17 +478,22 @@ def stood_still(test: TimeTest) -> NDArray[np.int64]:
 
 
 def said_of_strays(test: TimeTest) -> str:
-    """Which samples stray and by how much, in words; nothing where none do."""
+    """What is no part of the specimen's answer, in words; nothing of most tests.
+
+    The hum of the mains, which samples stray and by how much, and when the recorder stood still.
+    """
     still = stood_still(test)
-    said = _said_of_alone(test, np.setdiff1d(strays(test), still))
+    said = [_said_of_alone(test, np.setdiff1d(strays(test), still))]
+    if "hum" in test.provenance:
+        said.append(f"{test.name}: the {test.answered} {test.provenance['hum']}")
     if len(still) == 0:
-        return said
+        return "; ".join(filter(None, said))
     span = f"{test.time[still[0] - 1]:.4g} to {test.time[still[-1]]:.4g} s"
     halt = (
         f"{test.name}: the {test.answered} stood still from {span} while the {test.control} moved:"
         f" {len(still)} samples left out"
     )
-    return "; ".join(filter(None, [halt, said]))
+    return "; ".join(filter(None, [halt, *said]))
 
 
 def _said_of_alone(test: TimeTest, rows: NDArray[np.int64]) -> str:
