@@ -8,6 +8,7 @@ box, a response that is no number) is drawn anew.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -118,18 +119,22 @@ def drawn(seed: int, number: int) -> DataSet:
     return described(f"drawn-{seed}-{number}", seed, number)[1]
 
 
-def described(name: str, seed: int, number: int) -> tuple[dict[str, Any], DataSet]:
+def described(
+    name: str, seed: int, number: int, sweeps: Mapping[str, Mapping[str, Any]] = SWEEPS
+) -> tuple[dict[str, Any], DataSet]:
     """The problem of that number under a name, with its row of a suite's description."""
     rng = np.random.default_rng([seed, number])
     while True:
-        found = _attempt(name, rng)
+        found = _attempt(name, rng, sweeps)
         if found is not None:
             return found
 
 
-def _attempt(name: str, rng: np.random.Generator) -> tuple[dict[str, Any], DataSet] | None:
+def _attempt(
+    name: str, rng: np.random.Generator, sweeps: Mapping[str, Mapping[str, Any]]
+) -> tuple[dict[str, Any], DataSet] | None:
     kind = str(rng.choice([*KINDS, "record"], p=[*KINDS.values(), 1.0 - sum(KINDS.values())]))
-    protocols = _protocols(kind, rng)
+    protocols = _protocols(kind, sweeps)
     expression = _expression(kind, rng)
     noise = float(rng.choice(NOISE))
     objective = str(rng.choice(OBJECTIVES))
@@ -170,12 +175,12 @@ def _attempt(name: str, rng: np.random.Generator) -> tuple[dict[str, Any], DataS
     return (told, made) if usable else None
 
 
-def _protocols(kind: str, rng: np.random.Generator) -> list[dict[str, Any]]:
+def _protocols(kind: str, sweeps: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
     if kind == "record":
         return [RECORD]
     if kind == "step":
         return [STEP]
-    return [{"kind": "sweep", **SWEEPS[kind]}]
+    return [{"kind": "sweep", **sweeps[kind]}]
 
 
 def _expression(kind: str, rng: np.random.Generator) -> str:

@@ -39,7 +39,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 
-SUITE, DRAWN, TARGET = "springpot-60", "springpot-hard-20", 1e-6
+SUITE, TARGET = "springpot-60", 1e-6
+DRAWN = ("springpot-hard-20", "springpot-rugged-20")
+"""Suites that a seed draws."""
 ROUNDING = 1e-12
 STARTS = 200
 """Descents among which the least objective is looked for, half of them from even orders of size."""
@@ -66,11 +68,8 @@ def plan(suite: str = SUITE) -> Plan:
 def best_known(problem: SpecimenProblem, truth: Real | None) -> tuple[Real, float]:
     """The least objective that any of many descents in the box ends at, and where (d,)."""
     low, high = problem.lower, problem.upper
-    starts = [uniform(problem, STARTS // 2, 2)]
     # As many from all orders of size alike, in which small parameters are found.
-    share = (uniform(problem, STARTS // 2, 3) - low) / (high - low)
-    positive = low > 0.0
-    starts.append(np.where(positive, np.abs(low) ** (1.0 - share) * high**share, starts[0]))
+    starts = [uniform(problem, STARTS // 2, 2), sized(problem, uniform(problem, STARTS // 2, 3))]
     if truth is not None:
         starts.append(np.clip(truth, low, high)[None])
     points, ends = descents(problem, np.concatenate(starts))
@@ -81,6 +80,13 @@ def best_known(problem: SpecimenProblem, truth: Real | None) -> tuple[Real, floa
         points, ends = np.concatenate([points, more[0]]), np.concatenate([ends, more[1]])
     first = int(np.nanargmin(ends))
     return points[first], float(ends[first])
+
+
+def sized(problem: SpecimenProblem, points: Real) -> Real:
+    """The same points (s, d) of the box by the logarithms of its positive parameters."""
+    low, high = problem.lower, problem.upper
+    share = (points - low) / (high - low)
+    return np.where(low > 0.0, np.abs(low) ** (1.0 - share) * high**share, points)
 
 
 def measured(case: RaceCase) -> tuple[float, Features]:
@@ -125,8 +131,10 @@ def page() -> str:
     for part in PARTS:
         rows = [p for p in suite.problems if suite.measured[p.name].part == part]
         text += f"\n### {part.capitalize()}: {len(rows)}\n\n{_table(rows, suite.measured)}"
-    drawn = plugins().find("suite", DRAWN)
-    return text + f"\n### Of {DRAWN}\n\n{_table(drawn.problems, drawn.measured)}"
+    for name in DRAWN:
+        drawn = plugins().find("suite", name)
+        text += f"\n### Of {name}\n\n{_table(drawn.problems, drawn.measured)}"
+    return text
 
 
 def _table(problems: Sequence[DataSet], measured: Mapping[str, Measured]) -> str:

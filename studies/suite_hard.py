@@ -14,10 +14,10 @@ well known.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import count, islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -28,10 +28,12 @@ from springpot.benchmark.features import descents, uniform
 from springpot.benchmark.plan import reference_of
 from springpot.identification.problem import SpecimenProblem
 from springpot.measurement import DataSet
-from suite import DRAWN as SUITE, SUITES, TARGET, measured, plan, write
+from suite import SUITES, TARGET, measured, plan, write
 from suite_race import by_part
 
+SUITE = "springpot-hard-20"
 SEED, MANY = 60, 10
+PROTOCOLS = SWEEPS
 ROUGH = ("elasto-sliding", "backlash", "dead-zone", "friction", "backlash-in-time")
 """Effects of which a force or its derivative jumps."""
 FEATURED = 64
@@ -41,33 +43,47 @@ RIVALS = (
 )
 PARTS = {"suite": ("hard", "deceptive")}
 
+Sweeps: TypeAlias = Mapping[str, Mapping[str, Any]]
+Rule: TypeAlias = Callable[[Mapping[str, Any], DataSet], bool]
+"""Whether a problem is kept, by its row of the suite's description and its data."""
+
 
 def demanding(told: Mapping[str, Any]) -> bool:
     """Whether a problem is a sweep of many parameters, three effects, or corners."""
     effects = told["model"].split(" + ")[1:]
     hard = len(told["truth"]) >= MANY or len(effects) > 2 or any(e in ROUGH for e in effects)
-    return hard and told["tests"][0] in SWEEPS
+    return hard and told["tests"][0] in PROTOCOLS
 
 
 def missed(known: DataSet, problem: SpecimenProblem) -> bool:
     """Whether no descent from a uniform point ends where that from the truth does."""
-    best = float(descents(problem, place(known, problem)[None])[1][0])
-    goal = best + TARGET * (reference_of(problem) - best)
+    goal = goal_of(known, problem)
     # Most problems are solved by the first few.
     few = np.array_split(uniform(problem, FEATURED), 8)
     return not any(np.any(descents(problem, points)[1] <= goal) for points in few)
 
 
-def kept() -> Iterator[dict[str, Any]]:
-    """Rows of the suite's description, without end."""
+def goal_of(known: DataSet, problem: SpecimenProblem) -> float:
+    """The objective that is good enough, by where the descent from the truth ends."""
+    best = float(descents(problem, place(known, problem)[None])[1][0])
+    return best + TARGET * (reference_of(problem) - best)
+
+
+def hard(told: Mapping[str, Any], known: DataSet) -> bool:
+    """Whether a problem is demanding and no descent solves it."""
+    return demanding(told) and missed(known, searched(known))
+
+
+def kept(suite: str, seed: int, rule: Rule, sweeps: Sweeps) -> Iterator[dict[str, Any]]:
+    """Rows of a suite's description, without end."""
     for number in count(1):
         name = f"drawn-{number}"
-        told, known = described(f"{SUITE}/{name}", SEED, number)
-        if demanding(told) and missed(known, searched(known)):
+        told, known = described(f"{suite}/{name}", seed, number, sweeps)
+        if rule(told, known):
             print(number, told["model"], told["tests"], flush=True)
             wide = told.pop("wide")
             box = f"a box {wide:g} times as wide as usual" if wide > 1.0 else "the usual box"
-            says = f"Number {number} that seed {SEED} draws, in {box}."
+            says = f"Number {number} that seed {seed} draws, in {box}."
             yield {"name": name, **told, "says": says}
 
 
@@ -78,26 +94,25 @@ def written(value: object) -> str:
     return repr(value).replace("'", '"')
 
 
-def description(rows: list[dict[str, Any]]) -> str:
+def description(suite: str, script: str, sweeps: Sweeps, rows: list[dict[str, Any]]) -> str:
     """The suite as a file."""
-    text = (
-        f"# The problems of {SUITE}, as studies/suite_hard.py drew them. Nothing here may change."
-    )
-    tests = {f"[protocol.{name}]": {"kind": "sweep", **each} for name, each in SWEEPS.items()}
+    text = f"# The problems of {suite}, as studies/{script}.py drew them. Nothing here may change."
+    tests = {f"[protocol.{name}]": {"kind": "sweep", **each} for name, each in sweeps.items()}
     for head, row in (*tests.items(), *(("[[problem]]", row) for row in rows)):
         lines = (f"{key} = {written(value)}" for key, value in row.items() if value is not None)
         text += "\n".join(("\n", head, *lines))
     return text + "\n"
 
 
-def main() -> None:
-    """Draw the suite, and measure it."""
-    text = description(list(islice(kept(), 20)))
-    (SUITES / f"{SUITE}.toml").write_text(text, encoding="utf-8")
-    write(SUITE, {}, {})
-    found = {case.source.name: measured(case) for case in plan(SUITE).cases}
+def make(suite: str, script: str, seed: int, rule: Rule, sweeps: Sweeps) -> None:
+    """Draw a suite of twenty, and measure it."""
+    rows = list(islice(kept(suite, seed, rule, sweeps), 20))
+    text = description(suite, script, sweeps, rows)
+    (SUITES / f"{suite}.toml").write_text(text, encoding="utf-8")
+    write(suite, {}, {})
+    found = {case.source.name: measured(case) for case in plan(suite).cases}
     write(
-        SUITE,
+        suite,
         found,
         {name: "deceptive" if each.deceptive else "hard" for name, (_, each) in found.items()},
     )
@@ -134,4 +149,4 @@ study = Study(
 )
 
 if __name__ == "__main__":
-    main()
+    make(SUITE, "suite_hard", SEED, hard, PROTOCOLS)

@@ -319,7 +319,7 @@ def test_a_file_can_be_read():
     assert guilty == []
 
 
-DEEPEST = 25
+DEEPEST = 23
 """Files of the longest chain of imports; may only fall (53 before imports named their files)."""
 TWICE = 0
 """Names of classes that stand for two things or more; may only fall."""
@@ -334,7 +334,7 @@ FACTS = {
     "cli/group.py": "BAD_INPUT",
     "comparison/ranking.py": "MOST_AT_ONE_FREQUENCY",
     "diagnosis/notes.py": "MEANINGS",
-    "diagnosis/verdict.py": "RULES",
+    "diagnosis/verdict.py": "ALARMED",
     "errors.py": "STDERR",
     "identification/robust.py": "TUNED",
     "identification/searching.py": "BUDGET",
@@ -350,6 +350,7 @@ FACTS = {
     "numerics.py": "DECADE NORMAL MEDIAN_WORTH TWO_DEVIATIONS SMALLEST LARGEST HALVINGS",
     "processes.py": "ADOPT",
     "report/figures.py": "COLUMN",
+    "report/tables.py": "LONGEST",
     "rheology/dimensional.py": "OF_VARIABLE OF_PLANE GAS",
     "rheology/hysteresis.py": "STAGE NEWTON_STEPS",
     "rheology/model.py": "STEP",
@@ -363,7 +364,6 @@ FACTS = {
     "testing/optimisers.py": "TRUTH",
     "testreport/code.py": "_KINDS MEANS",
     "testreport/quantities.py": "QUANTITIES",
-    "testreport/report.py": "LONGEST",
     "timetests/scatter.py": "EFFICIENT",
 }
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,

@@ -56,7 +56,29 @@ def test_the_gate_to_start_from_installs_the_users_package_and_says_what_got_wor
 def test_without_a_package_the_gate_installs_springpot_itself(springpot, tmp_path):
     springpot("init", "ci", "--folder", tmp_path)
     workflow = (tmp_path / ".github" / "workflows" / "accuracy.yml").read_text()
-    assert "python -m pip install springpot\n" in workflow
+    assert "python -m pip install springpot" in workflow
+
+
+@pytest.mark.parametrize(
+    ("origin", "installed"),
+    [
+        ({}, "springpot"),
+        (
+            {"url": "https://x.org/s.git", "vcs_info": {"vcs": "git", "commit_id": "ab12"}},
+            '"springpot @ git+https://x.org/s.git@ab12"',
+        ),
+        (
+            {"url": "https://x.org/s-1.0.whl", "archive_info": {}},
+            '"springpot @ https://x.org/s-1.0.whl"',
+        ),
+        (
+            {"url": "file:///mine/s", "dir_info": {"editable": True}},
+            "springpot  # installed from a folder here: write where it is to be found",
+        ),
+    ],
+)
+def test_the_gate_installs_springpot_from_where_it_came(origin, installed):
+    assert init._address(origin) == installed
 
 
 def test_a_study_to_start_from_races_the_users_own_optimisers(monkeypatch):

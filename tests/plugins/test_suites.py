@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from hashlib import sha256
+from importlib import import_module
 from importlib.resources import files
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 DESCRIPTION = "2436458add12480f4b77a565a1e3429887717d2a28dd0cf79da44f8f6f8d92d5"
 
 DRAWN = "cd1af1aa4e69183ade9bfde61a96847fae30dc58e2694dc3d083da42349f82fe"
+RUGGED = "119fc7389fe411a99d5a0a7f6cd00bfdbf32ed7c666f8df160a97958b001e786"
 
 
 @pytest.fixture(scope="module")
@@ -42,19 +45,42 @@ def test_a_suite_of_that_name_never_changes():
     assert sha256(text).hexdigest() == DESCRIPTION, "give a changed suite another name"
 
 
-def test_the_drawn_suite_is_what_its_seed_draws_and_what_no_descent_solves(monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "script", "digest", "number"),
+    [
+        ("springpot-hard-20", "suite_hard", DRAWN, 185),
+        ("springpot-rugged-20", "suite_rugged", RUGGED, 1086),
+    ],
+)
+def test_a_drawn_suite_is_what_its_seed_draws_and_what_no_descent_solves(
+    name, script, digest, number, monkeypatch
+):
     monkeypatch.syspath_prepend(ROOT / "studies")
-    import suite_hard
-
-    text = files("springpot_plugins.suites").joinpath("springpot-hard-20.toml").read_bytes()
-    assert sha256(text).hexdigest() == DRAWN, "give a changed suite another name"
-    hard = springpot.plugins().find("suite", "springpot-hard-20")
-    assert {each.features["modality"] for each in hard.measured.values()} == {1.0}
-    known = hard.problem("springpot-hard-20/drawn-185")
-    told, again = suite_hard.described(known.name, suite_hard.SEED, 185)
-    assert suite_hard.demanding(told)
+    study, drawn = import_module(script), import_module("drawn_problems")
+    text = files("springpot_plugins.suites").joinpath(f"{name}.toml").read_bytes()
+    assert sha256(text).hexdigest() == digest, "give a changed suite another name"
+    suite = springpot.plugins().find("suite", name)
+    assert {each.features["modality"] for each in suite.measured.values()} == {1.0}
+    assert len(suite.problems) == 20
+    known = suite.problem(f"{name}/drawn-{number}")
+    told, again = drawn.described(known.name, study.SEED, number, study.PROTOCOLS)
+    assert study.demanding(told)
     assert (told["model"], told["truth"]) == (known.model, dict(known.truth))
     assert known.tests()[0].digest() == again.tests()[0].digest()
+
+
+def test_descents_of_every_kind_are_made_until_one_arrives(plan, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "studies")
+    import suite_rugged as study
+
+    (case,) = (each for each in plan.cases if each.source.name == "springpot-60/maxwell-exact")
+    here, best = problem(case), case.source.best
+    goal = best + 1e-6 * (reference_of(here) - best)
+    few = list(islice(study.ends(here, goal), 2))
+    assert min(few) <= goal
+    start = here.lower + 0.5 * (here.upper - here.lower)
+    assert study.by_parameters(here, start, goal) <= goal
+    assert study.by_parameters(here, start, -np.inf) < goal
 
 
 def test_sixty_problems_from_two_to_fourteen_parameters(suite, plan):

@@ -39,18 +39,4 @@ __all__ = [
     "write_tables",
 ]
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "columns": "frame",
-        "exporting": "Export export",
-        "runner": "Outcome run_study",
-        "standings": "Findings summarise write_tables",
-        "statistics": "Interval",
-        "store": "Store",
-        "study": "Study",
-        "summary": "load_study store_path",
-        "springpot.report.tables": "FORMATS save_table Table",
-        "trial": "Status",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

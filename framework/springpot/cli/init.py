@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
+from importlib.metadata import distribution
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -90,6 +94,19 @@ def _installed_from(folder: Path) -> str:
     """What a build installs: the package in that folder, which brings springpot, or springpot."""
     if (folder / "pyproject.toml").exists():
         return "."
+    return _address(json.loads(distribution("springpot").read_text("direct_url.json") or "{}"))
+
+
+def _address(origin: Mapping[str, Any]) -> str:
+    """Where pip finds springpot again, by what it wrote down when it installed it (PEP 610)."""
+    if "vcs_info" in origin:
+        told = origin["vcs_info"]
+        return f'"springpot @ {told["vcs"]}+{origin["url"]}@{told["commit_id"]}"'
+    if "archive_info" in origin and not origin["url"].startswith("file:"):
+        return f'"springpot @ {origin["url"]}"'
+    # A folder of this machine is nowhere else: no build could install it.
+    if origin:
+        return "springpot  # installed from a folder here: write where it is to be found"
     return "springpot"
 
 

@@ -567,3 +567,15 @@ def _known(search: Search) -> float:
         return noise.dof
     # An estimate comes from the very residual that is weighed: it tells nothing beside it.
     return 0.0
+
+
+def credible(chances: dict[str, float], share: float = EVIDENCE.credible) -> list[str]:
+    """The fewest names that hold a share of the probability, the likeliest first."""
+    total = sum(chances.values())
+    covered, kept = 0.0, []
+    # Asked before it is added: the set must hold the share, not stop short of it.
+    for name in sorted(chances, key=lambda name: -chances[name]):
+        if covered < share * total:
+            kept.append(name)
+        covered += chances[name]
+    return kept

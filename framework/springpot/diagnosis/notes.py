@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +38,12 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
 from springpot.writing import FEW, NAMED, suggested
 
-from .evidence import Evidence
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
+
+if TYPE_CHECKING:
+    from .evidence import Evidence
 
 MEANINGS = {
     -1.0: "as Coulomb friction would",

@@ -12,10 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import STEADY, Complex, Real
 
 from ..numerics import ROUNDING
-from .imposed import STEADY
 
 FEWEST = 8
 """Complete samples below which nothing is made of a record."""

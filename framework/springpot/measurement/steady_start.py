@@ -12,10 +12,10 @@ from functools import lru_cache
 import numpy as np
 
 from springpot.distributions import f_sf
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
-from .imposed import STEADY, Loading
+from .imposed import Loading
 from .rounding import is_even
 
 SHORTEST = 8

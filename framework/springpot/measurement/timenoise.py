@@ -33,11 +33,10 @@ from springpot.numerics import (
     non_negative,
     rms,
 )
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS
-from .imposed import STEADY
 from .measurement import Measurement
 from .steady_start import RULED_OUT
 from .timetest import TimeTest

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError, plain
-from springpot.rheology.points import KELVIN, Real
+from springpot.rheology.points import KELVIN, STEADY, Real
 
 from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
-from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
+from .imposed import SHORT, Loading, controlled, from_rest, is_released
 from .rounding import even_clock, without_hum
 from .rows import digest_of_columns
 from .steady_start import gone_on, said_of_start, stepped_to

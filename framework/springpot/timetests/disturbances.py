@@ -72,9 +72,13 @@ class Slip(NamedTuple):
         # One that leaves more than noise is not the whole story: what has a name goes before it.
         if self.left.misfit or not self.shown:
             return -np.inf
-        before, after, noise = _evened(before, self.left, noise)
-        after = replace(after, count=before.count + 1)
-        return delta_bic(before, after, noise) - 2.0 * float(np.log(max(self.places, 1)))
+        # Over even noise, as all other stories, and over noise that grows: the less is sure.
+        stories = [(before, self.left, noise), _evened(before, self.left, noise)]
+        told = [
+            delta_bic(old, replace(new, count=old.count + 1), scatters)
+            for old, new, scatters in stories
+        ]
+        return min(told) - 2.0 * float(np.log(max(self.places, 1)))
 
 
 def _evened(

@@ -61,22 +61,6 @@ CLOSE = 0.05
 """How nearly K must go there as omega or omega squared."""
 
 
-KEPT = (
-    "sd",
-    "rows",
-    "t",
-    "seen",
-    "times",
-    "omega",
-    "share",
-    "answers",
-    "solver",
-    "record",
-    "forces",
-)
-"""What does not depend on how a part is weighed."""
-
-
 class UnfollowedError(ModelError):
     """The exponentials cannot follow a model."""
 
@@ -271,11 +255,10 @@ class QuickPart(InTimePart):
         """The same with larger noise; what is known already is kept."""
         if scale == self.scale:
             return self
-        # The exponentials' answers are most of the work, and do not hang on the weight.
+        # Their answers are most of the work; of all that is known the weight alone goes by it.
         other = replace(self, scale=scale)
-        for name in KEPT:
-            if name in self.__dict__:
-                other.__dict__[name] = self.__dict__[name]
+        known = {name: value for name, value in vars(self).items() if name != "weight"}
+        vars(other).update(known | vars(other))
         return other
 
     def count(self, coarse: bool = False) -> int:

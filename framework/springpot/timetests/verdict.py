@@ -476,7 +476,8 @@ def _weights(
 ) -> list[float]:
     """Chances of nothing, of each effect, and of a jump that is in no library; see `Evidence`."""
     prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in promises.values()))
-    unnamed = np.log((1.0 - EVIDENCE.prior_nothing) * EVIDENCE.outside) + 0.5 * slip
+    # What slips or lets go is one more fault of the apparatus, as common as any other of them.
+    unnamed = prior + np.log(EVIDENCE.apparatus) + 0.5 * slip
     # Nothing missing is a candidate too.
     logs = [
         np.log(EVIDENCE.prior_nothing),

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from springpot.measurement import Loading, TimeTest
-from springpot.measurement.imposed import STEADY
 from springpot.measurement.steady_start import rise_is_presumed
 from springpot.rheology import (
     AMPLITUDE,
@@ -26,6 +25,7 @@ from springpot.rheology import (
     on_loading,
     relaxation_time,
 )
+from springpot.rheology.points import STEADY
 
 ELEMENTARY = "elementary"
 FEWEST = 21

@@ -12,6 +12,8 @@ SUITES = {
     "springpot-60": "60 problems of 2 to 14 parameters: sweeps, steps, records, joint tests and"
     " populations; exact, noisy and measured",
     "springpot-hard-20": "20 problems that a seed draws and of whose 64 descents none arrives",
+    "springpot-rugged-20": "20 problems of 8 to 14 parameters that a seed draws and of whose 1,024"
+    " descents of four kinds none arrives",
 }
 
 

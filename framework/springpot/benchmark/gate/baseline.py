@@ -366,13 +366,15 @@ def read_baseline(path: Path) -> Baseline:
     StudyError
         If there is none or it cannot be read.
     """
+    if not path.exists():
+        raise StudyError(
+            f"there is no baseline {path}: make it with"
+            f" {suggested('regression update', 'STUDY.py')} and commit it"
+        )
     try:
         text = text_in(path)
     except DataError as error:
-        raise StudyError(
-            f"there is no baseline {path} ({error}): make it with"
-            f" {suggested('regression update', 'STUDY.py')} and commit it"
-        ) from None
+        raise StudyError(f"the baseline {error}") from None
     try:
         content = json_of(text, finite=True)
         if content["schema"] != SCHEMA:
