@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement.rounding import WIDE
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
@@ -63,8 +64,6 @@ to the usual ones from which it is."""
 TAILS = 3.0
 """Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
 that is further off is an outlier."""
-WIDE = 3
-"""Ordinates on either side over which a line that falls between two of them is spread."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 LEVEL = 4
