@@ -50,6 +50,19 @@ def test_a_slip_is_no_effect_of_the_library(height):
 
 
 @pytest.mark.soak
+def test_a_slip_is_seen_though_a_power_law_has_bent_to_it():
+    time, model = np.linspace(1.0, 500.0, 300), parse_model("fractional-zener")
+    exact = model.relaxation(model.theta(k1=200.0, k2=500.0, c=40.0, alpha=0.5), time)
+    noise = 1.7 * np.random.default_rng(3).normal(size=300)
+    slipped = exact * np.where(time > 170.0, 0.95, 1.0) + noise
+    found = diagnose(
+        TimeTest.of_relaxation(time, slipped, name="relax"), model, library(*LIKE_A_SLIP)
+    )
+    assert found.verdict == "unexplained"
+    assert "a jump in relax at 171 s" in found.says
+
+
+@pytest.mark.soak
 def test_a_large_slip_is_no_noise_with_a_memory():
     found = diagnose(relaxation(ZENER, THETA, -200.0), ZENER, library(*LIKE_A_SLIP))
     assert found.verdict == "unexplained"

@@ -191,7 +191,9 @@ def _beyond_physics(search: Search) -> Iterator[str]:
     # Each once, in the order of the models.
     for grown in search.grown[:NAMED]:
         refused.update(grown.refused)
-        too_large.update(dict.fromkeys(grown.beyond_physics))
+        # What is idle explains nothing of its own: there is nothing to tell.
+        told = [effect for effect in grown.beyond_physics if not grown.is_idle(effect)]
+        too_large.update(dict.fromkeys(told))
     for effect in too_large:
         if effect.name in refused:
             yield f"{effect.name} would explain much, but it {refused[effect.name]}: no law does so"

@@ -195,7 +195,7 @@ def _said(test: TimeTest) -> bool:
 def _risen(test: TimeTest) -> bool:
     """The same, or a record has nothing of the rise but what was there before and after."""
     loading = test.loading
-    if _said(test) or not loading.sampled or len(loading.time) < FEWEST:
+    if _said(test) or _stepped(test) or not loading.sampled or len(loading.time) < FEWEST:
         return _said(test)
     first, second, third = loading.value[:3]
     return bool(first == 0.0 and abs(third - second) <= STEADY * abs(second) > 0.0)
