@@ -114,7 +114,7 @@ def of_material(
         effect = promises[0].effect
         model = base.model + effect
         try:
-            seeds = [promise.start(base, model) for promise in promises[:STARTS]]
+            seeds = [promise.start(base, model) for promise in _first(promises, STARTS)]
             fit = identify(asked.tests, model, seeds=seeds, thorough=False, noise=asked.known)
         except UntoldError as error:
             # Of no known size, it may explain the tests all the same.
@@ -128,6 +128,19 @@ def of_material(
         tried.append(Tried.exactly((effect,), fit, asked.parts))
         fitted(TriedEffect(effect, fit.model, fit.theta))
     return tried
+
+
+def _first(promises: Sequence[Promise], count: int) -> list[Promise]:
+    """The first promises of an effect, and the first of the other sign where they have one.
+
+    Of an effect that is large a linear step may not even tell whether it adds or takes away.
+    """
+    best = list(promises[:count])
+    turned = (each for each in promises if each.values[0] * best[0].values[0] < 0.0 < each.drop)
+    other = next(turned, None)
+    if other is not None and other not in best:
+        best.append(other)
+    return best
 
 
 def nearly_fitted(
@@ -148,7 +161,7 @@ def nearly_fitted(
     for promises in leading:
         effect = promises[0].effect
         model = base.model + effect
-        seeds = [promise.start(base, model, moved=True) for promise in promises[:starts]]
+        seeds = [promise.start(base, model, moved=True) for promise in _first(promises, starts)]
         seeds.append(promises[0].start(base, model))
         # The model's own fit with a trace of the effect is the last seed: an effect that does
         # nothing ends there.
