@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from springpot.lazy import offered
 
-if TYPE_CHECKING:  # what a user's type checker sees; the table below is what happens
+if TYPE_CHECKING:  # what a user's type checker sees, and `offered` imports
     from springpot.api import (
         compare,
         diagnose,
@@ -77,26 +77,7 @@ __all__ = [
     "write_measurement",
 ]
 
-__getattr__, _ = offered(
-    __name__,
-    {
-        "api": "compare diagnose discover identify invent mastercurve predict read",
-        "comparison": "Comparison",
-        "derived": "quantities",
-        "diagnosis": "Diagnosis Ladder",
-        "identification": "Identification Prediction",
-        "invention": "Invention",
-        "loading": "load",
-        "measurement": "geometry Measurement TimeTest Units",
-        "registry": (
-            "open_in_time open_measurement parse_model plugins signals_to_measurement "
-            "write_measurement"
-        ),
-        "rheology": "Effect law Model",
-        "testreport": "certify cycles",
-        "web": "workbench",
-    },
-)
+__getattr__, _ = offered(__name__)
 
 
 def __dir__() -> list[str]:

@@ -7,7 +7,9 @@ pictures.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,36 +19,46 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def offered(
-    package: str, names: Mapping[str, str]
-) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+def offered(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """The module functions ``__getattr__`` and ``__dir__`` of a package.
+
+    It offers what it imports for type checkers, so that each name stands once; see SPEC 1 of
+    Scientific Python, lazy loading of submodules and functions.
 
     Parameters
     ----------
     package : str
         Its name.
-    names : mapping of str to str
-        What it offers of each of its modules, with spaces between. A module with a dot is named in
-        full.
     """
-    where = {
-        name: module if "." in module else f"{package}.{module}"
-        for module, offers in names.items()
-        for name in offers.split()
-    }
+
+    @cache
+    def where() -> dict[str, str]:
+        # Not for whoever imports a package and asks for nothing of it.
+        import ast
+        from linecache import getlines
+
+        module = sys.modules[package]
+        # Of its file, whoever has loaded it: pytest's loader keeps no source.
+        parts = ast.parse("".join(getlines(str(module.__file__), vars(module)))).body
+        imports = [each for part in parts if isinstance(part, ast.If) for each in part.body]
+        return {
+            name.name: "." * each.level + (each.module or name.name)
+            for each in imports
+            if isinstance(each, ast.ImportFrom)
+            for name in each.names
+        }
 
     def get(name: str) -> Any:
-        if name not in where:
+        if name.startswith("__") or name not in where():
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
-        module = import_module(where[name])
+        module = import_module(where()[name], package)
         # A module that is offered by its own name.
-        if where[name] == f"{package}.{name}":
+        if module.__name__ == f"{package}.{name}":
             return module
         return getattr(module, name)
 
     def listed() -> list[str]:
-        return sorted(where)
+        return sorted(where())
 
     return get, listed
 
@@ -92,13 +104,43 @@ def draw_view(
     return drawn
 
 
-def text_of(result: object) -> str:
-    """What the command line prints of a result."""
-    text: str = import_module(TELLS).told(result)
-    return text
+class Drawn:
+    """What has a picture."""
+
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
+        """The picture of it, on a figure of its own, in a file, or on axes that are given.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+        ax : matplotlib.axes.Axes, optional
+            Draw there instead, where one pair of axes is enough.
+
+        Returns
+        -------
+        Figure, Path or Axes
+            A figure that shows itself in a notebook; the file that was written; or the axes that
+            were given.
+
+        Raises
+        ------
+        OutputError
+            If matplotlib is missing, the file cannot be written, both places are given, or one pair
+            of axes does not hold the picture.
+        """
+        return draw(self, path, ax)
 
 
-def html_of(result: object) -> str:
-    """What a notebook shows of a result."""
-    page: str = import_module(TELLS).shown(result)
-    return page
+class Printed:
+    """An answer whose text is what the command line prints of it, in notebooks as a page."""
+
+    def __str__(self) -> str:
+        text: str = import_module(TELLS).told(self)
+        return text
+
+    def _repr_html_(self) -> str:
+        page: str = import_module(TELLS).shown(self)
+        return page

@@ -5,11 +5,12 @@ Finite numbers only, no library's own types, and what a file cannot hold is told
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cached_property
 from math import nan
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from springpot.errors import DataError
 from springpot.numerics import LARGEST as LARGEST_NUMBER
@@ -62,6 +63,58 @@ def some(rows: Iterable[T]) -> tuple[T, ...]:
     if not found:
         raise ValueError("a list is empty that never is")
     return found
+
+
+def read(kind: type[T], row: Mapping[str, Any], **known: Any) -> T:
+    """A result of plain data, each attribute by what its class declares of it.
+
+    Parameters
+    ----------
+    kind : type
+        A dataclass.
+    row : mapping
+        What its `to_dict` gave, or more. An attribute with a default may be missing.
+    **known : object
+        Attributes that stand there in another way, or under another name.
+    """
+    names = vars(sys.modules[kind.__module__])
+    for each in fields(kind):  # type: ignore[arg-type]
+        never = each.default is MISSING and each.default_factory is MISSING
+        if each.name not in known and (never or each.name in row):
+            known[each.name] = _read(str(each.type), row[each.name], names)
+    return kind(**known)
+
+
+def _read(declared: str, value: Any, names: Mapping[str, Any]) -> Any:
+    """A value as it is declared in a module of these names."""
+    if value is None:
+        # JSON has no word for a number that is none.
+        return nan if declared == "float" else None
+    inner = declared.removesuffix(" | None")
+    if inner.startswith("tuple["):
+        inner = inner.removeprefix("tuple[").removesuffix(", ...]")
+        return tuple(_read(inner, each, names) for each in value)
+    for mapping in ("dict[str, ", "Mapping[str, "):
+        if inner.startswith(mapping):
+            inner = inner.removeprefix(mapping).removesuffix("]")
+            return {key: _read(inner, each, names) for key, each in value.items()}
+    result: Any = names.get(inner)
+    if hasattr(result, "from_dict"):
+        return result.from_dict(value)
+    return value
+
+
+class Plain:
+    """A dataclass that stands in JSON as it is."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schemas."""
+        return dict(jsonable(vars(self)))
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Self:
+        """What `to_dict` gave."""
+        return read(cls, row)
 
 
 def _texts(value: Any) -> bool:

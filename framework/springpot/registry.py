@@ -25,7 +25,7 @@ from springpot.errors import (
     use_owners,
 )
 from springpot.files import write_text
-from springpot.measurement.from_signals import OneTest
+from springpot.measurement.from_signals import OneTest, measurement_of_tests
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet, Suite, Test, open_in_time as in_time_by
 from springpot.measurement.other_test import OtherTest
@@ -552,7 +552,18 @@ def signals_to_measurement(
 ) -> Measurement:
     """Files of displacement and force against time, one test each, as one measurement.
 
-    See `harmonics_of`.
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        Files of displacement and force against time, one test in each; ``FILE?force=kN`` says what
+        is left open.
+    omega, n_harmonics, window, name
+        As in `measurement_from_signals`.
+
+    Raises
+    ------
+    DataError
+        If a file holds no time signals or cannot be evaluated.
 
     Examples
     --------
@@ -566,14 +577,11 @@ def signals_to_measurement(
     >>> np.abs(data.stiffness).round(3), np.angle(data.stiffness).round(3)
     (array([3.]), array([0.5]))
     """
-    return opening.signals_to_measurement(
-        paths,
-        plugins().items("reader"),
-        omega=omega,
-        n_harmonics=n_harmonics,
-        window=window,
-        name=name,
+    evaluated = (
+        evaluated_signals(path, omega=omega, n_harmonics=n_harmonics, window=window)
+        for path in paths
     )
+    return measurement_of_tests(evaluated, name)
 
 
 def open_signals(spec: str | Path) -> Signals:

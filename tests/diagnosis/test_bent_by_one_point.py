@@ -53,3 +53,36 @@ def test_the_row_that_carries_most_of_the_misfit_is_found():
     assert len(pulling([frame_of(100.0 * (1.0 + noise))])) == 0
     noise[29] += 0.3
     assert pulling([frame_of(100.0 * (1.0 + noise))]).tolist() == [29]
+
+
+def test_without_an_alarm_it_carries_what_chance_does_not():
+    rng = np.random.default_rng(2)
+    noise = 0.01 * (rng.normal(size=30) + 1j * rng.normal(size=30))
+    for shift, found in ((0.04, []), (0.3, [29])):
+        off = noise + shift * (np.arange(30) == 29)
+        assert pulling([frame_of(100.0 * (1.0 + off))], False).tolist() == found
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("row", [-1, -2])
+def test_of_a_dozen_points_a_bad_one_at_the_end_is_set_aside(row):
+    at = design(12, 0.5, 50.0)
+    k = exact(KELVIN, at)
+    k[row] *= 0.88
+    diagnosis = springpot.diagnose(measured(at, k, level=0.006), KELVIN.name)
+    assert diagnosis.verdict == "adequate"
+    assert any("outlier" in note and f"row {12 + row + 1} " in note for note in diagnosis.notes)
+    assert diagnosis.error.noise_floor < 0.01
+
+
+@pytest.mark.soak
+def test_a_slider_that_never_slips_is_not_named():
+    """A fluid track beside a rubber: a resonance, and a spring behind it."""
+    at = design(20, 1.0, 40.0, amplitudes=(0.1, 1.0))
+    s = 1j * at.omega
+    track = 150.0 * s**2 / (s**2 + 2.0 * 0.25 * 70.0 * s + 70.0**2)
+    data = measured(at, 300.0 + 30.0 * s**0.3 + track, level=0.008)
+    diagnosis = springpot.diagnose(data, "fractional-kelvin")
+    assert "elasto-sliding" not in diagnosis.says
+    assert "hysteresis" not in diagnosis.says
+    assert any("the amplitude does not matter" in note for note in diagnosis.notes)

@@ -35,7 +35,7 @@ def test_the_rule_of_many_facts(stays):
                 for name in names
                 if name != "by_battery"
             },
-            "verdicts": {rule.reason: rule.verdict for rule in verdict.RULES},
+            "verdicts": {rule.reason: rule.verdict for rule in (*verdict.QUIET, *verdict.ALARMED)},
         }
     )
 

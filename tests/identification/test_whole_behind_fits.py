@@ -275,7 +275,6 @@ def test_what_a_file_keeps_of_a_fit(stays):
             "rates": [kept.rates_of(fitted.model), kept.rates_of(MODEL)],
             "bounds": kept.bounds_of(MODEL),
             "data": data,
-            "finite": [kept._finite(np.array([1.0, np.inf])), kept._finite_or_none(np.nan)],
         },
         within=1e-3,
     )

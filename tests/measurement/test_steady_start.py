@@ -224,3 +224,16 @@ def test_whether_a_dashpot_is_felt_at_the_first_sample_of_a_ramp_nobody_knows():
     fit = identify(TimeTest.of_history(T, motion, force, "mm", "N"), model)
     assert fit.tests[0].over_floor == pytest.approx(1.0, abs=0.1)
     assert fit.parameters["c"].value == pytest.approx(0.5, rel=0.02)
+
+
+def test_what_creeps_from_its_first_sample_on_was_loaded_just_then():
+    time = 2.5 * np.arange(120)
+    held = np.where(time < 148.0, 2.0, 0.0)
+    creep = np.where(time < 148.0, 1.0 + 0.004 * time, 0.3)
+    noise = 0.002 * np.random.default_rng(2).normal(size=120)
+    test = TimeTest.of_history(time, creep + noise, held, "mm", "N")
+    assert (test.kind, test.control) == ("recovery", "force")
+    assert [each.tolist() for each in test.loading.jumps] == [[0.0], [2.0]]
+    # What had been held for long before is at rest until it is let go.
+    rested = TimeTest.of_history(time, np.where(held > 0.0, 1.0, 0.3) + noise, held, "mm", "N")
+    assert len(rested.loading.jumps[0]) == 0

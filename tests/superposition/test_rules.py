@@ -12,7 +12,7 @@ from springpot.errors import DataError
 from springpot.measurement import Measurement
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.levels import HELD
+from springpot.rheology.points import HELD
 from springpot.superposition import curve, laws, laws as steps, simplicity
 from springpot.thresholds import SUPERPOSITION, VERDICT
 from springpot.writing import number

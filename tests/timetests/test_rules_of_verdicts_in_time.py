@@ -43,7 +43,7 @@ def test_chances_are_priors_times_what_the_evidence_is_worth():
     assert first / nothing == pytest.approx(np.exp(3.0) * something / 4.0 / EVIDENCE.prior_nothing)
     assert first / second == pytest.approx(np.exp(4.0))
     assert unnamed / nothing == pytest.approx(
-        np.exp(1.5) * something * EVIDENCE.outside / EVIDENCE.prior_nothing
+        np.exp(1.5) * something / 4.0 * EVIDENCE.apparatus / EVIDENCE.prior_nothing
     )
 
 
@@ -83,7 +83,7 @@ def test_one_effect_alone_is_missing_for_certain():
         ("effect-missing", ["friction", "inertia"], "cannot-tell"),
         ("cannot-tell", ["friction"], "cannot-tell"),
     ):
-        rows = verdict._candidates(pair, [0.7, 0.2], alike, [error(), error()], says)
+        rows = verdict._candidates(pair, [0.7, 0.2], alike, [error(), error()], says, error())
         assert rows[0].verdict == first
         assert [row.probability for row in rows] == [0.7, 0.2]
     assert rows[1].verdict == "absent"

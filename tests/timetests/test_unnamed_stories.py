@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose
-from springpot.timetests.scatter import ResidualScatter, likeliest_jump, scatter_of_sweep
+from springpot.timetests.disturbances import Slip
+from springpot.timetests.left import Left, delta_bic
+from springpot.timetests.scatter import (
+    ResidualScatter,
+    likeliest_jump,
+    scatter_of,
+    scatter_of_sweep,
+)
 
 TIME = np.geomspace(0.01, 100.0, 80)
 OMEGA = np.geomspace(0.1, 100.0, 17)
@@ -38,6 +47,19 @@ def test_a_slip_is_no_effect_of_the_library(height):
     assert found.leading == ()
     assert f"{JUMP}, as of what slips or lets go, explains more" in found.says
     assert found.evidence["unknown"] > 0.9
+
+
+@pytest.mark.soak
+def test_a_slip_is_seen_though_a_power_law_has_bent_to_it():
+    time, model = np.linspace(1.0, 500.0, 300), parse_model("fractional-zener")
+    exact = model.relaxation(model.theta(k1=200.0, k2=500.0, c=40.0, alpha=0.5), time)
+    noise = 1.7 * np.random.default_rng(3).normal(size=300)
+    slipped = exact * np.where(time > 170.0, 0.95, 1.0) + noise
+    found = diagnose(
+        TimeTest.of_relaxation(time, slipped, name="relax"), model, library(*LIKE_A_SLIP)
+    )
+    assert found.verdict == "unexplained"
+    assert "a jump in relax at 171 s" in found.says
 
 
 @pytest.mark.soak
@@ -131,3 +153,18 @@ def test_a_last_sample_that_is_off_is_set_aside_and_told():
     found = diagnose(test, ZENER, [])
     assert found.verdict == "adequate"
     assert any("creep: the sample at 30 s is off by 1" in note for note in found.notes)
+
+
+def left_of(value, count):
+    scatter = scatter_of(value)
+    return Left(count, (value,), (scatter,), (np.zeros((0, len(value))),), (np.zeros(len(value)),))
+
+
+@pytest.mark.parametrize(("seed", "late"), [(1, 1.0), (6, 1.0), (7, 1.0), (5, 3.0)])
+def test_a_jump_is_no_likelier_where_noise_may_be_uneven(seed, late):
+    noise = np.random.default_rng(seed).normal(size=200)
+    noise *= np.r_[np.linspace(0.8, 1.2, 150), late * np.ones(50)]
+    after, white = left_of(noise, 5), ResidualScatter(1.0, 0.0, 0.0, 1.0)
+    before = left_of(noise + 4.0 * (np.arange(200) >= 100), 2)
+    of_even_noise = delta_bic(before, replace(after, count=3), [white]) - 2.0 * np.log(200.0)
+    assert Slip("", after, 200).delta(before, [white]) <= of_even_noise

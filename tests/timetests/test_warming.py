@@ -229,7 +229,7 @@ def test_what_the_exact_response_alone_follows_is_fitted_to_all_samples():
     stress = exact + 0.02 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(t))
     parts = parts_of_specimen([replace(blank, response=stress)])
     search = TimeSearch(MODEL, quick_parts(parts), 304.15, [THETA], thorough=False)
-    found, _ = search.near(parts, [search.centred(each) for each in search.starts()])
+    found, _ = search.near(parts, [search.inside(each) for each in search.starts()])
     left = parts[0].residual(MODEL, search.theta(found), 304.15).value
     best = parts[0].residual(MODEL, THETA, 304.15).value
     assert left @ left < best @ best

@@ -46,6 +46,7 @@ from .statistics import (
     mean_range,
     performance_profile,
     pooled_ranks,
+    ranked,
     signed_rank_posterior,
     target_value,
     wilcoxon_holm,
@@ -407,8 +408,7 @@ def quality(race: ProblemRace, mark: int, target: float) -> Real:
     No better than the target, infinite if it failed.
     """
     # Below the target a race is over: who got further beyond it is no better.
-    clipped: Real = np.maximum(race.values[:, :, mark], target)
-    return clipped
+    return np.maximum(race.values[:, :, mark], target)
 
 
 def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[OptimiserChoice]:
@@ -596,8 +596,6 @@ def rankings(races: Sequence[ProblemRace], scale: JudgingScale) -> list[MeanRank
 
 def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScale) -> MeanRanks:
     """The ranking over some races at one mark."""
-    from scipy.stats import rankdata
-
     reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
     pairs = pairs_of(len(labels))
@@ -605,7 +603,7 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
     if len(races) > 1:
         unit = PROBLEMS
         blocks = np.stack([ranks.mean(axis=1) for ranks in among])
-        within = rankdata(blocks, axis=1)
+        within = ranked(blocks)
         p, least = wilcoxon_holm(blocks), least_signed_rank(len(blocks)) * pairs
     else:
         unit = "repetitions"

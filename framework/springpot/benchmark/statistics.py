@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import normal_quantile
+from springpot.distributions import chi2_sf, normal_quantile
 from springpot.numerics import AT_ONCE
 from springpot.report.tables import Interval as Interval
 from springpot.rheology.points import Real
@@ -177,39 +177,46 @@ def data_profile(costs: Real, dimensions: Real, budgets: Real) -> Real:
     return np.array([ecdf(column, budgets) for column in simplex.T])
 
 
+def ranked(rows: Real) -> Real:
+    """Rank of each value (k, n) in its row, the smallest being 1; ties share the mean of theirs.
+
+    As `scipy.stats.rankdata`, which takes most of a second to import.
+    """
+    places = np.empty(rows.shape)
+    for row, place in zip(rows, places, strict=True):
+        order = np.sort(row)
+        below, up_to = (np.searchsorted(order, row, side) for side in ("left", "right"))
+        place[:] = 0.5 * (below + up_to + 1)
+    return places
+
+
 def mean_ranks(scores: Real) -> Real:
     """Mean rank of each column of `scores` (blocks, treatments), the smallest score ranking 1.
 
     Ties share.
     """
-    from scipy.stats import rankdata
-
-    ranks: Real = rankdata(scores, axis=1).mean(axis=0)
+    ranks: Real = ranked(scores).mean(axis=0)
     return ranks
 
 
 def pooled_ranks(values: Real) -> Real:
     """Rank of each value among all of them, in their shape; infinite ones rank last."""
-    from scipy.stats import rankdata
-
-    return np.asarray(rankdata(values, axis=None).reshape(values.shape))
+    return ranked(values.reshape(1, -1)).reshape(values.shape)
 
 
 def friedman(scores: Real) -> tuple[float, float]:
     """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last.
 
-    Where every block is one tie nothing differs, which SciPy calls 0/0. By the approximation of chi
-    squared, but never below the chance that so few blocks agree in the order of all.
+    Where every block is one tie nothing differs. By the approximation of chi squared, but never
+    below the chance that so few blocks agree in the order of all.
     """
-    from scipy.stats import friedmanchisquare, rankdata
-
-    # The same order without infinities.
-    ranks = rankdata(scores, axis=1)
+    ranks, (blocks, treatments) = ranked(scores), scores.shape
     if not np.ptp(ranks):
         return 0.0, 1.0
-    statistic, p = friedmanchisquare(*ranks.T)
-    blocks, treatments = scores.shape
-    return float(statistic), max(float(p), 1 / factorial(treatments) ** (blocks - 1))
+    # Of the mean ranks, over the variance that ranks with these ties have by chance.
+    statistic = blocks * (treatments - 1) * np.var(ranks.mean(axis=0)) / np.var(ranks)
+    p = float(chi2_sf(statistic, treatments - 1))
+    return float(statistic), max(p, 1 / factorial(treatments) ** (blocks - 1))
 
 
 def wilcoxon_holm(scores: Real) -> Real:
@@ -218,14 +225,15 @@ def wilcoxon_holm(scores: Real) -> Real:
     Over blocks: exact for up to 50 of them, ties or not (`sign_flips`), else by the normal
     approximation. Blocks in which a difference is not defined, both being infinite, count as ties.
     """
-    from scipy.stats import wilcoxon
-
     first, second = np.triu_indices(scores.shape[1], 1)
     a, b = scores.T[first], scores.T[second]
     same = a == b
     gaps = np.clip(np.where(same, 0.0, a) - np.where(same, 0.0, b), -1e300, 1e300)
     if gaps.shape[1] <= EXACT:
         return _square(holm(sign_flips(gaps)), scores.shape[1])
+    # Only now: it takes most of a second to import.
+    from scipy.stats import wilcoxon
+
     p = np.ones(len(gaps))
     differ = gaps.any(axis=1)
     if differ.any():
@@ -240,10 +248,8 @@ def sign_flips(gaps: Real) -> Real:
     theirs without a sign (Pratt 1959, doi:10.1080/01621459.1959.10501526). The normal approximation
     would be surer of tied differences than n blocks can ever be.
     """
-    from scipy.stats import rankdata
-
     # Twice the ranks: of ties they are halves.
-    ranks = np.rint(2 * rankdata(np.abs(gaps), axis=1)).astype(int)
+    ranks = np.rint(2 * ranked(np.abs(gaps))).astype(int)
     return np.array(
         [
             _sign_flip(row[gap != 0], row[gap > 0].sum())
@@ -363,8 +369,7 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
     ordered = np.moveaxis(values, 0, -1).copy()
     ordered.sort(axis=-1)
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
-    chosen: Real = np.moveaxis(ordered[..., places], -1, 0)
-    return chosen
+    return np.moveaxis(ordered[..., places], -1, 0)
 
 
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
@@ -454,5 +459,4 @@ def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
         below, above = np.split(own[:, first] * own[:, second] @ sides, 2, axis=1)
         most = np.stack([below, 1.0 - below - above, above]).argmax(axis=0)
         counts += np.stack([(most == region).sum(axis=0) for region in range(3)])
-    found: Real = counts.T / DRAWS
-    return found
+    return counts.T / DRAWS

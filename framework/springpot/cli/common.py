@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -119,24 +120,46 @@ class _Input(click.Path):
         return self.coerce_path_result(value)
 
 
-class _Output(click.Path):
-    """A file that a command writes, and nothing else of it."""
+class Output(click.Path):
+    """A file that a command writes, and nothing else of it.
+
+    Parameters
+    ----------
+    check : str
+        The module and the function in it by which a path that cannot be written is told, before
+        time is spent on what goes there; empty where the command does that itself.
+    """
+
+    def __init__(self, check: str = "springpot.files:require_writable") -> None:
+        super().__init__(path_type=Path)
+        self.check = check
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The path, after a check that no other output goes there."""
+        """The path, after a check that no other output goes there and that this one can."""
         from springpot.files import keep_output
 
         keep_output(value)
-        return super().convert(value, param, ctx)
+        path = super().convert(value, param, ctx)
+        if self.check:
+            module, _, name = self.check.partition(":")
+            getattr(import_module(module), name)(path)
+        return path
 
 
-FILE = _Output(path_type=Path)
+FILE, FIGURE = Output(), Output("springpot.report.canvas:check_figure_path")
+TABLE = Output("springpot.report.tables:check_table_path")
 DATA, INPUT = _Input(path_type=str), _Input(path_type=Path)
 """What is read: data as a user names them, and any other file."""
 
 
 OUTPUT = "springpot.output"
 """Where a command with ``--json`` finds its own output among what its context knows."""
+
+
+def figure_option(what: str) -> Callable[[F], F]:
+    """Add ``--figure FILE``; `what` is drawn."""
+    text = f"Draw {what} (.png, .svg or .pdf)."
+    return click.option("--figure", type=FIGURE, metavar="FILE", help=text)
 
 
 def results_option(text: str) -> Callable[[F], F]:
@@ -536,6 +559,6 @@ def numbers(text: str) -> list[float]:
         low = high = nan
     if not 0.0 < low < high < float("inf"):
         advice = "write numbers with commas, or a range such as 0.1..100"
-        raise click.UsageError(f"'{text}': {advice}", click.get_current_context())
+        raise click.UsageError(f"'{text}': {advice}")
     spaced: list[float] = geomspace(low, high, SPACED).tolist()
     return spaced

@@ -12,9 +12,9 @@ from springpot.writing import with_model
 
 from . import timetests
 from .common import (
-    FILE,
     data_argument,
     emit,
+    figure_option,
     geometry_option,
     json_option,
     opened,
@@ -42,12 +42,7 @@ MODELS = "A model expression; give several, or none to rank all installed models
 )
 @data_argument
 @click.option("--model", "-m", "models", metavar="EXPR", multiple=True, help=MODELS)
-@click.option(
-    "--figure",
-    type=FILE,
-    metavar="FILE",
-    help="Draw all views and residual planes (.png, .svg or .pdf).",
-)
+@figure_option("all views and residual planes")
 @seed_option
 @geometry_option
 @json_option
@@ -68,11 +63,7 @@ def command(
     time serve as well as sweeps.
     """
     from springpot.registry import parse_model
-    from springpot.report.canvas import check_figure_path
 
-    if figure is not None:
-        # A path that cannot be written is told before minutes are spent on the picture.
-        check_figure_path(figure)
     # A model that was named twice is judged once.
     expressions = [parse_model(model) for model in dict.fromkeys(models)]
     tests = timetests.named_tests([data], geometry)

@@ -14,7 +14,7 @@ from springpot.writing import accepting, with_model
 from . import timetests
 from .common import (
     DATA,
-    FILE,
+    Output,
     accuracy_option,
     complete_data,
     emit,
@@ -35,7 +35,7 @@ from .common import (
     with_rows,
 )
 from .group import INTERRUPTED
-from .hints import Waiting, suggested
+from .hints import Waiting, kept_by, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.ladder import Ladder
@@ -83,13 +83,13 @@ ACCEPT = (
 )
 @click.option(
     "--report",
-    type=FILE,
+    type=Output("springpot.report.html:check_report_path"),
     metavar="FILE.html",
     help="Write the whole story as one self-contained page.",
 )
 @click.option(
     "--figure",
-    type=FILE,
+    type=Output("springpot.report.canvas:check_moving_path"),
     metavar="FILE",
     help="Draw the falling error, of tests in time each test with its fits"
     " (.png, .svg, .pdf, or .gif to play it).",
@@ -132,12 +132,10 @@ def command(
     if split is not None:
         accept = (of_each(split).name, *accept)
     _require_one_choice(auto, accept)
-    _check_paths(report, figure)
     expression = None
     if model is not None:
         expression = parse_model(model)
-    # Before `known_from`, which takes the options out.
-    again = again_with(data, model, accept, auto, seed, geometry, options)
+    again = again_with(data, model, accept, auto, seed)
     chosen = library_from(options)
     effects = None
     if not auto:
@@ -183,8 +181,7 @@ def _tests(data: Sequence[str], geometry: str | None, specimens: bool) -> Sequen
     if len(data) > 1:
         raise click.UsageError(
             "several sweeps are judged one by one; together where a test in time is among them, or"
-            " as specimens (--own, --population file)",
-            click.get_current_context(),
+            " as specimens (--own, --population file)"
         )
     return [opened(data[0], geometry)]
 
@@ -230,26 +227,12 @@ def _tell_written(*paths: Path | None) -> None:
             print(f"\nwritten: {path}")
 
 
-def _check_paths(report: Path | None, figure: Path | None) -> None:
-    """Tell of a path that cannot be written before minutes are spent on what goes there."""
-    from springpot.report.canvas import MOVING, check_figure_path
-    from springpot.report.html import check_report_path
-
-    if report is not None:
-        check_report_path(report)
-    if figure is not None:
-        check_figure_path(figure, MOVING)
-
-
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
     """Either the evidence decides, or the user names what is accepted."""
     if auto and accept:
-        raise click.UsageError(
-            "give --auto or --accept EFFECT, not both", click.get_current_context()
-        )
+        raise click.UsageError("give --auto or --accept EFFECT, not both")
     if not auto and not accept:
-        words = "give --auto, or --accept EFFECT once or more"
-        raise click.UsageError(words, click.get_current_context())
+        raise click.UsageError("give --auto, or --accept EFFECT once or more")
 
 
 def _next(ladder: Ladder, data: Sequence[str], model: str | None, tests: Sequence[Test]) -> str:
@@ -305,30 +288,12 @@ def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tu
 
 
 def again_with(
-    data: Sequence[str],
-    model: str | None,
-    accept: tuple[str, ...],
-    auto: bool,
-    seed: int | None,
-    geometry: str | None,
-    options: dict[str, Any],
+    data: Sequence[str], model: str | None, accept: Sequence[str], auto: bool, seed: int | None
 ) -> list[str]:
     """The command that makes the same report again."""
-    again = ["springpot", "discover", *data]
-    if model is not None:
-        again += ["--model", model]
-    if auto:
-        again.append("--auto")
-    # There are none with --auto.
-    for name in accept:
-        again += ["--accept", name]
-    for name in ("effects", "accuracy"):
-        if options[name] is not None:
-            again += [f"--{name}", options[name]]
-    for name in ("effect", "without", "fix", "bounds", "tie", "exclude"):
-        for text in options[name]:
-            again += [f"--{name}", text]
-    again += ["--seed", str(seed or 0)]
-    if geometry is not None:
-        again += ["--geometry", geometry]
-    return again
+    # There are no effects with --auto.
+    chosen = ["--auto"] if auto else accepting(accept)
+    # Without one it is nothing that was given, and the random numbers of none are those of 0.
+    seeded = ["--seed", "0"] if seed is None else []
+    words = [*data, *with_model(model), *chosen, *kept_by("discover"), *seeded]
+    return ["springpot", "discover", *words]

@@ -15,11 +15,12 @@ from springpot.writing import with_model
 from . import timetests
 from .common import (
     DATA,
-    FILE,
     POSITIVE,
+    TABLE,
     accuracy_option,
     complete_data,
     emit,
+    figure_option,
     geometry_option,
     json_option,
     known_from,
@@ -90,9 +91,7 @@ OPTIMISER = (
     help="Let numbers that lie far off count less.",
 )
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
-@click.option(
-    "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."
-)
+@figure_option("data, fit and residuals")
 @click.option(
     "--view",
     metavar="NAME",
@@ -101,7 +100,7 @@ OPTIMISER = (
 )
 @click.option(
     "--table",
-    type=FILE,
+    type=TABLE,
     metavar="FILE",
     help="Write the parameters as .csv, .xlsx, .tex, .html or .md.",
 )
@@ -134,9 +133,10 @@ def command(
     from springpot.constraints import asks_for_all, values_of
     from springpot.report.tables import write_parameters
 
-    _check_paths(figure, view, table)
+    if view is not None and figure is None:
+        raise click.UsageError("--view says what is drawn: give --figure FILE too")
     if as_csv and as_json:
-        raise click.UsageError("give --csv or --json, not both", click.get_current_context())
+        raise click.UsageError("give --csv or --json, not both")
     model, expression, held = _meant(model, times, per_decade)
     known = known_from(options)
     known["fix"] = held | known["fix"]
@@ -144,12 +144,11 @@ def command(
     tests = timetests.named_tests(data, geometry)
     if tests is not None and view is not None:
         advice = "--view says how a sweep is drawn, and these are tests in time: leave it out"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError(advice)
     together = tests is not None or joint or asks_for_all(known["own"], known["share"])
     if len(data) > 1 and not together:
         if figure is not None:
-            advice = "--figure draws one fit: name one DATA, or give --joint"
-            raise click.UsageError(advice, click.get_current_context())
+            raise click.UsageError("--figure draws one fit: name one DATA, or give --joint")
         return _each(data, expression, geometry, arguments, table, as_csv, as_json)
     fit = _fitted(tests or [opened_together(data, geometry)], expression, arguments)
     if figure is not None:
@@ -181,20 +180,6 @@ def _meant(model: str, times: str | None, per_decade: int) -> tuple[str, Model, 
         family = f"{family.removesuffix('-N')}-{len(values)}"
     expression = parse_model(f"{family} {plus}{effects}")
     return expression.name, expression, at_times(expression, values)
-
-
-def _check_paths(figure: Path | None, view: str | None, table: Path | None) -> None:
-    """A path that cannot be written is told before time is spent on the fit."""
-    from springpot.report.canvas import check_figure_path
-    from springpot.report.tables import require_ending
-
-    if figure is not None:
-        check_figure_path(figure)
-    elif view is not None:
-        advice = "--view says what is drawn: give --figure FILE too"
-        raise click.UsageError(advice, click.get_current_context())
-    if table is not None:
-        require_ending(table)
 
 
 def _fitted(tests: Sequence[Test], model: Model, arguments: dict[str, Any]) -> Identification:

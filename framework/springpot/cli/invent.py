@@ -13,6 +13,7 @@ from .common import (
     FILE,
     data_argument,
     emit,
+    figure_option,
     geometry_option,
     json_option,
     judged_option,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     help="Column that a law may go with; by default all that were varied by themselves.",
 )
 @click.option("-o", "--output", type=FILE, metavar="JSON", help="Write the answer here too.")
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw it (.png, .svg or .pdf).")
+@figure_option("it")
 @known_options
 @seed_option
 @geometry_option
@@ -65,16 +66,11 @@ def command(
     """
     from springpot.api import invent
     from springpot.diagnosis.result import within
-    from springpot.files import require_writable, write_text
+    from springpot.files import write_text
     from springpot.registry import parse_model
-    from springpot.report.canvas import check_figure_path
     from springpot.report.text import to_json
     from springpot.report.told import told
 
-    if figure is not None:
-        check_figure_path(figure)
-    if output is not None:
-        require_writable(output)
     expression = None if model is None else parse_model(model)
     arguments = {"along": along or None, "seed": seed or 0, **known_from(options)}
     measurement = opened(data, geometry)

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING
 import click
 
 from . import timetests
-from .common import DATA, FILE, complete_data, emit, geometry_option, json_option, opened, window
+from .common import (
+    DATA,
+    FILE,
+    complete_data,
+    emit,
+    figure_option,
+    geometry_option,
+    json_option,
+    opened,
+    window,
+)
 
 if TYPE_CHECKING:
     from springpot.measurement.opening import Test
@@ -53,12 +63,7 @@ if TYPE_CHECKING:
     metavar="CSV",
     help="Write the reduced data here, as a measurement.",
 )
-@click.option(
-    "--figure",
-    type=FILE,
-    metavar="FILE",
-    help="Draw curve, factors and errors (.png, .svg or .pdf).",
-)
+@figure_option("curve, factors and errors")
 @geometry_option
 @json_option
 def command(
@@ -82,16 +87,10 @@ def command(
     where it is not.
     """
     from springpot.api import mastercurve
-    from springpot.files import require_writable, write_text
+    from springpot.files import write_text
     from springpot.registry import write_measurement
-    from springpot.report.canvas import check_figure_path
     from springpot.report.told import told
 
-    # A path that cannot be written is told before time is spent on the curve.
-    if figure is not None:
-        check_figure_path(figure)
-    if output is not None:
-        require_writable(output)
     tests: Sequence[Test] | None = timetests.named_tests(data, geometry)
     curve = mastercurve(
         tests or [opened(name, geometry) for name in data],

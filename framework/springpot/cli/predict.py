@@ -10,7 +10,17 @@ import click
 from springpot.loading import no_fit
 
 from . import timetests
-from .common import DATA, FILE, INPUT, at_place, emit, geometry_option, json_option, numbers
+from .common import (
+    DATA,
+    FILE,
+    INPUT,
+    at_place,
+    emit,
+    figure_option,
+    geometry_option,
+    json_option,
+    numbers,
+)
 
 if TYPE_CHECKING:
     from springpot.identification.prediction import Prediction
@@ -47,9 +57,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o", "--output", type=FILE, metavar="FILE.csv", help="Write a table that opens again."
 )
-@click.option(
-    "--figure", type=FILE, metavar="FILE", help="Draw the prediction (.png, .svg or .pdf)."
-)
+@figure_option("the prediction")
 @geometry_option
 @json_option
 def command(
@@ -75,16 +83,10 @@ def command(
     """
     from springpot.constraints import settings_of
     from springpot.errors import DataError
-    from springpot.files import require_writable, write_text
+    from springpot.files import write_text
     from springpot.identification.result import Identification
     from springpot.loading import load
-    from springpot.report.canvas import check_figure_path
 
-    # A path that cannot be written is told before anything is worked out.
-    if output is not None:
-        require_writable(output)
-    if figure is not None:
-        check_figure_path(figure)
     _require_one_question(frequency, omega, history, geometry)
     known = load(fit)
     if not isinstance(known, Identification):
@@ -115,11 +117,9 @@ def _require_one_question(
     """Refuse what asks for nothing, or for several things at once."""
     # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
     if [frequency, omega, history].count(None) != 2:
-        advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError("give --frequency (Hz) or --omega (rad/s), or a --history")
     if geometry is not None and history is None:
-        advice = "--geometry is that of a --history: frequencies have none"
-        raise click.UsageError(advice, click.get_current_context())
+        raise click.UsageError("--geometry is that of a --history: frequencies have none")
 
 
 def show(predicted: Prediction) -> None:

@@ -10,10 +10,4 @@ if TYPE_CHECKING:
     from .ranking import rank as rank
     from .result import Comparison as Comparison, Judgement as Judgement, Ranking as Ranking
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "result": "Comparison Judgement Ranking",
-        "ranking": "rank",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

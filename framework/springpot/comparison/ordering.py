@@ -10,15 +10,17 @@ from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Progress
 from springpot.identification.held_material import is_relaxing
 from springpot.identification.material import is_material
 from springpot.misfit.frame import chance_of_squares
+from springpot.misfit.residual_tests import Finding
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
-from .result import Judgement, RankedFit
+from .result import Judgement, RankedFit, Ranking, Skipped
 
 TOO_FREE = (
     "what a free spectrum leaves is less,"
@@ -46,6 +48,32 @@ class Order(NamedTuple):
     near: list[Judgement]
     others: list[Judgement]
     outgrown: bool
+
+    def ranking(
+        self,
+        ladder: Ladder,
+        notes: Iterable[str],
+        skipped: Iterable[Skipped],
+        harmonics: tuple[Finding, ...] = (),
+        one_test: str = "",
+    ) -> Ranking:
+        """All models in this order.
+
+        Parameters
+        ----------
+        ladder : Ladder
+            The discovery that told what any material needs.
+        notes : iterable of str
+            What a user should know; empty ones are none.
+        skipped : iterable of Skipped
+            Models that cannot be judged.
+        harmonics, one_test
+            As in a `Comparison`, of sweeps alone.
+        """
+        judged = (*self.adequate, *self.near, *self.others)
+        told = tuple(dict.fromkeys(filter(None, notes)))
+        adequate, near, out = tuple(self.adequate), tuple(self.near), tuple(dict.fromkeys(skipped))
+        return Ranking(ladder.data, judged, harmonics, told, one_test, ladder, adequate, near, out)
 
 
 def in_order(judged: Iterable[Judgement], material: Judgement) -> Order:

@@ -93,17 +93,7 @@ def rank(
             fits = fits_of(installed, floor, partial(_one, floor=floor, skipped=[]), progress)
             order = _beside(fits, floor, material_floor(floor, rng), rng)
     notes += [_of_one_test(ladder), *floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
-    return Ranking(
-        measurement.name,
-        (*order.adequate, *order.near, *order.others),
-        harmonics_of(floor),
-        tuple(dict.fromkeys(filter(None, notes))),
-        ladder.diagnosis.one_test,
-        ladder,
-        tuple(order.adequate),
-        tuple(order.near),
-        tuple(dict.fromkeys(skipped)),
-    )
+    return order.ranking(ladder, notes, skipped, harmonics_of(floor), ladder.diagnosis.one_test)
 
 
 def _of_one_test(ladder: Ladder) -> str:

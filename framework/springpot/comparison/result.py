@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.identification.held_material import parameters_of
 from springpot.identification.material import is_material
 from springpot.identification.value import PartResult, Value, parts_of, values_of
-from springpot.lazy import draw, html_of, text_of
+from springpot.lazy import Drawn, Printed
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import Error, over_floor, percent, times
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known
@@ -28,10 +27,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import COMPARISON, SUPERPOSITION
 from springpot.writing import FEW, NAMED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SCHEMA = "springpot.comparison/2"
 TOLD = (
@@ -63,57 +58,46 @@ class RankedFit(Protocol):
     @property
     def model(self) -> Model:
         """What was fitted."""
-        ...
 
     @property
     def theta(self) -> Real:
         """Its parameters, shape (p,)."""
-        ...
 
     @property
     def rss(self) -> float:
         """Sum of squares of the residual over the noise."""
-        ...
 
     @property
     def dof(self) -> float:
         """Numbers that its parameters do not follow."""
-        ...
 
     @property
     def numbers(self) -> float:
         """How many numbers it was judged by, those counted once whose noise is alike."""
-        ...
 
     @property
     def noise_dof(self) -> float:
         """Degrees of freedom of the noise."""
-        ...
 
     @property
     def floor(self) -> float:
         """The relative error that noise alone leaves."""
-        ...
 
     @property
     def least_error(self) -> float:
         """Below which its relative error is not."""
-        ...
 
     @property
     def relative_rms(self) -> float:
         """Above which it is not."""
-        ...
 
     @property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion, but for what all models share."""
-        ...
 
     @property
     def curve(self) -> Real:
         """What it says of each number over the noise, but for what all models share, shape (m,)."""
-        ...
 
 
 def _least_error(judged: Iterable[Judgement]) -> float:
@@ -332,8 +316,11 @@ class Judgement:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(Drawn, Printed):
     """Several models against the same data.
+
+    Its picture has data and models in the views that rheologists use, and what is left; of a
+    ranking those models that `shown` names.
 
     Attributes
     ----------
@@ -418,29 +405,12 @@ class Comparison:
         found = self.judgements[0].refit
         return replace(found.data.mean, sd=found.noise.sd)
 
-    def __str__(self) -> str:
-        return text_of(self)
-
     def __repr__(self) -> str:
         errors = ", ".join(
             f"{one.model.name} {over_floor(one.error.relative_rms, one.error.noise_floor)} x floor"
             for one in self.shown
         )
         return f"<Comparison of {self.data}: {errors}>"
-
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """Data and models in the views that rheologists use, and what is left.
-
-        See `springpot.lazy.draw`.
-
-        Of a ranking those models are drawn that `shown` names.
-        """
-        return draw(self, path, ax)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/2``."""

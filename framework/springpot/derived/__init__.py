@@ -12,9 +12,4 @@ from springpot.lazy import offered
 if TYPE_CHECKING:
     from .asking import quantities as quantities
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "asking": "quantities",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

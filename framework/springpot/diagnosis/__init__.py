@@ -11,11 +11,4 @@ if TYPE_CHECKING:
     from .ladder import Ladder as Ladder, Step as Step
     from .result import Diagnosis as Diagnosis
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "examination": "diagnose examine",
-        "ladder": "Ladder Step",
-        "result": "Diagnosis",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

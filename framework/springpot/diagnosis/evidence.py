@@ -23,6 +23,7 @@ from springpot.thresholds import EVIDENCE
 from .grown import Grown, Search, SweepDrift, Untold, drift_in_place, untold_in_place
 from .marginal import (
     Unknown,
+    credible,
     fault_beside,
     harmonic_evidence,
     is_a_limit,
@@ -624,18 +625,6 @@ def _paired(
         new.remove(other)
         yield place, other
         empty = empty or list(differ)
-
-
-def credible(chances: dict[str, float], share: float = EVIDENCE.credible) -> list[str]:
-    """The fewest names that hold a share of the probability, the likeliest first."""
-    total = sum(chances.values())
-    covered, kept = 0.0, []
-    # Asked before it is added: the set must hold the share, not stop short of it.
-    for name in sorted(chances, key=lambda name: -chances[name]):
-        if covered < share * total:
-            kept.append(name)
-        covered += chances[name]
-    return kept
 
 
 def best_with(search: Search) -> dict[str, Refit]:

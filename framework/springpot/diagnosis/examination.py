@@ -171,9 +171,11 @@ def _without_a_pulling_point(
     search: Search, measurement: Measurement, reduced_by: Reduced
 ) -> tuple[Search, list[Outlier]] | None:
     """The search without a point that bends every model, if one then explains almost all else."""
-    if not search.grown or search.left.p_value >= VERDICT.structure_alarm:
+    alarmed = search.left.p_value < VERDICT.structure_alarm
+    # Where an effect is seen without an alarm it goes before a point.
+    if not search.grown or (not alarmed and _sees_something(search)):
         return None
-    rows = pulling([search.frame, *(grown.refit.frame() for grown in search.grown)])
+    rows = pulling([search.frame, *(grown.refit.frame() for grown in search.grown)], alarmed)
     if len(rows) == 0:
         return None
     reduced = reduced_by(rows)

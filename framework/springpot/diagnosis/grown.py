@@ -68,7 +68,10 @@ class Grown:
 
     @property
     def beyond_physics(self) -> list[Effect]:
-        """Effects larger than any specimen makes them, at the end of their range, or no law."""
+        """Effects larger than any specimen makes them, at the end of their range, or no law.
+
+        And those of an amplitude that was varied widely, where they do nothing that goes with it.
+        """
         units, beyond = self.refit.fit.measurement.units, []
         for effect in self.effects:
             factor, _ = units.of(effect.element.parameters[0].unit)
@@ -80,16 +83,27 @@ class Grown:
             # Constants of a shift trade with each other, and one at its end says nothing of the
             # law.
             ended = effect.plane != "shift" and at_its_limit(self.refit, effect)
-            if too_large or ended or effect.name in self.refused:
+            if too_large or ended or effect.name in self.refused or self.is_idle(effect):
                 beyond.append(effect)
         return beyond
+
+    def is_idle(self, effect: Effect) -> bool:
+        """Whether an effect of the amplitude is none, as fitted, though that went to twice as much.
+
+        A slider that never slips follows the data as a spring would that no effect of the library
+        puts there.
+        """
+        amplitude = self.refit.fit.measurement.points.amplitude
+        if "amplitude" not in effect.needs or amplitude is None:
+            return False
+        return bool(amplitude.max() >= 2.0 * amplitude.min()) and self.same_at_all_amplitudes
 
     @cached_property
     def refused(self) -> dict[str, str]:
         """What laws do that are none of a material, by their name."""
         return {effect.name: does for effect, does in refused_laws(self.refit.fit)}
 
-    @property
+    @cached_property
     def same_at_all_amplitudes(self) -> bool:
         """Whether effects of the amplitude do nothing, as fitted, that goes with it.
 
@@ -592,7 +606,6 @@ class OneSet(Protocol):
     @property
     def key(self) -> tuple[str, ...]:
         """Their names in alphabetical order."""
-        ...
 
 
 S = TypeVar("S", bound=OneSet)
@@ -603,19 +616,15 @@ class Sets(Protocol[S]):
 
     def likeliest(self) -> list[S]:
         """One fit of each set, the likeliest first."""
-        ...
 
     def open(self, near: Sequence[S]) -> None:
         """Fit the neighbours of some sets."""
-        ...
 
     def extend(self, near: Sequence[S]) -> None:
         """Fit sets with one effect more than some."""
-        ...
 
     def exchange(self, best: S) -> None:
         """Fit whatever may stand in a place of the best set."""
-        ...
 
 
 MOST_TOGETHER = 4

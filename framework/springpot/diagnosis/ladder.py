@@ -10,7 +10,6 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice, zip_longest
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
@@ -19,15 +18,15 @@ from springpot.errors import ModelError, SpringpotError
 from springpot.identification.fitted import FittedModel
 from springpot.identification.space import require_conditions
 from springpot.identification.uncertainty import Uncertainty
-from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
-from springpot.lazy import draw, html_of, text_of
+from springpot.identification.value import PartResult, Value, in_floors, parts_of
+from springpot.lazy import Drawn, Printed
 from springpot.measurement.opening import Test
 from springpot.misfit.drift_search import Course
 from springpot.misfit.error import over_floor
 from springpot.misfit.material import MaterialFloor
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.plain_data import alive, json_number, jsonable, some
+from springpot.plain_data import alive, jsonable, read, some
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -49,9 +48,6 @@ from .result import (
 from .scan import scan_effects
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from .evidence import Evidence
 
 
@@ -80,31 +76,25 @@ class Examined(Protocol):
     @property
     def diagnosis(self) -> Diagnosis:
         """What is said of it."""
-        ...
 
     @property
     def base(self) -> FittedModel:
         """The fit that was judged."""
-        ...
 
     @property
     def tests(self) -> Sequence[Test]:
         """What it was fitted to."""
-        ...
 
     @property
     def correlated(self) -> tuple[Model, Real]:
         """The model whose parameters are told, and the correlations (p, p) of these."""
-        ...
 
     @property
     def untold(self) -> Untold | None:
         """Effects of an amplitude that no column tells, which may stand in a named one's place."""
-        ...
 
     def grown_with(self, effect: Effect) -> GrownBy:
         """The model as accepting one effect would make it, without a new fit."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,29 +296,15 @@ class Step:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Step:
         """What `to_dict` gave."""
-        advice = row.get("next_experiment")
-        if advice is not None:
-            advice = NextExperiment.from_dict(advice)
-        return cls(
-            model=parse_model(row["model"]),
-            accepted=row["accepted"],
-            relative_rms=float(row["relative_rms"]),
-            noise_floor=json_number(row["noise_floor"]),
-            material_floor=json_number(row["material_floor"]),
-            predicted_error=row["predicted_error"],
-            material_chance=json_number(row["material_chance"]),
-            alike=tuple(row["class"]),
-            parameters=values_of(row["parameters"]),
-            changed=row["changed"],
-            tests=parts_of(row["tests"]),
-            test=row.get("test", ""),
-            next_experiment=advice,
-        )
+        model, tests = parse_model(row["model"]), parts_of(row["tests"])
+        return read(cls, row, model=model, tests=tests, alike=tuple(row["class"]))
 
 
 @dataclass(frozen=True, eq=False)
-class Ladder:
+class Ladder(Drawn, Printed):
     """Steps from the user's model to the last accepted one, with the last diagnosis.
+
+    Its picture is the error that falls to the noise floor.
 
     Attributes
     ----------
@@ -380,9 +356,6 @@ class Ladder:
         experiment = self.undecided.next_experiment
         return None if experiment is None else experiment.to_dict()
 
-    def __str__(self) -> str:
-        return text_of(self)
-
     def __repr__(self) -> str:
         errors = " -> ".join(over_floor(step.relative_rms, step.noise_floor) for step in self.steps)
         return f"<Ladder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
@@ -405,15 +378,6 @@ class Ladder:
         steps = some(Step.from_dict(row) for row in answer["steps"])
         diagnosis = Diagnosis.from_dict(answer["diagnosis"])
         return cls(answer["data"], steps, answer["verdict"], diagnosis, answer["left_out"])
-
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """The error falling to the noise floor; see `springpot.lazy.draw`."""
-        return draw(self, path, ax)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
 
 Reached: TypeAlias = Callable[[Ladder], None]
@@ -575,7 +539,7 @@ def climbed(
     accept : sequence of Effect, optional
         Effects to accept in this order; without it every decision is taken by the evidence.
     progress : callable
-        Told in a few words what is being done.
+        Printed in a few words what is being done.
     reached : callable, optional
         Given the ladder as it stands after each rung, so that what was reached is there even if the
         rest is interrupted. The ladder that is returned may be shorter: rungs that led nowhere are

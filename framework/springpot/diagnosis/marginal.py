@@ -242,8 +242,7 @@ def _own_levels(frame: NoiseFrame, name: str) -> Real:
 def _creep(along: Real) -> Real:
     """Polynomials without their constant, shape (DRIFT_DEGREE, n)."""
     x = 2.0 * (along - along.min()) / np.ptp(along) - 1.0
-    curves: Real = np.polynomial.legendre.legvander(x, DRIFT_DEGREE).T[1:]
-    return curves
+    return np.polynomial.legendre.legvander(x, DRIFT_DEGREE).T[1:]
 
 
 def _settling(frame: NoiseFrame, order: Real) -> Iterator[Unknown]:
@@ -567,3 +566,15 @@ def _known(search: Search) -> float:
         return noise.dof
     # An estimate comes from the very residual that is weighed: it tells nothing beside it.
     return 0.0
+
+
+def credible(chances: dict[str, float], share: float = EVIDENCE.credible) -> list[str]:
+    """The fewest names that hold a share of the probability, the likeliest first."""
+    total = sum(chances.values())
+    covered, kept = 0.0, []
+    # Asked before it is added: the set must hold the share, not stop short of it.
+    for name in sorted(chances, key=lambda name: -chances[name]):
+        if covered < share * total:
+            kept.append(name)
+        covered += chances[name]
+    return kept

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +38,12 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
 from springpot.writing import FEW, NAMED, suggested
 
-from .evidence import Evidence
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
+
+if TYPE_CHECKING:
+    from .evidence import Evidence
 
 MEANINGS = {
     -1.0: "as Coulomb friction would",
@@ -188,7 +191,9 @@ def _beyond_physics(search: Search) -> Iterator[str]:
     # Each once, in the order of the models.
     for grown in search.grown[:NAMED]:
         refused.update(grown.refused)
-        too_large.update(dict.fromkeys(grown.beyond_physics))
+        # What is idle explains nothing of its own: there is nothing to tell.
+        told = [effect for effect in grown.beyond_physics if not grown.is_idle(effect)]
+        too_large.update(dict.fromkeys(told))
     for effect in too_large:
         if effect.name in refused:
             yield f"{effect.name} would explain much, but it {refused[effect.name]}: no law does so"

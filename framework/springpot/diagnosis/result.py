@@ -8,25 +8,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan, nan
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
-from springpot.identification.value import PartResult, Quantities, Value, parts_of, values_of
-from springpot.lazy import draw, html_of, text_of
+from springpot.identification.value import PartResult, Quantities, Value, parts_of
+from springpot.lazy import Drawn, Printed
 from springpot.misfit.error import Error, percent
 from springpot.misfit.where import Where
-from springpot.plain_data import json_number, jsonable
+from springpot.plain_data import Plain, json_number, jsonable, read
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 from springpot.writing import NAMED, in_shell, suggested
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
@@ -71,7 +65,7 @@ class ToDo:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> ToDo:
         """What `to_dict` gave."""
-        return cls(row["says"], row["command"], json_number(row["error_after"]))
+        return read(cls, row)
 
 
 def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
@@ -285,28 +279,20 @@ class Candidate:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Candidate:
         """What `to_dict` gave."""
-        return cls(
+        return read(
+            cls,
+            row,
             physics=plugins().effect(row.get("law", row["effect"])),
             alike=tuple(row["class"]),
-            probability=row["probability"],
             # What could not be computed was infinite: no evidence at all, no bound at all.
             delta_bic=json_number(row["delta_bic"], -inf),
-            score=json_number(row["score"]),
-            verdict=row["verdict"],
-            predicted_error=json_number(row["predicted_error"]),
             bound=json_number(row["bound"], inf),
-            says=row["says"],
-            alone=AsTold(
-                json_number(row["error_after"]),
-                json_number(row["over_floor"]),
-                values_of(row["parameters"]),
-            ),
-            error_beside=json_number(row.get("error_beside")),
+            alone=read(AsTold, row, error=json_number(row["error_after"])),
         )
 
 
 @dataclass(frozen=True)
-class NextExperiment:
+class NextExperiment(Plain):
     """The feasible measurement that would best tell the leading effects apart, or what is unknown.
 
     Attributes
@@ -326,20 +312,12 @@ class NextExperiment:
     expected_separation_sigma: float | None
     action: dict[str, list[float]] = field(default_factory=dict)
 
-    def to_dict(self) -> dict[str, Any]:
-        """As in the schema."""
-        return dict(jsonable(vars(self)))
-
-    @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> NextExperiment:
-        """What `to_dict` gave."""
-        separates, sigma = tuple(row["separates"]), row["expected_separation_sigma"]
-        return cls(row["says"], separates, sigma, row["action"])
-
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class Diagnosis(Drawn, Printed):
     """The answer to the question what is missing from a model.
+
+    Its picture has the error as it is and with each leading effect, beside the floors.
 
     Attributes
     ----------
@@ -508,18 +486,6 @@ class Diagnosis:
             return "next"
         return "helps, but is no proof"
 
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """The error as it is and with each leading effect, beside the floors.
-
-        See `springpot.lazy.draw`.
-        """
-        return draw(self, path, ax)
-
-    def __str__(self) -> str:
-        return text_of(self)
-
     def __repr__(self) -> str:
         return f"<Diagnosis {self.model.name} of {self.data}: {self.verdict}; {self.says}>"
 
@@ -556,33 +522,13 @@ class Diagnosis:
     @classmethod
     def from_dict(cls, answer: Mapping[str, Any]) -> Diagnosis:
         """What `to_dict` gave."""
-        advice = answer["next_experiment"]
-        if advice is not None:
-            advice = NextExperiment.from_dict(advice)
-        return cls(
-            data=answer["data"],
+        return read(
+            cls,
+            answer,
             model=parse_model(answer["model"]),
-            error=Error.from_dict(answer["error"]),
             tests=parts_of(answer["tests"]),
-            verdict=answer["verdict"],
-            says=answer["says"],
-            split=answer["split"],
-            parameters=values_of(answer["parameters"]),
-            where=tuple(Where.from_dict(row) for row in answer["where"]),
-            candidates=tuple(Candidate.from_dict(row) for row in answer["candidates"]),
-            classes=tuple(tuple(names) for names in answer["classes"]),
-            leading=tuple(answer["leading"]),
-            one_test=answer["one_test"],
-            next_experiment=advice,
-            notes=tuple(answer["notes"]),
-            evidence=answer["evidence"],
-            left_out=answer["left_out"],
-            steps=tuple(ToDo.from_dict(row) for row in answer["steps"]),
             quantities=Quantities.within(answer),
         )
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
 
 def silent(stage: str) -> None:

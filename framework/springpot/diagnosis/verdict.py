@@ -1,11 +1,11 @@
-"""The overall verdict: a table of rules on a few facts, and the sentence that tells of it."""
+"""The overall verdict: tables of rules on a few facts, and the sentence that tells of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import comb
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,12 @@ from springpot.misfit.residual_tests import OF_NEIGHBOURS, sets_apart
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .evidence import Evidence, credible
 from .grown import Grown, Search
-from .marginal import likeliest_unknown
+from .marginal import credible, likeliest_unknown
 from .result import Verdict
+
+if TYPE_CHECKING:
+    from .evidence import Evidence
 
 DEALT = 1000
 """Times that points which stand out are dealt out anew; a chance of 0.05 is known to an eighth."""
@@ -135,70 +137,53 @@ class VerdictRule(NamedTuple):
     verdict: Verdict
 
 
-RULES = (
-    # Before the alarms: the residual of computed data has a pattern, but no scatter to judge it by.
-    VerdictRule(
-        "nothing is left but arithmetic", lambda f: f.exact and not f.interference, "adequate"
-    ),
-    # First without an alarm: beside a resonance or an interference nothing is adequate.
+ARITHMETIC = VerdictRule(
+    "nothing is left but arithmetic", lambda f: f.exact and not f.interference, "adequate"
+)
+"""Before any alarm: the residual of computed data has a pattern, but no scatter to judge it by."""
+QUIET = (
+    ARITHMETIC,
+    # First: beside a resonance or an interference nothing is adequate.
     VerdictRule(
         "only points that stand out, and what lies beside them",
-        lambda f: not f.alarm and f.interference,
+        lambda f: f.interference,
         "unexplained",
     ),
     # Before all that weighs the size of an error: so few numbers tell neither it nor the floor.
-    VerdictRule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
+    VerdictRule("too few data", lambda f: f.few, "inconclusive"),
     # The next two before "an effect would help": an effect fitted to a notch would make it a maybe.
     VerdictRule(
-        "more than the noise, by neighbours",
-        lambda f: not f.alarm and f.exceeds and f.together,
-        "unexplained",
+        "more than the noise, by neighbours", lambda f: f.exceeds and f.together, "unexplained"
     ),
-    VerdictRule(
-        "more than the noise, of a kind",
-        lambda f: not f.alarm and f.exceeds and f.unknown,
-        "unexplained",
-    ),
+    VerdictRule("more than the noise, of a kind", lambda f: f.exceeds and f.unknown, "unexplained"),
     # Before effects beside the free spectrum: whether one of them would help there is open, not
     # that the model fails.
     VerdictRule(
-        "a material follows, but no effect mends the model",
-        lambda f: not f.alarm and f.material,
-        "unexplained",
+        "a material follows, but no effect mends the model", lambda f: f.material, "unexplained"
     ),
     # Whatever else may help: rows of two calibrations that take turns look like noise to all that
     # does not know which is which.
-    VerdictRule(
-        "what goes with a column is no noise", lambda f: not f.alarm and f.by_column, "unexplained"
-    ),
+    VerdictRule("what goes with a column is no noise", lambda f: f.by_column, "unexplained"),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
     VerdictRule(
-        "an effect would help, or it is noise",
-        lambda f: not f.alarm and f.clear and f.something,
-        "inconclusive",
+        "an effect would help, or it is noise", lambda f: f.clear and f.something, "inconclusive"
     ),
     # Only where no test is alarmed: drift raises the floor, and what shows above it is real.
-    VerdictRule(
-        "what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"
-    ),
+    VerdictRule("what repeats differ by is no noise", lambda f: f.repeats, "unexplained"),
     # After its two cases with a pattern: what is left may be noise with long tails.
-    VerdictRule(
-        "more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"
-    ),
+    VerdictRule("more than the noise, in no pattern", lambda f: f.exceeds, "inconclusive"),
     # After "of a kind": without an error beyond the floor such a kind may as well follow the noise.
     VerdictRule(
-        "something without a name would help, or it is noise",
-        lambda f: not f.alarm and f.unknown,
-        "inconclusive",
+        "something without a name would help, or it is noise", lambda f: f.unknown, "inconclusive"
     ),
     # One sweep tells such noise from a misfit that comes and goes only by being measured again.
-    VerdictRule(
-        "noise with a memory, or a misfit",
-        lambda f: not f.alarm and f.remembers,
-        "inconclusive",
-    ),
-    # The last without an alarm: all that could be missing was asked for. Below, something is.
-    VerdictRule("noise explains all", lambda f: not f.alarm, "adequate"),
+    VerdictRule("noise with a memory, or a misfit", lambda f: f.remembers, "inconclusive"),
+    # All that could be missing was asked for.
+    VerdictRule("noise explains all", lambda f: True, "adequate"),
+)
+"""Without an alarm the first of these that holds gives the verdict."""
+ALARMED = (
+    ARITHMETIC,
     # Before "structure is left": an effect may take nearly all of a fault's misfit.
     VerdictRule(
         "a fault of the measuring chain explains more",
@@ -232,12 +217,12 @@ RULES = (
     # Always holds, so that there is a verdict for any facts.
     VerdictRule("something, but not what", lambda f: True, "inconclusive"),
 )
-"""The first rule that holds gives the verdict."""
+"""With one, the first of these."""
 
 
 def rule_for(facts: Facts) -> VerdictRule:
     """The first rule that holds."""
-    return next(rule for rule in RULES if rule.holds(facts))
+    return next(rule for rule in (ALARMED if facts.alarm else QUIET) if rule.holds(facts))
 
 
 def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: bool) -> Facts:

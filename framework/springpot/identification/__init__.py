@@ -62,27 +62,4 @@ if TYPE_CHECKING:
     )
     from .value import Value as Value
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "fitting": "identify",
-        "held_material": "intervals_beside_material is_passive within_material",
-        "leastsquares": "Effort levenberg_marquardt",
-        "material_fit": "least_error",
-        "fitted": "Fit",
-        "native": "BoundedDescent fit minima_in_box scanned_starts",
-        "prediction": "Prediction",
-        "intervals": "bootstrap fit_batch held_costs profile",
-        "problem": "default_objective Objective Problem Searched SpecimenProblem weighted",
-        "recorder": "all_points BudgetSpent Recorder RecorderGroup",
-        "regularisation": "regularised",
-        "result": "Identification",
-        "runs": (
-            "AskingOptimiser BatchedOptimiser Card Enquiry Optimiser OptimiserFamily run run_batch"
-        ),
-        "space": "SearchSpace",
-        "starts": "settings shown Window",
-        "uncertainty": "Uncertainty",
-        "value": "Value",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from math import isfinite
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from springpot.measurement.conversion import LEVELS, levels_in_words
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.units import Units
+from springpot.plain_data import json_number
 from springpot.rheology.effect import SWEEPS
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
@@ -29,18 +30,7 @@ def rates_of(model: Model) -> list[float] | None:
     return list(model.material.rates)
 
 
-def _finite(ends: Real) -> list[float | None]:
-    return [_finite_or_none(float(end)) for end in ends]
-
-
-def _finite_or_none(value: float) -> float | None:
-    # JSON has no word for infinity.
-    if not isfinite(value):
-        return None
-    return value
-
-
-def bounds_of(model: Model) -> dict[str, list[float | None]]:
+def bounds_of(model: Model) -> dict[str, list[float]]:
     """Bounds that are narrower than those of physics."""
     if not model.constrained:
         return {}
@@ -52,7 +42,7 @@ def bounds_of(model: Model) -> dict[str, list[float | None]]:
     narrow = {}
     for origin, p in zip(model.origins, model.parameters, strict=True):
         if (p.lower, p.upper) != wide[origin]:
-            narrow[origin] = _finite(np.array([p.lower, p.upper]))
+            narrow[origin] = [p.lower, p.upper]
     return narrow
 
 
@@ -71,7 +61,7 @@ def measurement_to_dict(data: Measurement) -> dict[str, Any]:
         "loss": data.loss.tolist(),
         "storage_sd": columns["storage_sd"],
         "loss_sd": columns["loss_sd"],
-        "conditions": {name: _finite(column) for name, column in data.conditions.items()},
+        "conditions": {name: column.tolist() for name, column in data.conditions.items()},
         "repeat": columns["repeat"],
         "reference": data.reference,
         **({"levels": words} if (words := words_in(data)) else {}),
@@ -160,7 +150,10 @@ def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:
     # Nor which effects are of the rig of the sweeps that stood beside tests in time.
     alone = set(kept["only_sweeps"])
     effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
-    bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
+    bounds = {
+        name: (json_number(low, -inf), json_number(high, inf))
+        for name, (low, high) in kept["bounds"].items()
+    }
     # As when it was fitted: first what is held and tied, then the levels of the data.
     model = replace(model, effects=tuple(effects)).holding(kept["held"], bounds)
     units = Units(**kept["units"])
@@ -201,12 +194,3 @@ def coordinates_of(rows: Sequence[Any], model: Model, units: Units) -> tuple[Rea
         raise ValueError(f"the covariance cannot be that of {model.name}")
     factor = np.array([units.of(each.unit)[0] for each in model.parameters])
     return np.eye(count), covariance / np.outer(factor, factor)
-
-
-def _ends(pair: list[float | None]) -> tuple[float, float]:
-    low, high = pair
-    if low is None:
-        low = -np.inf
-    if high is None:
-        high = np.inf
-    return low, high

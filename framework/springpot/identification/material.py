@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,13 +37,15 @@ from springpot.rheology.elements import (
     asked_as_measured,
     linear_in_material,
 )
-from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.parameters import Coordinates, box_of
 from springpot.rheology.points import Complex, Real
 
 from .leastsquares import Solving, Trial, Way
 from .problem import BLOCK, Objective, numbers_of, weighted
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 REFINEMENTS = 3
 """Times that the lattice is halved about the lines that carry weight.
@@ -183,8 +186,7 @@ class SpectrumSearch:
     def theta_of(self, u: Real) -> Real:
         """The effects' parameters (..., q) within their bounds."""
         theta = self.coordinates.theta(u, self.size)
-        bounded: Real = np.minimum(np.maximum(theta, self._lower), self._upper)
-        return bounded
+        return np.minimum(np.maximum(theta, self._lower), self._upper)
 
     def u_of(self, own: Real) -> Real:
         """Search coordinates (q,) of the effects' parameters."""

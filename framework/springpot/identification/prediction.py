@@ -9,32 +9,27 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import DataError, ModelError
-from springpot.lazy import draw
+from springpot.lazy import Drawn
 from springpot.measurement.covered import Covered, between
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
-from springpot.rheology.levels import held, rows_of_levels
+from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.rheology.points import KELVIN, Complex, Points, Real, held
 from springpot.thresholds import INTERVAL
 from springpot.writing import LISTED, NAMED, listed, suggested, table, tag
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .kept import called
 from .normal import Bordered, Covariance, lost_and_known
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SCHEMA = "springpot.prediction/2"
 AT_REST = (-80.0, -160.0, -320.0, -640.0)
@@ -56,8 +51,10 @@ ENDLESS = 1e12
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction(Moduli):
+class Prediction(Moduli, Drawn):
     """What a fitted model says of a test, with a band.
+
+    Its picture has K' and K'' with their bands.
 
     Its columns are named as those of a `Measurement`.
 
@@ -150,12 +147,6 @@ class Prediction(Moduli):
         before, after = [self.frequency, self.omega], [self.storage, self.loss, *ends]
         columns = [column.tolist() for column in before], [column.tolist() for column in after]
         yield from zip(*columns[0], *self.places.values(), *columns[1], strict=True)
-
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """K' and K'' with their bands; see `Measurement.plot`."""
-        return draw(self, path, ax)
 
     def __repr__(self) -> str:
         return f"<Prediction of {self.model}: {len(self)} points, [{self.units.stiffness}]>"
@@ -286,8 +277,7 @@ class Known:
             return np.nan_to_num(self.spread.carried(self.slopes).dense(), posinf=ENDLESS)
         # An endless variance times a slope of zero would be no number.
         spread = np.nan_to_num(self.spread, nan=0.0, posinf=ENDLESS)
-        covariance: Real = self.slopes @ spread @ self.slopes.T
-        return covariance
+        return self.slopes @ spread @ self.slopes.T
 
     def ways(self, sd: Real, by_theta: Real) -> tuple[Real, Real]:
         """Standard deviations (n,) downwards and up, of what goes with theta by `by_theta` (n, p).

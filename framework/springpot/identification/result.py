@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import ModelError
-from springpot.lazy import draw, draw_view, html_of, text_of
+from springpot.lazy import Drawn, Printed, draw, draw_view
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, together
@@ -121,7 +121,7 @@ def known_of_sweep(known: Uncertainty) -> Known:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Identification(Known):
+class Identification(Known, Drawn, Printed):
     """The parameters of a model identified from tests of one specimen, of any kind.
 
     Attributes
@@ -269,8 +269,7 @@ class Identification(Known):
         factor, known = self._factors, self._by_theta
         if isinstance(known, Bordered):
             return known.scaled(factor)
-        covariance: Real = factor[:, None] * known * factor
-        return covariance
+        return factor[:, None] * known * factor
 
     @property
     def _by_theta(self) -> Covariance:
@@ -413,16 +412,13 @@ class Identification(Known):
     ) -> Figure | Axes | Path:
         """Data and fit, and what is left of each test.
 
-        See `Measurement.plot` for the arguments and what is returned. A `view` of a sweep alone,
-        84 mm wide as a journal's column is: ``storage-loss``, ``loss-factor``, ``cole-cole``,
-        ``black``, ``van-gurp-palmen``, ``residual``.
+        See `springpot.lazy.Drawn.plot` for the arguments and what is returned. A `view` of a sweep
+        alone, 84 mm wide as a journal's column is: ``storage-loss``, ``loss-factor``,
+        ``cole-cole``, ``black``, ``van-gurp-palmen``, ``residual``.
         """
         if view is not None:
             return draw_view(self, view, path, ax)
         return draw(self, path, ax)
-
-    def __str__(self) -> str:
-        return text_of(self)
 
     def __repr__(self) -> str:
         values = ", ".join(
@@ -430,9 +426,6 @@ class Identification(Known):
         )
         error = f"error {100 * self.relative_rms:.3g} %"
         return f"<Identification {self.model.name} of {self.name}: {values}; {error}>"
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
     @property
     def magnitude(self) -> str:

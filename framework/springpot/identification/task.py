@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
@@ -31,6 +31,9 @@ from .starts import (
     shapes_of,
     thinned,
 )
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from math import inf, isfinite, nan
 from typing import Any, Literal
 
 import numpy as np
 
-from springpot.lazy import html_of, text_of
+from springpot.lazy import Printed
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
     FILE_UNITS,
@@ -19,7 +19,7 @@ from springpot.measurement.units import (
     Units,
 )
 from springpot.numerics import ENDLESS
-from springpot.plain_data import as_declared, json_number, jsonable, some
+from springpot.plain_data import Plain, as_declared, json_number, jsonable, some
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
@@ -170,7 +170,7 @@ MOST_POINTS = 2**53
 
 
 @dataclass(frozen=True)
-class PartResult:
+class PartResult(Plain):
     """One test of an answer, the same for a sweep and a test in time.
 
     Attributes
@@ -213,15 +213,7 @@ class PartResult:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schemas."""
-        return {**jsonable(vars(self)), "agrees": self.agrees}
-
-    @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> PartResult:
-        """What `to_dict` gave."""
-        named = {each.name: row[each.name] for each in fields(cls)}
-        for name in ("relative_rms", "noise_floor", "over_floor", "over_floor_alone"):
-            named[name] = json_number(named[name])
-        return cls(**named)
+        return {**super().to_dict(), "agrees": self.agrees}
 
 
 def parts_of(rows: Sequence[Mapping[str, Any]]) -> tuple[PartResult, ...]:
@@ -317,7 +309,7 @@ class Quantity:
 
 
 @dataclass(frozen=True, eq=False)
-class Quantities:
+class Quantities(Printed):
     """The quantities of a fit, or of data.
 
     Attributes
@@ -402,12 +394,6 @@ class Quantities:
 
     def __repr__(self) -> str:
         return f"<Quantities of {self.name}: {', '.join(row.name for row in self.rows)}>"
-
-    def __str__(self) -> str:
-        return text_of(self)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
 
 
 AT = ("frequency", "temperature", "amplitude")

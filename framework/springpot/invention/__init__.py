@@ -10,10 +10,4 @@ if TYPE_CHECKING:
     from .inventing import invent as invent
     from .result import Invention as Invention
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "inventing": "invent",
-        "result": "Invention",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

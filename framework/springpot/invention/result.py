@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,12 +16,12 @@ from springpot.diagnosis.scan import applicable, possible, scan_effects
 from springpot.diagnosis.search import grown_with
 from springpot.errors import ModelError
 from springpot.identification.leastsquares import Effort
-from springpot.identification.value import Value, values_of
-from springpot.lazy import draw, html_of, text_of
+from springpot.identification.value import Value
+from springpot.lazy import Drawn, Printed
 from springpot.misfit.error import Error
 from springpot.misfit.floor import is_arithmetic
 from springpot.numerics import NEGLIGIBLE
-from springpot.plain_data import alive, jsonable
+from springpot.plain_data import alive, jsonable, read
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -30,11 +29,6 @@ from springpot.rheology.typed import law
 from springpot.thresholds import EVIDENCE, INVENTION, VERDICT
 
 from .grammar import symbols
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 Verdict = Literal["law", "class", "none"]
 
@@ -220,15 +214,15 @@ class FoundLaw:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> FoundLaw:
         """What `to_dict` gave."""
-        known = dict(row)
-        known |= {"parameters": values_of(row["parameters"]), "like": tuple(row["like"])}
         law(row["text"])
-        return cls(alike=tuple(known.pop("class")), **known)
+        return read(cls, row, alike=tuple(row["class"]))
 
 
 @dataclass(frozen=True, eq=False)
-class Invention:
+class Invention(Drawn, Printed):
     """The answer to the question which law is missing.
+
+    Its picture has the data, the model and the law.
 
     Attributes
     ----------
@@ -303,9 +297,6 @@ class Invention:
             raise ModelError(f"no law was found of {self.data}: {self.says}")
         return self.best.effect(name)
 
-    def __str__(self) -> str:
-        return text_of(self)
-
     def __repr__(self) -> str:
         found = "".join(f", {law.text}" for law in filter(None, [self.best]))
         return f"<Invention of {self.data} beside {self.model.name}: {self.verdict}{found}>"
@@ -332,26 +323,4 @@ class Invention:
     @classmethod
     def from_dict(cls, answer: Mapping[str, Any]) -> Invention:
         """What `to_dict` gave."""
-        twice = ("error_before", "noise_floor")
-        rows = [{k: v for k, v in row.items() if k not in twice} for row in answer["laws"]]
-        following = answer["next_experiment"]
-        return cls(
-            data=answer["data"],
-            model=parse_model(answer["model"]),
-            verdict=answer["verdict"],
-            says=answer["says"],
-            error=Error.from_dict(answer["error"]),
-            laws=tuple(FoundLaw.from_dict(row) for row in rows),
-            next_experiment=following and NextExperiment.from_dict(following),
-            notes=tuple(answer["notes"]),
-            tried=answer["tried"],
-        )
-
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """Data, model and law; see `springpot.lazy.draw`."""
-        return draw(self, path, ax)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
+        return read(cls, answer, model=parse_model(answer["model"]))

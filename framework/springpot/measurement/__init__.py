@@ -94,38 +94,4 @@ if TYPE_CHECKING:
         temperature_in_celsius as temperature_in_celsius,
     )
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "springpot.writing": "guarded guarded_line unguarded unguarded_line",
-        "followed": "Record",
-        "from_signals": "measurement_from_signals",
-        "geometry": "geometry parse_geometry",
-        "imposed": "Loading",
-        "independence": "independent spread_of steadied",
-        "conversion": "as_modulus as_stiffness joined through",
-        "measurement": "Measurement misspelt",
-        "mixed_tests": "settings_of sweeps_of tests_together",
-        "opening": (
-            "DataSet Measured open_measurement parts_of pick_reader PROMISED select Suite"
-            " TimeReader without"
-        ),
-        "other_test": "OtherTest",
-        "reader": "Choice OpenQuestion Part parts_as_opened Question Reader",
-        "replicates": "average_repeats thinned",
-        "scatter": "at_least_rounding with_noise",
-        "signals": "harmonics_of Signals",
-        "springpot.files": (
-            "Budget budget_of bytes_of json_of MOST_CELLS MOST_COLUMNS MOST_TABLES toml_of "
-            "within_budget"
-        ),
-        "timenoise": "noise_of",
-        "timetest": "TimeTest",
-        "units": (
-            "AMPLITUDE_UNITS ANGLE_UNITS FILE_UNITS FORCE_UNITS FREQUENCY_UNITS known_unit "
-            "LENGTH_UNITS "
-            "MODULUS_UNITS near_units normal_unit PRESSURE_UNITS STIFFNESS_UNITS STRAIN_UNITS "
-            "temperature_in_celsius TEMPERATURE_UNITS TIME_UNITS TORQUE_UNITS Units"
-        ),
-    },
-)
+__getattr__, __dir__ = offered(__name__)

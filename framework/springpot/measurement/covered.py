@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology.levels import held
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, held
 
 from .measurement import CONDITIONS, Measurement
 from .other_test import OtherTest

@@ -12,15 +12,12 @@ from math import comb, sqrt
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology.levels import HELD
 from springpot.rheology.motion import Between
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NORMAL, SMALLEST, rms
 from .rounding import is_even, rounding_step
 
-STEADY = HELD["amplitude"]
-"""Share of its largest value by which what is called held may move."""
 NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05

@@ -6,26 +6,20 @@ from collections.abc import Collection, Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError, plain
-from springpot.lazy import draw
-from springpot.rheology.levels import HELD
-from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
+from springpot.lazy import Drawn
+from springpot.rheology.points import HELD, KELVIN, ROOM, Complex, Points, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
 from .rows import Rows, digest_of_columns, rows_without
 from .units import Units
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
@@ -45,8 +39,11 @@ _KINDS = {"f": "real numbers", "c": "numbers", "i": "whole numbers", "U": "words
 
 
 @dataclass(frozen=True, eq=False)
-class Measurement(Rows):
+class Measurement(Rows, Drawn):
     """Measured complex stiffness (or modulus) with its conditions.
+
+    Its picture is storage and loss against frequency, or against amplitude or temperature where
+    only these vary.
 
     Parameters
     ----------
@@ -325,33 +322,6 @@ class Measurement(Rows):
         return self.subset(
             rows_without(self, {name: str(value) for name, value in unwanted.items()})
         )
-
-    def plot(
-        self, path: str | Path | None = None, *, ax: Axes | None = None
-    ) -> Figure | Axes | Path:
-        """Storage and loss against frequency.
-
-        Against amplitude or temperature where only these vary.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-        ax : matplotlib.axes.Axes, optional
-            Draw there instead.
-
-        Returns
-        -------
-        Figure, Path or Axes
-            A figure that shows itself in a notebook; the file that was written; or the axes that
-            were given.
-
-        Raises
-        ------
-        OutputError
-            If matplotlib is missing or the file cannot be written.
-        """
-        return draw(self, path, ax)
 
     def to_dataframe(self) -> Any:
         """The rows as a `pandas.DataFrame`, under the headings of a CSV file.

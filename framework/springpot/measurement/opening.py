@@ -27,7 +27,7 @@ from springpot.errors import DataError, SpringpotError, described, owned
 from springpot.files import keep_input, require_regular, within_budget
 from springpot.writing import NAMED, suggested
 
-from .from_signals import OneTest, measurement_of_tests, one_test
+from .from_signals import OneTest, one_test
 from .measurement import Measurement
 from .mixed_tests import NOTE, runs_together
 from .other_test import OtherTest
@@ -587,40 +587,6 @@ def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
     listed = guarded(reader, path, lambda: list_parts(path))
     # A reader does not know under which name the user opened the file.
     return tuple(replace(part, says=to_type(path, part.says, Choice())) for part in listed)
-
-
-def signals_to_measurement(
-    paths: Sequence[str | Path],
-    readers: Iterable[Reader],
-    *,
-    omega: float | None = None,
-    n_harmonics: int = 5,
-    window: tuple[float, float] | None = None,
-    name: str | None = None,
-) -> Measurement:
-    """Step one of the paper for files: one row of K' and K'' for each file of time signals.
-
-    Parameters
-    ----------
-    paths : sequence of str or Path
-        Files of displacement and force against time, one test in each; ``FILE?force=kN`` says what
-        is left open.
-    readers : iterable of Reader
-        The known formats.
-    omega, n_harmonics, window, name
-        As in `measurement_from_signals`.
-
-    Raises
-    ------
-    DataError
-        If a file holds no time signals or cannot be evaluated.
-    """
-    known = list(readers)
-    evaluated = (
-        evaluated_in(path, known, omega=omega, n_harmonics=n_harmonics, window=window)
-        for path in paths
-    )
-    return measurement_of_tests(evaluated, name)
 
 
 def open_signals(spec: str | Path, readers: Iterable[Reader]) -> Signals:

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
@@ -23,6 +22,9 @@ from .measurement import CONDITIONS, Measurement
 from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
 from .rows import SAME_AMPLITUDE
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 Rows: TypeAlias = NDArray[np.int64]
 

@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError
-from springpot.rheology.levels import HELD
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import HELD, Complex, Real
 from springpot.writing import LISTED
 
 from ..numerics import ALIKE

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from springpot.distributions import f_sf
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .imposed import Loading
@@ -94,6 +94,48 @@ def _after_cycles(loading: Loading, lag: int, count: int) -> Loading:
         value=np.concatenate([earlier, loading.value]),
         before=count * lag,
     )
+
+
+def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
+    """The loading with a step at its first sample, where the response to what is held then is new.
+
+    A specimen that had been held there before has come to rest; one that creeps or relaxes from the
+    first sample on was loaded just then (von Neumann 1941, doi:10.1214/aoms/1177731677).
+
+    Parameters
+    ----------
+    loading : Loading
+        As it was recorded.
+    control : {"displacement", "force"}
+        What was imposed.
+    response : ndarray, shape (n,)
+        Of the same samples.
+
+    Examples
+    --------
+    >>> t = np.arange(40.0)
+    >>> held, noise = Loading(t, 1.0 * (t < 20.0), sampled=True), 0.01 * np.cos(7.0 * t)
+    >>> stepped_to(held, "force", 1.0 + 0.1 * t + noise).jumps
+    (array([0.]), array([1.]))
+    >>> stepped_to(held, "force", 1.0 + noise) is held
+    True
+    """
+    from scipy.special import ndtr
+
+    first, size = loading.value[0], float(np.abs(loading.value).max())
+    moved = np.abs(loading.value - first) > STEADY * size
+    held = int(np.argmax(moved))
+    if loading.time[0] != 0.0 or abs(first) <= STEADY * size or held < SHORTEST:
+        return loading
+    answer = np.sign(first) * response[:held]
+    later = float(np.mean(answer[held // 2 :]) - np.mean(answer[: held // 2]))
+    unrest = float(np.mean(np.diff(answer) ** 2)) / max(2.0 * float(np.var(answer)), SMALLEST)
+    chance = float(ndtr((unrest - 1.0) / np.sqrt((held - 2.0) / (held**2 - 1.0))))
+    # What is held creeps on under a force, and relaxes under a displacement.
+    if chance >= RULED_OUT or (later > 0.0) != (control == "force"):
+        return loading
+    step = np.concatenate([loading.time[:1], loading.time])
+    return replace(loading, time=step, value=np.concatenate([[0.0], loading.value]))
 
 
 def rise_is_presumed(loading: Loading, kind: str, first: float) -> bool:

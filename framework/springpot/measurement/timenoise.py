@@ -33,7 +33,7 @@ from springpot.numerics import (
     non_negative,
     rms,
 )
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS
@@ -287,8 +287,7 @@ def _smooth(size: Real) -> Real:
     if len(size) < 5:
         return size
     padded = np.concatenate([size[:1], size[:1], size, size[-1:], size[-1:]])
-    mean: Real = np.convolve(padded, np.full(5, 0.2), mode="valid")
-    return mean
+    return np.convolve(padded, np.full(5, 0.2), mode="valid")
 
 
 def fourth_differences(clock: Real, signal: Real) -> tuple[Real, Real]:
@@ -420,7 +419,7 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     >>> strays(TimeTest.of_relaxation(t, signal + 0.2 * (np.arange(60) == 30)))
     array([30])
     """
-    none = np.array(sorted(test.aside), dtype=np.int64)
+    none = np.union1d(np.array(sorted(test.aside), dtype=np.int64), stood_still(test))
     if not test.measured or len(test) < FEWEST + ORDER:
         return none
     clock = clock_of(test)
@@ -437,9 +436,66 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     return np.union1d(none, np.array(alone, dtype=np.int64))
 
 
+def stood_still(test: TimeTest) -> NDArray[np.int64]:
+    """Indices of the samples that repeat the one before while the motion goes on, a single time.
+
+    To the last digit, oftener than values of such digits do once in `OUTLIERS.rare`: the recorder
+    kept a value. Not at nothing, where a specimen may be loose, nor at the ends of its range, where
+    a channel has a limit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest
+    >>> from springpot.measurement.timenoise import stood_still
+    >>> t = np.arange(60) / 10.0
+    >>> force = np.sin(t) + 0.01 * np.random.default_rng(1).normal(size=60)
+    >>> force[31:35] = force[30]
+    >>> stood_still(TimeTest.of_history(t, np.sin(t), force, "mm", "N"))
+    array([31, 32, 33, 34])
+    """
+    none = np.zeros(0, dtype=np.int64)
+    if not test.measured:
+        return none
+    same = np.diff(test.response, prepend=np.nan) == 0.0
+    edges = np.flatnonzero(np.diff(same, prepend=False, append=False)).reshape(-1, 2)
+    if len(edges) == 0:
+        return none
+    long = np.diff(edges)[:, 0]
+    first, last = edges[int(np.argmax(long))].tolist()
+    others = np.delete(long, int(np.argmax(long)))
+    share = (1.0 + float(others.sum())) / len(test)
+    kept = float(test.response[first])
+    free = kept != 0.0 and test.response.min() < kept < test.response.max()
+    moved = np.interp(test.time[[first - 1, last - 1]], test.loading.time, test.loading.value)
+    moves = abs(float(moved[1] - moved[0])) > STEADY * float(np.abs(test.loading.value).max())
+    alone = bool(np.all(2 * others < last - first))
+    if not (free and moves and alone and len(test) * share ** (last - first) < OUTLIERS.rare):
+        return none
+    return np.arange(first, last)
+
+
 def said_of_strays(test: TimeTest) -> str:
-    """Which samples stray and by how much, in words; nothing where none do."""
-    rows = strays(test)
+    """What is no part of the specimen's answer, in words; nothing of most tests.
+
+    The hum of the mains, which samples stray and by how much, and when the recorder stood still.
+    """
+    still = stood_still(test)
+    said = [_said_of_alone(test, np.setdiff1d(strays(test), still))]
+    if "hum" in test.provenance:
+        said.append(f"{test.name}: the {test.answered} {test.provenance['hum']}")
+    if len(still) == 0:
+        return "; ".join(filter(None, said))
+    span = f"{test.time[still[0] - 1]:.4g} to {test.time[still[-1]]:.4g} s"
+    halt = (
+        f"{test.name}: the {test.answered} stood still from {span} while the {test.control} moved:"
+        f" {len(still)} samples left out"
+    )
+    return "; ".join(filter(None, [halt, *said]))
+
+
+def _said_of_alone(test: TimeTest, rows: NDArray[np.int64]) -> str:
+    """Which samples are off by themselves, and by how much."""
     if len(rows) == 0:
         return ""
     off = [test.aside.get(row, 0.0) for row in rows.tolist()]

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError, plain
-from springpot.rheology.points import KELVIN, Real
+from springpot.rheology.points import KELVIN, STEADY, Real
 
 from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
-from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
-from .rounding import even_clock
+from .imposed import SHORT, Loading, controlled, from_rest, is_released
+from .rounding import even_clock, without_hum
 from .rows import digest_of_columns
-from .steady_start import gone_on, said_of_start
+from .steady_start import gone_on, said_of_start, stepped_to
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -289,16 +289,16 @@ class TimeTest:
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
         # A channel that is held was imposed; the specimen's answer to it is not constant.
-        read = controlled(clock, moved, pulled)
-        control, notes = read if control is None else (control, {})
-        imposed, response = moved, pulled
+        control, notes = controlled(clock, moved, pulled) if control is None else (control, {})
+        imposed, response, unit = moved, pulled, force_unit
         if control == "force":
-            imposed, response = pulled, moved
+            imposed, response, unit = pulled, moved, displacement_unit
         _require_numbers(clock, imposed, name, control)
         clock = even_clock(clock)
         loading = from_rest(clock, imposed, rise)
+        response, hum = without_hum(response, clock, imposed, unit)
         if loading.sampled:
-            loading = gone_on(loading, response)
+            loading = stepped_to(gone_on(loading, response), control, response)
         return cls(
             clock,
             response,
@@ -307,7 +307,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance={**(provenance or {}), **notes},
+            provenance={**(provenance or {}), **notes, **hum},
             **_warm(temperature),
         )
 

@@ -15,9 +15,4 @@ from springpot.lazy import offered
 if TYPE_CHECKING:
     from .material import any_material as any_material
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "material": "any_material",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,13 +9,13 @@ import numpy as np
 
 from springpot.identification.value import in_floors
 from springpot.measurement.measurement import Measurement
-from springpot.plain_data import json_number, jsonable
+from springpot.plain_data import Plain, jsonable
 from springpot.thresholds import SCATTER
 from springpot.writing import number
 
 
 @dataclass(frozen=True)
-class Error:
+class Error(Plain):
     """Error of the model against the noise floor and the material floor, all relative to |K|.
 
     Of tests in time that of the test which the model misses most, relative to its signal.
@@ -69,26 +68,12 @@ class Error:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schemas."""
-        row = {**vars(self), "over_floor": self.over_floor}
+        row = {**super().to_dict(), "over_floor": jsonable(self.over_floor)}
         if self.noise_memory is None:
             del row["noise_memory"]
         if not self.test:
             del row["test"]
-        return dict(jsonable(row))
-
-    @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> Error:
-        """What `to_dict` gave."""
-        return cls(
-            relative_rms=float(row["relative_rms"]),
-            noise_floor=json_number(row["noise_floor"]),
-            noise_source=row["noise_source"],
-            doubt=row["doubt"],
-            material_floor=json_number(row["material_floor"]),
-            material_chance=json_number(row["material_chance"]),
-            noise_memory=row.get("noise_memory"),
-            test=row.get("test", ""),
-        )
+        return row
 
     @property
     def advice(self) -> str:

@@ -7,7 +7,7 @@ Without the frequencies that stand out and without the ripples of an instrument.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
@@ -28,6 +28,7 @@ from springpot.identification.problem import weighted
 from springpot.measurement.independence import frequency_numbers, rounded_log_omega
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.rounding import HARMONICS
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
@@ -44,7 +45,7 @@ from .frame import (
     spectrum,
     waves,
 )
-from .regions import HARMONICS, near_mains
+from .regions import near_mains
 from .where import Where
 
 if TYPE_CHECKING:
@@ -404,10 +405,11 @@ def outlying(frame: NoiseFrame) -> NDArray[np.int64]:
     return np.zeros(0, dtype=np.int64)
 
 
-def pulling(frames: Iterable[NoiseFrame]) -> NDArray[np.int64]:
+def pulling(frames: Iterable[NoiseFrame], alarmed: bool = True) -> NDArray[np.int64]:
     """The one row (1,) that bends a fit most, where it carries most of what that fit leaves.
 
-    Else none.
+    Else none. Where no test is `alarmed` it must carry more than any of so many rows does by
+    chance, once in `OUTLIERS.rare`: of a dozen points a bad one looks as if all scattered.
 
     At the end of a sweep a bad point has too few neighbours to stand out from them, and every model
     bows to it. What is left without it follows from the fit itself (Cook and Weisberg, Residuals
@@ -417,9 +419,11 @@ def pulling(frames: Iterable[NoiseFrame]) -> NDArray[np.int64]:
     ----------
     frames : iterable of NoiseFrame
         Fits of the same data: the user's model and those grown from it.
+    alarmed : bool
+        Whether these fits plainly leave more than noise.
     """
     largest, row = OUTLIERS.carries, -1
-    for frame in frames:
+    for frame in _in_plain_noise(frames, alarmed):
         n = len(frame.measurement)
         basis = np.stack([frame.absorbed[:n], frame.absorbed[n:]], axis=1)
         rest = np.stack([frame.rest[:n], frame.rest[n:]], axis=1)
@@ -432,10 +436,26 @@ def pulling(frames: Iterable[NoiseFrame]) -> NDArray[np.int64]:
             rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1
         )
         share = float(lost.max()) / max(float(frame.rest @ frame.rest), SMALLEST)
+        # What is left without it has two degrees of freedom less (Cook & Weisberg, section 2.2).
+        dof = max(2.0 * n - frame.absorbed.shape[1] - 2.0, 1.0)
+        ratio = 0.5 * share * dof / max(1.0 - share, SMALLEST)
+        chance = _chance_of_any(f_sf(ratio, 2.0, dof), n)
         # Of few points one carries half of a residual by chance.
-        if n >= FEWEST_POINTS and share > largest:
+        if share > largest and (chance < OUTLIERS.rare or (alarmed and n >= FEWEST_POINTS)):
             largest, row = share, int(np.argmax(lost))
     return np.array([row], dtype=np.int64)[: int(row >= 0)]
+
+
+def _in_plain_noise(frames: Iterable[NoiseFrame], alarmed: bool) -> Iterator[NoiseFrame]:
+    """The fits, and where no test is alarmed their geometry beside noise in proportion to K.
+
+    A bad point at an end looks as if the noise were larger there.
+    """
+    for frame in frames:
+        yield frame
+        if not alarmed and frame.estimated:
+            plain = np.asarray((1.0 + 1.0j) / frame.measurement.magnitude, dtype=np.complex128)
+            yield replace(frame, weights=plain, turn=None)
 
 
 def side_by_side(measurement: Measurement, rows: NDArray[np.int64]) -> bool:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from springpot.distributions import chi2_quantile
+from springpot.measurement.rounding import HARMONICS, MAINS
 from springpot.rheology.points import Real
 
 from ..numerics import ROUNDING, SMALLEST
@@ -263,10 +264,6 @@ def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:
     )
 
 
-MAINS = (50.0, 60.0)
-"""Frequencies of the mains in Hz."""
-HARMONICS = (1.0, 2.0, 3.0)
-"""Multiples of the mains at which one point may be hum and nothing else."""
 MULTIPLES = (1.0 / 3.0, 0.5, *HARMONICS)
 """At which hum lands at all: there, and at tests one of whose own harmonics is the mains."""
 NEAR = 0.015

@@ -10,10 +10,10 @@ repeats differ by chance alone is tested too, and what sets them apart where the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from springpot.measurement.measurement import CONDITIONS
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged
 from springpot.measurement.scatter import noise_shape
-from springpot.plain_data import json_number, jsonable
+from springpot.plain_data import Plain
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, REPEATS, VERDICT
 
@@ -378,7 +378,7 @@ TESTS = (
 
 
 @dataclass(frozen=True)
-class Finding:
+class Finding(Plain):
     """The outcome of one test.
 
     Attributes
@@ -400,16 +400,6 @@ class Finding:
     p_value: float
     found: bool
     says: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return dict(jsonable(vars(self)))
-
-    @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> Finding:
-        """What `to_dict` gave."""
-        statistic, chance = json_number(row["statistic"]), json_number(row["p_value"])
-        return cls(row["test"], statistic, chance, row["found"], row["says"])
 
 
 @dataclass(frozen=True, eq=False)

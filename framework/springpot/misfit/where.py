@@ -13,10 +13,9 @@ from springpot.measurement.independence import HELD_ALIKE, frequency_numbers
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
 from springpot.measurement.units import Units
-from springpot.plain_data import json_number, jsonable
-from springpot.rheology.levels import HELD
+from springpot.plain_data import jsonable, read
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
-from springpot.rheology.points import Real
+from springpot.rheology.points import HELD, Real
 from springpot.thresholds import WHERE
 from springpot.writing import SHOWN
 
@@ -101,8 +100,7 @@ class Where:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Where:
         """What `to_dict` gave."""
-        low, high, size = (json_number(row[name]) for name in ("from", "to", "size"))
-        return cls(row["plane"], row["condition"], low, high, size, row["says"])
+        return read(cls, {**row, "low": row["from"], "high": row["to"]})
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,6 +116,11 @@ def check_figure_path(path: str | Path, suffixes: Sequence[str] = SUFFIXES) -> P
     return require_writable(path)
 
 
+def check_moving_path(path: str | Path) -> Path:
+    """The same of a figure that may be played."""
+    return check_figure_path(path, MOVING)
+
+
 def require_matplotlib() -> None:
     """Check that figures can be drawn.
 

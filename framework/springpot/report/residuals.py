@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.comparison.result import Comparison
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.measurement.units import Units
@@ -36,6 +35,8 @@ from .views import DrawnFit, Scene, draw_bands, sweep_colours
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from springpot.comparison.result import Comparison
 
 
 TITLE = 44

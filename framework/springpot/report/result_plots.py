@@ -223,9 +223,7 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
     axes.legend(title=f"{result.model}, {100 * result.level:.0f} % bands")
 
 
-@whole.register
-def _diagnosed(result: Diagnosis, path: Any) -> Any:
-    return figure_diagnosis(result, path)
+whole.register(Diagnosis, figure_diagnosis)
 
 
 @onto.register
@@ -263,24 +261,10 @@ def _compared_onto(result: Comparison, axes: Any) -> None:
     _scene(axes, Scene(result.measurement, fits_of(result)))
 
 
-@whole.register
-def _invented(result: Invention, path: Any) -> Any:
-    return figure_invention(result, path)
-
-
-@onto.register
-def _invented_onto(result: Invention, axes: Any) -> None:
-    draw_fits(result, axes)
-
-
-@whole.register
-def _foretold(result: TestPrediction, path: Any) -> Any:
-    return figure_prediction(result, path)
-
-
-@whole.register
-def _superposed(result: MasterCurve, path: Any) -> Any:
-    return figure_mastercurve(result, path)
+whole.register(Invention, figure_invention)
+onto.register(Invention, draw_fits)
+whole.register(TestPrediction, figure_prediction)
+whole.register(MasterCurve, figure_mastercurve)
 
 
 def _scene(axes: Axes, scene: Scene) -> None:

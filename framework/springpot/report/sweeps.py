@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from springpot.measurement.conversion import levels_in_words
 from springpot.measurement.measurement import Measurement
-from springpot.rheology.levels import HELD_OTHER, levels_of
-from springpot.rheology.points import Real
+from springpot.rheology.levels import levels_of
+from springpot.rheology.points import HELD_OTHER, Real
 from springpot.thresholds import VARIED
 
 Rows = NDArray[np.int64]

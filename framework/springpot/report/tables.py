@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import html
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from io import StringIO
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, TypeAlias
 
 from springpot.errors import OutputError
-from springpot.files import write_text, write_with
+from springpot.files import require_writable, write_text, write_with
 from springpot.identification.value import Value
 from springpot.writing import DIGITS, guarded, number as digits
 
@@ -280,6 +281,11 @@ def save_table(
     return written
 
 
+_FORBIDDEN = re.compile(r"[\[\]:*?/\\\x00-\x1f]")
+"""What the name of a sheet cannot hold."""
+LONGEST = 31
+"""Letters of the name of a sheet."""
+
 ENDINGS = {".csv", ".xlsx", *(f".{suffix}" for suffix, _ in FORMATS.values())}
 """Of files, by which the format of a table is chosen."""
 
@@ -298,17 +304,18 @@ def write_parameters(path: str | Path, fits: Sequence[Identification]) -> Path:
     return write_values(Path(path), title, heads, rows)
 
 
-def require_ending(path: Path) -> None:
+def check_table_path(path: Path) -> None:
     """Refuse a file whose ending tells no format, before time is spent on what goes there.
 
     Raises
     ------
     OutputError
-        If it has none of `ENDINGS`.
+        If it has none of `ENDINGS`, or the place cannot be written.
     """
     if path.suffix.lower() not in ENDINGS:
         known = ", ".join(sorted(ENDINGS))
         raise OutputError(f"{path}: the ending tells the format of a table: one of {known}")
+    require_writable(path)
 
 
 def write_values(
@@ -338,13 +345,13 @@ def write_values(
     OutputError
         If the ending tells no format, or the file cannot be written.
     """
-    require_ending(path)
+    check_table_path(path)
     rows, suffix = list(rows), path.suffix.lower()
     if suffix in (".csv", ".xlsx"):
         table = _in_full(title, heads, rows)
         if suffix == ".csv":
             return write_text(path, to_csv(table))
-        return write_with(path, lambda stream: _workbook(table, stream))
+        return write_workbook(path, [("springpot", [table.columns, *table.rows])])
     write = {f".{ending}": writer for ending, writer in FORMATS.values()}[suffix]
     return write_text(path, write(_for_people(title, heads, rows)))
 
@@ -378,8 +385,8 @@ def _words(value: Value) -> tuple[str, str]:
     return halved(value.value, value.low, value.high)
 
 
-def _workbook(table: Table, stream: IO[bytes]) -> None:
-    """An Excel workbook of one sheet.
+def require_openpyxl() -> None:
+    """Check that workbooks can be written.
 
     Raises
     ------
@@ -387,14 +394,58 @@ def _workbook(table: Table, stream: IO[bytes]) -> None:
         If openpyxl is not installed.
     """
     try:
-        from openpyxl import Workbook
-    except ModuleNotFoundError:
+        import openpyxl  # noqa: F401
+    except ImportError:
         raise OutputError(
             "an Excel table needs openpyxl: pip install 'springpot[instruments]'"
         ) from None
+
+
+def write_workbook(path: Path, sheets: Iterable[tuple[str, Sequence[Sequence[Entry]]]]) -> Path:
+    """Write an Excel workbook, each sheet by its name and its rows, the first of which is bold.
+
+    Raises
+    ------
+    OutputError
+        If openpyxl is not installed, or the file cannot be written.
+    """
+    require_openpyxl()
+    return write_with(path, lambda stream: _fill(sheets, stream))
+
+
+def _fill(sheets: Iterable[tuple[str, Sequence[Sequence[Entry]]]], stream: IO[bytes]) -> None:
+    from openpyxl import Workbook
+    from openpyxl.styles import Font
+
     book = Workbook()
-    sheet = book.active
-    sheet.title = "springpot"
-    for row in (table.columns, *table.rows):
-        sheet.append([guarded(cell) if isinstance(cell, str) else cell for cell in row])
+    book.remove(book.active)
+    taken: set[str] = set()
+    for name, rows in sheets:
+        page = book.create_sheet(_title(name, taken))
+        for number, row in enumerate(rows, 1):
+            for column, value in enumerate(row, 1):
+                cell = page.cell(number, column)
+                if isinstance(value, str):
+                    # Control signs cannot stand in a workbook.
+                    cell.value = re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f]", " ", value)
+                    # Text stays text, whatever sign it begins with.
+                    cell.data_type = "s"
+                elif isinstance(value, int | float) and isfinite(value):
+                    cell.value = value
+                if number == 1:
+                    cell.font = Font(bold=True)
+        page.freeze_panes = "B2"
+        # As wide as most names are.
+        page.column_dimensions["A"].width = 24
     book.save(stream)
+
+
+def _title(name: str, taken: set[str]) -> str:
+    """A name that a sheet can have, and no other has."""
+    stem = _FORBIDDEN.sub(" ", name).strip("' ")[:LONGEST] or "test"
+    title, number = stem, 2
+    while title.casefold() in taken:
+        end = f" {number}"
+        title, number = f"{stem[: LONGEST - len(end)]}{end}", number + 1
+    taken.add(title.casefold())
+    return title

@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     )
     from .intime import Traced as Traced
     from .levels import (
-        HELD as HELD,
         Levels as Levels,
         Own as Own,
         free_factors as free_factors,
@@ -105,6 +104,7 @@ if TYPE_CHECKING:
         viscosity as viscosity,
     )
     from .points import (
+        HELD as HELD,
         KELVIN as KELVIN,
         Complex as Complex,
         Points as Points,
@@ -114,40 +114,4 @@ if TYPE_CHECKING:
     from .spectrum import Spectrum as Spectrum
     from .typed import law as law
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "drawing": "draw drawing_of",
-        "effect": (
-            "Answered AppliesTo Effect InstrumentConstant Layer on_clock on_loading on_response "
-            "StageLaw"
-        ),
-        "elements": "basset Continuum dashpot FixedPower mass spring springpot",
-        "grammar": "Formula",
-        "hysteresis": "smooth_hysteresis yielding_spring",
-        "intime": "Traced",
-        "levels": "free_factors free_vertical_factors HELD Levels levels_of Own",
-        "model": "Model",
-        "nodes": (
-            "chain fixed_side_wave FULL GRADIENT Mapped moving_side_wave Node parallel Response "
-            "series shift VALUE"
-        ),
-        "nonlinear": (
-            "balanced_series coulomb_friction crosstalk_force cubic_dashpot "
-            "cubic_spring elasto_sliding gapped_spring "
-            "payne_softening power_law_damper slip_film"
-        ),
-        "parameters": (
-            "AMPLITUDE columns Dimension FORCE KELVIN_FORM limits_form MAXWELL_FORM order "
-            "Parameter PURE quasi_property RADIAN_PER_SECOND relaxation_time rows SearchForm "
-            "SECOND STIFFNESS stiffness TIME_FORM VISCOSITY viscosity"
-        ),
-        "points": "Complex KELVIN Points power_of_s Real",
-        "spectrum": "Spectrum",
-        "factors": (
-            "activation_energy arrhenius delay filter_mismatch gain heated heating "
-            "steady_dashpot temperature_power wlf"
-        ),
-        "typed": "law",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

@@ -8,7 +8,7 @@ bound to points.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,32 +20,10 @@ from springpot.errors import ModelError
 from ..numerics import ALIKE
 from .nodes import GRADIENT, VALUE, Node, Response, rename
 from .parameters import Parameter
-from .points import KELVIN, LARGEST_SHIFT, Points, Real
+from .points import KELVIN, LARGEST_SHIFT, Points, Real, held
 
-HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
-"""How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin.
-
-Rheometers state 1 to 2 % and
-0.1 to 0.5 K. Values that lie closer to one another are one level."""
-HELD_OTHER = 2e-3
-"""The same of other settings, as a share of the largest.
-
-They are written down rather than measured. What counts, as specimens from one on, is no setting.
-"""
 WIDEST = float(np.exp(LARGEST_SHIFT))
 """Bound on a factor and its inverse: free factors go as far as any law, which they contain."""
-
-
-def held(column: str, values: Real) -> Real:
-    """How far apart values (n,) of a column may be and be one setting, in its unit (n,)."""
-    if column == "temperature":
-        return np.full(len(values), HELD[column])
-    if column in HELD:
-        return HELD[column] * np.abs(values)
-    # The thousandth specimen and the next differ by less than any share of a thousand.
-    if len(values) and np.min(values) in (0.0, 1.0) and np.all(values == np.round(values)):
-        return np.zeros(len(values))
-    return np.full(len(values), HELD_OTHER * float(np.max(np.abs(values), initial=0.0)))
 
 
 def rows_of_levels(number: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:

@@ -25,6 +25,18 @@ COLDEST = 75.0
 
 Specimens are cooled by nitrogen, which boils at 77.4 K.
 """
+HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
+"""How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin.
+
+Rheometers state 1 to 2 % and
+0.1 to 0.5 K. Values that lie closer to one another are one level."""
+STEADY = HELD["amplitude"]
+"""Share of its largest value by which what is called held may move."""
+HELD_OTHER = 2e-3
+"""The same of other settings, as a share of the largest.
+
+They are written down rather than measured. What counts, as specimens from one on, is no setting.
+"""
 
 HALF_PI = 0.5j * np.pi
 """ln i."""
@@ -37,6 +49,18 @@ As that of a frequency it was meant as the frequency itself.
 """
 
 
+def held(column: str, values: Real) -> Real:
+    """How far apart values (n,) of a column may be and be one setting, in its unit (n,)."""
+    if column == "temperature":
+        return np.full(len(values), HELD[column])
+    if column in HELD:
+        return HELD[column] * np.abs(values)
+    # The thousandth specimen and the next differ by less than any share of a thousand.
+    if len(values) and np.min(values) in (0.0, 1.0) and np.all(values == np.round(values)):
+        return np.zeros(len(values))
+    return np.full(len(values), HELD_OTHER * float(np.max(np.abs(values), initial=0.0)))
+
+
 def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
     """(i omega)^exponent, from real exponentials: a complex power costs eighty times as much.
 
@@ -47,8 +71,7 @@ def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
     >>> power_of_s(0.5, np.log([4.0])).round(6)
     array([1.414214+1.414214j])
     """
-    modulus: Complex = np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
-    return modulus
+    return np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,12 +17,4 @@ if TYPE_CHECKING:
     )
     from .writer import Writer as Writer
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "exporting": "exported",
-        "handoff": "Handoff",
-        "writer": "Writer",
-        "prony": "Prony prony_of solid_of young_of",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

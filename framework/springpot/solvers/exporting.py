@@ -27,10 +27,9 @@ from springpot.measurement.units import (
 )
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.rheology.effect import Layer
-from springpot.rheology.levels import held
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import Parallel
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, held
 
 from .handoff import Handoff
 from .placing import ModelPlace, split

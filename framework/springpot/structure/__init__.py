@@ -26,11 +26,4 @@ if TYPE_CHECKING:
         simulate as simulate,
     )
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "damper": "Damper",
-        "frame": "Frame modes_of steady_of steady_state",
-        "motion": "artificial GroundMotion motion_of simulate",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

@@ -10,10 +10,4 @@ if TYPE_CHECKING:
     from .curve import MasterCurve as MasterCurve, mastercurve as mastercurve
     from .laws import level_of as level_of
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "curve": "MasterCurve mastercurve",
-        "laws": "level_of",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,27 +31,22 @@ from springpot.identification.known_factors import (
 )
 from springpot.identification.levels_alone import FEW, Alone, weighing_of
 from springpot.identification.problem import Objective, default_objective
-from springpot.lazy import draw, html_of, text_of
+from springpot.lazy import Drawn, Printed
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import rms
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Compliance, Continuum
-from springpot.rheology.levels import HELD, Levels, level_text
+from springpot.rheology.levels import Levels, level_text
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift
-from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.rheology.points import HELD, KELVIN, Complex, Real
 from springpot.thresholds import SUPERPOSITION
 from springpot.writing import number
 
 from .laws import Direct, LawFit, after_steps, by_one_number, judged_laws, slower_when_hot, unit_of
 from .simplicity import Simplicity, simplicity
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 WHY = {
     "no overlap": (
@@ -170,8 +164,10 @@ class Level(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MasterCurve:
+class MasterCurve(Drawn, Printed):
     """Sweeps at many levels brought onto one curve.
+
+    Its picture has the curve, the factors and what is left.
 
     Attributes
     ----------
@@ -292,16 +288,6 @@ class MasterCurve:
             f" reference {self.reference:g} {self.unit}, error {100 * rest.error:.2g} %,"
             f" {rest.verdict}>"
         )
-
-    def __str__(self) -> str:
-        return text_of(self)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
-
-    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
-        """The curve, the factors and what is left; see `springpot.lazy.draw`."""
-        return draw(self, path)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.mastercurve/1``."""

@@ -15,17 +15,23 @@ wrong.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from springpot.lazy import offered
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "contract": "check_dataset check_objective check_plugin check_writer PluginContract",
-        "effects": "check_effect",
-        "models": "check_model",
-        "optimisers": "check_optimiser",
-        "readers": "check_reader",
-    },
-)
+if TYPE_CHECKING:
+    from .contract import (
+        PluginContract as PluginContract,
+        check_dataset as check_dataset,
+        check_objective as check_objective,
+        check_plugin as check_plugin,
+        check_writer as check_writer,
+    )
+    from .effects import check_effect as check_effect
+    from .models import check_model as check_model
+    from .optimisers import check_optimiser as check_optimiser
+    from .readers import check_reader as check_reader
+
+__getattr__, __dir__ = offered(__name__)
 
 __all__ = __dir__()

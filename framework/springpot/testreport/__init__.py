@@ -11,11 +11,4 @@ if TYPE_CHECKING:
     from .record import LoopRecord as LoopRecord
     from .report import cycles as cycles
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "certifying": "certify",
-        "record": "LoopRecord",
-        "report": "cycles",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

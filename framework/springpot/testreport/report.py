@@ -5,19 +5,19 @@ Tables are a workbook with a sheet for each, or one CSV with all below each othe
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
-from math import ceil, isfinite, sqrt
+from math import ceil, sqrt
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from springpot.errors import OptionError, OutputError
-from springpot.files import require_writable, write_text, write_with
+from springpot.files import require_writable, write_text
 from springpot.report.canvas import COLOURS, INK, QUIET, SMOOTH, blank, logarithmic, save
+from springpot.report.tables import require_openpyxl, write_workbook
 from springpot.writing import csv_text
 
 from .record import LoopRecord, read_record
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
 
 
 SUFFIXES = (".xlsx", ".csv")
-_FORBIDDEN = re.compile(r"[\[\]:*?/\\\x00-\x1f]")
-"""What the name of a sheet cannot hold."""
-LONGEST = 31
-"""Letters of the name of a sheet."""
 
 
 @dataclass(frozen=True)
@@ -69,12 +65,7 @@ def check_sheets_path(path: str | Path, suffixes: Sequence[str] = SUFFIXES) -> P
     if path.suffix.lower() not in suffixes:
         raise OutputError(f"cannot write {path}: its name must end in {' or '.join(suffixes)}")
     if path.suffix.lower() == ".xlsx":
-        try:
-            import openpyxl  # noqa: F401
-        except ImportError:
-            raise OutputError(
-                "Excel files need openpyxl: pip install 'springpot[instruments]'"
-            ) from None
+        require_openpyxl()
     return require_writable(path)
 
 
@@ -91,49 +82,11 @@ def write_sheets(sheets: Sequence[Sheet], path: str | Path) -> Path:
         blocks = [[[], [sheet.name], *_lines(sheet)] for sheet in sheets]
         # All below each other, an empty line between them.
         return write_text(path, csv_text(list(chain(*blocks))[1:]))
-    return write_with(path, lambda stream: _workbook(sheets, stream))
+    return write_workbook(path, [(sheet.name, _lines(sheet)) for sheet in sheets])
 
 
 def _lines(sheet: Sheet) -> list[Sequence[float | str]]:
     return [sheet.header, *sheet.rows, *([note] for note in sheet.notes)]
-
-
-def _workbook(sheets: Sequence[Sheet], stream: IO[bytes]) -> None:
-    from openpyxl import Workbook
-    from openpyxl.styles import Font
-
-    book = Workbook()
-    book.remove(book.active)
-    taken: set[str] = set()
-    for sheet in sheets:
-        page = book.create_sheet(_title(sheet.name, taken))
-        for number, row in enumerate(_lines(sheet), 1):
-            for column, value in enumerate(row, 1):
-                cell = page.cell(number, column)
-                if isinstance(value, str):
-                    # Control signs cannot stand in a workbook.
-                    cell.value = re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f]", " ", value)
-                    # Text stays text, whatever sign it begins with.
-                    cell.data_type = "s"
-                elif isfinite(value):
-                    cell.value = value
-                if number == 1:
-                    cell.font = Font(bold=True)
-        page.freeze_panes = "B2"
-        # As wide as most names are.
-        page.column_dimensions["A"].width = 24
-    book.save(stream)
-
-
-def _title(name: str, taken: set[str]) -> str:
-    """A name that a sheet can have, and no other has."""
-    stem = _FORBIDDEN.sub(" ", name).strip("' ")[:LONGEST] or "test"
-    title, number = stem, 2
-    while title.casefold() in taken:
-        end = f" {number}"
-        title, number = f"{stem[: LONGEST - len(end)]}{end}", number + 1
-    taken.add(title.casefold())
-    return title
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,7 @@ import numpy as np
 
 from springpot.distributions import f_quantile, student
 from springpot.errors import DataError, OptionError
-from springpot.measurement.imposed import STEADY
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 from springpot.thresholds import INTERVAL, WHERE
 
 from .local import EIGHTH, Estimate

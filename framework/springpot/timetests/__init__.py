@@ -18,18 +18,4 @@ if TYPE_CHECKING:
     from .specimen import answered as answered, as_had_by as as_had_by
     from .where import TestPrediction as TestPrediction
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "diagnosis": "diagnose examine",
-        "discovery": "discover",
-        "comparing": "compare standing_of",
-        "fitting": "identify refound",
-        "prediction": "predict_test",
-        "ranking": "rank",
-        "recording": "predicted recorded",
-        "residuals_of_tests": "Test units_of",
-        "specimen": "answered as_had_by",
-        "where": "TestPrediction",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

@@ -16,32 +16,31 @@ import numpy as np
 
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import ORDER, imposed_noise
-from springpot.measurement.rounding import is_even
+from springpot.measurement.rounding import (
+    FEWEST_OF_LINE,
+    RARE,
+    WIDE,
+    at_mains,
+    is_even,
+    over_neighbours,
+    periodogram,
+)
 from springpot.misfit.error import plain
-from springpot.misfit.regions import HARMONICS, MAINS
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST, rms
+from ..numerics import DECADE, SMALLEST, rms
 from .colour import UPPER
 from .left import Left, delta_bic
-from .residuals_of_tests import InTimePart, TestPart
-from .scatter import TAILS, WIDE, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
+from .residuals_of_tests import InTimePart, Residual, TestPart
+from .scatter import TAILS, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped
 
-TAPER = 0.1
-"""Share of the record at both ends that is faded, so that a slow misfit does not leak."""
-FEWEST_OF_LINE = 200
-"""Samples of a record in which a line is sought."""
-AROUND = 20
-"""Ordinates on either side with which one is compared."""
-RARE = 1e-6
-"""Chance of noise alone below which the largest ordinate is a line."""
 SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""
 BESIDE = 3
 """Such neighbours on either side."""
-FURTHER = 3
-"""Steps by which the model makes way for a jump in tests that it misses plainly."""
+FURTHER = 24
+"""Steps at most by which the model makes way for a jump in tests that it misses plainly."""
 
 
 class Slip(NamedTuple):
@@ -73,9 +72,13 @@ class Slip(NamedTuple):
         # One that leaves more than noise is not the whole story: what has a name goes before it.
         if self.left.misfit or not self.shown:
             return -np.inf
-        before, after, noise = _evened(before, self.left, noise)
-        after = replace(after, count=before.count + 1)
-        return delta_bic(before, after, noise) - 2.0 * float(np.log(max(self.places, 1)))
+        # Over even noise, as all other stories, and over noise that grows: the less is sure.
+        stories = [(before, self.left, noise), _evened(before, self.left, noise)]
+        told = [
+            delta_bic(old, replace(new, count=old.count + 1), scatters)
+            for old, new, scatters in stories
+        ]
+        return min(told) - 2.0 * float(np.log(max(self.places, 1)))
 
 
 def _evened(
@@ -114,11 +117,24 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
         np.where(part.counted, 1.0 / part.sd, 0.0) if isinstance(part, InTimePart) else None
         for part in plain
     ]
-    # Where the tests are missed the model makes way by more than one linear step.
-    for _ in range(1 + FURTHER * before.misfit):
-        residuals = [part.residual(base.model, theta, base.reference) for part in plain]
-        jump = likeliest_jump(residuals, weights, before.noise)
-        theta = stepped(base.model, theta, jump.moved)
+
+    def missed(at: Real) -> list[Residual]:
+        return [part.residual(base.model, at, base.reference) for part in plain]
+
+    residuals = missed(theta)
+    jump = likeliest_jump(residuals, weights, before.noise)
+    # Where the tests are missed the model makes way by more than one linear step, each as short as
+    # it has to be for them to be missed by less (Marquardt 1963, doi:10.1137/0111030).
+    damping = 1.0
+    for _ in range(FURTHER * before.misfit):
+        step, squares = _way_made(residuals, jump, weights, damping)
+        nearer = stepped(base.model, theta, step)
+        there = missed(nearer)
+        if _way_made(there, jump, weights, damping)[1] < squares:
+            theta, residuals, damping = nearer, there, damping / DECADE
+            jump = likeliest_jump(residuals, weights, before.noise)
+        else:
+            damping *= DECADE
     scatters = [part.scatter(value) for part, value in zip(plain, jump.left, strict=True)]
     part, (value, slopes) = plain[jump.number], residuals[jump.number]
     name, when = part.test.name, f"{part.at[jump.row]:.3g} s"
@@ -136,6 +152,25 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
         scatters=tuple(scatters),
     )
     return Slip(says, left, jump.places, _is_shown(value + slopes @ jump.moved, jump), aside)
+
+
+def _way_made(
+    residuals: Sequence[Residual], jump: Jump, weights: Sequence[Real | None], damping: float
+) -> tuple[Real, float]:
+    """A damped step (p,) of a model beside a jump of any height, and what is missed before it."""
+    column = np.concatenate([np.zeros(len(value)) for value, _ in residuals])
+    begin = sum(len(value) for value, _ in residuals[: jump.number])
+    weight = weights[jump.number]
+    if weight is not None:
+        last = jump.row + 1 if jump.alone else len(weight)
+        column[begin + jump.row : begin + last] = weight[jump.row : last]
+    column /= max(float(np.linalg.norm(column)), SMALLEST)
+    value, slopes = (np.concatenate(each) for each in zip(*residuals, strict=True))
+    value, slopes = value - column * (column @ value), slopes - np.outer(column, column @ slopes)
+    size = np.maximum(np.linalg.norm(slopes, axis=0), SMALLEST)
+    square = (slopes / size).T @ (slopes / size)
+    step = np.linalg.solve(square + damping * np.eye(len(size)), -(slopes / size).T @ value)
+    return step / size, float(value @ value)
 
 
 def _is_shown(story: Real, jump: Jump) -> bool:
@@ -166,15 +201,8 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
     missed = residual * part.sd
     power, omega = periodogram(missed)
     hertz = omega / (2.0 * np.pi * float(np.mean(np.diff(part.at))))
-    around = np.lib.stride_tricks.sliding_window_view(
-        np.pad(power, AROUND, mode="reflect"), 2 * AROUND + 1
-    )
-    # Of an exponential the median is ln 2 times the mean, and a line does not move it.
-    ratio = power / np.maximum(np.median(around, axis=1) / np.log(2.0), SMALLEST)
-    # As near as the record tells frequencies apart.
-    mains = np.outer(MAINS, HARMONICS).ravel()
-    of_mains = np.min(np.abs(hertz[:, None] - mains), axis=1) <= 1.5 * hertz[0]
-    sought = np.where((omega > UPPER * np.pi) | of_mains, ratio, 0.0)
+    of_mains = at_mains(hertz)
+    sought = np.where((omega > UPPER * np.pi) | of_mains, over_neighbours(power), 0.0)
     top = int(np.argmax(sought))
     # The largest of m: each might have been it.
     if len(power) * np.exp(-sought[top]) > RARE:
@@ -188,18 +216,3 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
         f"what is left of {part.test.name} holds a line at {plain(float(hertz[top]), 3)} Hz,"
         f" {plain(float(size), 2)} {part.unit} in amplitude: {whose}, no part of the specimen"
     )
-
-
-def periodogram(residual: Real) -> tuple[Real, Real]:
-    """Power of a residual (n,) at each of its frequencies, in radians a sample; its mean left out.
-
-    Of white noise the power is its variance at each of them.
-    """
-    n = len(residual)
-    fade = max(1, int(TAPER * n))
-    window = np.ones(n)
-    window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
-    window[-fade:] = window[:fade][::-1]
-    turned = np.fft.rfft((residual - residual.mean()) * window)
-    power = np.abs(turned) ** 2 / np.sum(window**2)
-    return power[1:], 2.0 * np.pi * np.arange(1, len(power)) / n

@@ -61,22 +61,6 @@ CLOSE = 0.05
 """How nearly K must go there as omega or omega squared."""
 
 
-KEPT = (
-    "sd",
-    "rows",
-    "t",
-    "seen",
-    "times",
-    "omega",
-    "share",
-    "answers",
-    "solver",
-    "record",
-    "forces",
-)
-"""What does not depend on how a part is weighed."""
-
-
 class UnfollowedError(ModelError):
     """The exponentials cannot follow a model."""
 
@@ -109,8 +93,7 @@ class QuickPart(InTimePart):
     @cached_property
     def t(self) -> Real:
         """Their times."""
-        times: Real = self.test.time[self.rows]
-        return times
+        return self.test.time[self.rows]
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
@@ -124,8 +107,7 @@ class QuickPart(InTimePart):
         # So that a test of a million samples outweighs one of a thousand as much as it would with
         # all of them.
         more = np.sqrt(len(self.test) / len(self.rows))
-        weight: Real = np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
-        return weight
+        return np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
 
     @cached_property
     def times(self) -> Real:
@@ -271,11 +253,10 @@ class QuickPart(InTimePart):
         """The same with larger noise; what is known already is kept."""
         if scale == self.scale:
             return self
-        # The exponentials' answers are most of the work, and do not hang on the weight.
+        # Their answers are most of the work; of all that is known the weight alone goes by it.
         other = replace(self, scale=scale)
-        for name in KEPT:
-            if name in self.__dict__:
-                other.__dict__[name] = self.__dict__[name]
+        known = {name: value for name, value in vars(self).items() if name != "weight"}
+        vars(other).update(known | vars(other))
         return other
 
     def count(self, coarse: bool = False) -> int:

@@ -278,17 +278,7 @@ def rank(
     if order.outgrown and (quietest := _quietest_alone(order)):
         notes.insert(0, f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
         order = beside.in_noise_of(quietest).order(fits)
-    return Ranking(
-        ladder.data,
-        (*order.adequate, *order.near, *order.others),
-        (),
-        tuple(notes),
-        "",
-        ladder,
-        tuple(order.adequate),
-        tuple(order.near),
-        tuple(dict.fromkeys(beside.skipped)),
-    )
+    return order.ranking(ladder, notes, beside.skipped)
 
 
 def _quietest_alone(order: Order) -> RankedInTime | None:

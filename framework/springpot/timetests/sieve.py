@@ -16,7 +16,7 @@ from springpot.identification.result import Identification
 from springpot.memory import worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SEARCH
+from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
@@ -40,11 +40,6 @@ EXACT = 5
 """Effects that are fitted exactly, of those that are near the best.
 
 The rest can be no more than absent.
-"""
-MARGIN = 12.0
-"""Difference of the Bayesian information criterion within which an effect is near the best.
-
-Twice that of a class.
 """
 COSTLY = 0.05
 """Share of the best promise that makes an effect by which the specimen swings worth its fit."""
@@ -285,7 +280,7 @@ def alone(each: Tried, model: Model) -> Real:
 
 def _as_near(each: Tried, best: Tried) -> bool:
     """Whether a fit is so near the best that a better start would change nothing."""
-    return plain_bic(each.left) - plain_bic(best.left) <= MARGIN
+    return plain_bic(each.left) - plain_bic(best.left) <= 2.0 * EVIDENCE.rivals
 
 
 def exactly_fitted(
@@ -338,7 +333,8 @@ def _near(each: Tried, best: Tried, before: Left, noise: Sequence[ResidualScatte
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
     apart = delta_bic(before, best.left, noise) - delta_bic(before, each.left, noise)
-    return min(worse, apart) <= MARGIN
+    # Twice what makes a class of effects.
+    return min(worse, apart) <= 2.0 * EVIDENCE.rivals
 
 
 def noise_of_both(before: Left, best: Left) -> list[ResidualScatter]:

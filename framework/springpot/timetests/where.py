@@ -10,13 +10,12 @@ One size for many numbers.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.lazy import draw
+from springpot.lazy import Drawn
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -27,11 +26,6 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import DEVIATIONS, SMALLEST, rms
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 PIECES = 12
 """Parts of a record among which the place of the largest misfit is sought."""
@@ -242,8 +236,10 @@ VAGUE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class TestPrediction:
+class TestPrediction(Drawn):
     """What a model says of a test that it was not fitted to.
+
+    Its picture is the prediction with its band beside what was measured.
 
     Attributes
     ----------
@@ -313,10 +309,6 @@ class TestPrediction:
 
     def __repr__(self) -> str:
         return f"<TestPrediction {self.model}: {self.says}>"
-
-    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
-        """The prediction with its band beside what was measured; see `springpot.lazy.draw`."""
-        return draw(self, path)
 
     @property
     def verdict(self) -> str:

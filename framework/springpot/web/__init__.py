@@ -18,9 +18,4 @@ if TYPE_CHECKING:
         workbench as workbench,
     )
 
-__getattr__, __dir__ = offered(
-    __name__,
-    {
-        "launch": "serve Workbench workbench",
-    },
-)
+__getattr__, __dir__ = offered(__name__)

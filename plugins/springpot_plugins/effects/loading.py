@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from springpot.measurement import Loading, TimeTest
-from springpot.measurement.imposed import STEADY
 from springpot.measurement.steady_start import rise_is_presumed
 from springpot.rheology import (
     AMPLITUDE,
@@ -26,6 +25,7 @@ from springpot.rheology import (
     on_loading,
     relaxation_time,
 )
+from springpot.rheology.points import STEADY
 
 ELEMENTARY = "elementary"
 FEWEST = 21
@@ -195,7 +195,7 @@ def _said(test: TimeTest) -> bool:
 def _risen(test: TimeTest) -> bool:
     """The same, or a record has nothing of the rise but what was there before and after."""
     loading = test.loading
-    if _said(test) or not loading.sampled or len(loading.time) < FEWEST:
+    if _said(test) or _stepped(test) or not loading.sampled or len(loading.time) < FEWEST:
         return _said(test)
     first, second, third = loading.value[:3]
     return bool(first == 0.0 and abs(third - second) <= STEADY * abs(second) > 0.0)

@@ -39,7 +39,7 @@ from springpot.measurement.from_signals import stiffness_unit
 from springpot.measurement.mixed_up import history_note, sign_note
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
-from springpot.rheology.levels import HELD
+from springpot.rheology.points import HELD
 
 from ..readers.blocks import Block
 from ..readers.channels import STRESSES, channel_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import open_measurement
-from springpot.measurement.opening import signals_to_measurement
+from springpot.registry import signals_to_measurement
 
 from . import samples
 from .conftest import READERS
@@ -352,7 +352,7 @@ def test_signals_as_test_machines_write_them(tmp_path, case):
         "time [s],displacement [mm],force [kN]\n"
         + samples.rows((samples.TIME, samples.MOVED, samples.PULLED))
     )
-    found, wanted = (signals_to_measurement([file], READERS) for file in (path, plain))
+    found, wanted = (signals_to_measurement([file]) for file in (path, plain))
     assert found.units == wanted.units
     np.testing.assert_array_equal(found.stiffness, wanted.stiffness)
     assert len(open_measurement(path, (), READERS)) == 1

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import FILE, FOLDER, INPUT, POSITIVE, F, emit, json_option
+from springpot.cli.common import FOLDER, INPUT, POSITIVE, F, Output, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark.gate.regression import Gate
@@ -25,7 +25,7 @@ def _shared(command: F) -> F:
             "--out", type=FOLDER, default=out, show_default=True, metavar="DIR", help=text
         ),
         click.option(
-            "--baseline", type=FILE, metavar="FILE", help="By default OUT/NAME/baseline.json."
+            "--baseline", type=Output(""), metavar="FILE", help="By default OUT/NAME/baseline.json."
         ),
         click.argument("studies", nargs=-1, type=INPUT, metavar="[STUDY.py|STORE]..."),
     ):

@@ -85,12 +85,11 @@ def command(
     from springpot.benchmark.runner import run_study
 
     if workers is not None and engine not in (None, "local"):
-        raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
+        raise click.UsageError("give --workers or --engine, not both")
     is_archive = study.suffix == ".zip"
     if is_archive != bool(optimisers) or (problems and not is_archive):
         raise click.UsageError(
-            "--optimiser goes with an archive (.zip), an archive and --problem with it",
-            click.get_current_context(),
+            "--optimiser goes with an archive (.zip), an archive and --problem with it"
         )
     # Optimisers of other makers print what they like.
     with own_stdout(quiet):

@@ -83,11 +83,9 @@ def command(
         emit(files, as_json, lambda: print(*paths, sep="\n"))
         return
     if (columns or rows or caption or label) and wanted is None:
-        raise click.UsageError("say which table with --table", click.get_current_context())
+        raise click.UsageError("say which table with --table")
     if (caption or label) and kind != "latex":
-        raise click.UsageError(
-            "--caption and --label are for --format latex", click.get_current_context()
-        )
+        raise click.UsageError("--caption and --label are for --format latex")
     tables = {
         name: for_paper(table, columns, rows, digits)
         for name, table in _chosen(study, wanted, out, beside).items()

@@ -10,8 +10,8 @@ import click
 from springpot.cli.common import (
     COMPLETED,
     DATA,
-    FILE,
     MODEL,
+    TABLE,
     at_place,
     complete_data,
     emit,
@@ -45,7 +45,7 @@ from springpot.cli.common import (
 )
 @click.option("--csv", "as_csv", is_flag=True, help="Print a table as CSV.")
 @click.option(
-    "-o", "--output", type=FILE, metavar="FILE", help="Write a .csv, .xlsx, .tex, .html or .md."
+    "-o", "--output", type=TABLE, metavar="FILE", help="Write a .csv, .xlsx, .tex, .html or .md."
 )
 @json_option
 def command(
@@ -66,15 +66,12 @@ def command(
     """
     from springpot.constraints import settings_of
     from springpot.derived import quantities
-    from springpot.files import require_writable, write_text
-    from springpot.report.tables import require_ending, write_values
+    from springpot.files import write_text
+    from springpot.report.tables import write_values
     from springpot.report.told import told
 
     if as_csv and as_json:
-        raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    if output is not None:
-        require_writable(output)
-        require_ending(output)
+        raise click.UsageError("give --csv or --json, not both")
     asked.update(settings_of(others))
     answer = quantities(data, model, **asked)
     if output is not None:

@@ -84,12 +84,9 @@ def command(
     """
     from springpot.constraints import times_of
     from springpot.errors import OptionError
-    from springpot.files import require_writable, write_text, write_with
+    from springpot.files import write_text, write_with
     from springpot.solvers.exporting import exported
 
-    # A path that cannot be written is told before anything is worked out.
-    if output is not None:
-        require_writable(output)
     if amplitude is not None:
         options["amplitudes"] = numbers(amplitude)
     if times is not None:

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import DATA, FILE, INPUT, emit, json_option, numbers, of_each
+from springpot.cli.common import (
+    DATA,
+    INPUT,
+    emit,
+    figure_option,
+    json_option,
+    numbers,
+    of_each,
+)
 
 if TYPE_CHECKING:
     from springpot.structure.frame import Frame
@@ -44,12 +52,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of all random numbers.",
 )
-@click.option(
-    "--figure",
-    type=FILE,
-    metavar="FILE",
-    help="Draw drifts, loops and energy (.png, .svg or .pdf).",
-)
+@figure_option("drifts, loops and energy")
 @click.option(
     "--next-experiment",
     "further",
@@ -74,16 +77,12 @@ def command(
     band of the drift carries what is not known of the dampers. Of many records mean and envelope
     are told too. With --frequency the ground shakes with 1 m/s^2 at each frequency instead.
     """
-    from springpot.report.canvas import check_figure_path
     from springpot.structure.records import records_meant
 
-    # A path that cannot be written is told before time is spent on the motion.
-    if figure is not None:
-        check_figure_path(figure)
     if (not records) == (frequency is None):
-        raise click.UsageError("give a --record or a --frequency", click.get_current_context())
+        raise click.UsageError("give a --record or a --frequency")
     if further and not records:
-        raise click.UsageError("--next-experiment is for a --record", click.get_current_context())
+        raise click.UsageError("--next-experiment is for a --record")
     if not records:
         _steady(structure, str(frequency), figure, as_json)
         return 0

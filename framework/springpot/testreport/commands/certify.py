@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
+from springpot.cli.common import DATA, INPUT, Output, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.testreport.certificate import Certificate
@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 @click.argument("tests", type=DATA, nargs=-1, required=True, metavar="TESTS...")
 @click.option("--code", type=INPUT, required=True, metavar="FILE.toml", help="What is asked.")
 @click.option(
-    "-o", "--output", type=FILE, metavar="FILE", help="Write it here (.html, .xlsx or .csv)."
+    "-o",
+    "--output",
+    type=Output("springpot.testreport.certificate:check_certificate_path"),
+    metavar="FILE",
+    help="Write it here (.html, .xlsx or .csv).",
 )
 @click.option(
     "--why/--no-why",
@@ -36,12 +40,9 @@ def command(
     decided with it as a guard band. Where a test fails, its record is diagnosed: play, lag,
     friction and whatever else is hidden. Exit code 1: not conforming.
     """
-    from springpot.testreport.certificate import check_certificate_path
     from springpot.testreport.certifying import certify
     from springpot.testreport.deciding import FAILING
 
-    if output is not None:
-        check_certificate_path(output)
     certificate = certify(tests, code, why=why)
     if output is not None:
         certificate.write(output)

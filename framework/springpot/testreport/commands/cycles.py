@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import DATA, FILE, emit, json_option, of_each
+from springpot.cli.common import DATA, Output, emit, figure_option, json_option, of_each
 
 if TYPE_CHECKING:
     from springpot.report.text import TextTable
@@ -29,14 +29,13 @@ SHOWN = 12
     help="Cycles that the means are of; by default all but the first and the last.",
 )
 @click.option(
-    "-o", "--output", type=FILE, metavar="FILE", help="Write all rows here (.xlsx or .csv)."
-)
-@click.option(
-    "--figure",
-    type=FILE,
+    "-o",
+    "--output",
+    type=Output("springpot.testreport.report:check_sheets_path"),
     metavar="FILE",
-    help="Draw the loops, their ellipse and backbone (.png, .svg or .pdf).",
+    help="Write all rows here (.xlsx or .csv).",
 )
+@figure_option("the loops, their ellipse and backbone")
 @json_option
 def command(
     records: tuple[str, ...],
@@ -52,16 +51,10 @@ def command(
     has a 95 % interval: from the noise of the record, or from the scatter of the cycles where that
     is more. Tests at several speeds give the law F0 = C |v|^alpha.
     """
-    from springpot.report.canvas import check_figure_path
     from springpot.testreport.record import read_record
-    from springpot.testreport.report import check_sheets_path, report_of
+    from springpot.testreport.report import report_of
     from springpot.testreport.summary import evaluate, range_of
 
-    # What cannot be written is told before long records are read.
-    if output is not None:
-        check_sheets_path(output)
-    if figure is not None:
-        check_figure_path(figure)
     meant = None if wanted is None else range_of(wanted)
     tests: list[EvaluatedTest] = []
     worst = of_each(records, lambda name: tests.append(evaluate(read_record(name), meant)))
