@@ -1,4 +1,10 @@
-"""Tests in time from which two effects are missing, and whether both are accepted by name."""
+"""Tests in time from which two effects are missing, and whether both are accepted by name.
+
+Question: are both of two effects that are missing from a test in time accepted by name? Measure:
+the share of drawn cases in which discovery accepts both, and that of what it accepts though neither
+is in its class. What would answer it: the goals of the study of sweeps, both by name in half of the
+cases and at most 1 % invented.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from paper.asking import question
 from springpot.errors import SpringpotError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model
@@ -213,6 +220,8 @@ def write_several(rows: Sequence[LadderVerdict], output: Path, seed: int) -> Non
     """The table of the study."""
     lines = [
         "# Two hidden effects of a test in time",
+        "",
+        question(__doc__),
         "",
         f"`python studies/hidden_effect_time.py --several --cases {len(rows)} --seed {seed}`:"
         " tests from which two effects are missing, each of a chi-square of"

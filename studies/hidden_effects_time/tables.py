@@ -1,4 +1,10 @@
-"""What the verdicts of all cases amount to."""
+"""What the verdicts of all cases amount to.
+
+Question: is the effect that is missing from a test in time found and named, and nothing where
+nothing is missing? Measure: shares of drawn cases, by the chi-square that the base model misses
+beyond noise. What would answer it: the goals of the study of sweeps, 99 % detected from a
+chi-square of 30 and 98 % in the class that is named from 60, at most 2 % flagged of nothing.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +14,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+
+from paper.asking import question
 
 from .judge import DETECTED, NAMED, NEAR_FLOOR, Verdict
 
@@ -124,6 +132,8 @@ def write_tables(verdicts: Sequence[Verdict], folder: Path, seed: int) -> None:
     rows = by_effect(verdicts)
     lines = [
         "# Hidden effects of tests in time",
+        "",
+        question(__doc__),
         "",
         (
             f"`python studies/hidden_effect_time.py --cases {len(verdicts)} --seed {seed}`:"

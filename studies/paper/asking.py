@@ -1,17 +1,19 @@
-"""A table below the question that its study asks."""
+"""What a study asks, and tables below it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from springpot.benchmark import Study, Table
+if TYPE_CHECKING:  # a generator that owes springpot nothing states its question too
+    from springpot.benchmark import Study, Table
 
 FIRST = "Question: "
 """With what the paragraph of a script's head begins that states it."""
 
 
-def asking(head: str | None, table: Table) -> Table:
-    """The same table, which says first what the head of its script asks.
+def question(head: str | None) -> str:
+    """What the head of a script asks, on one line.
 
     Raises
     ------
@@ -20,8 +22,13 @@ def asking(head: str | None, table: Table) -> Table:
     """
     for paragraph in (head or "").split("\n\n"):
         if paragraph.strip().startswith(FIRST):
-            return replace(table, asks=" ".join(paragraph.split()))
+            return " ".join(paragraph.split())
     raise ValueError("a study states its question in its head")
+
+
+def asking(head: str | None, table: Table) -> Table:
+    """The same table, which says first what the head of its script asks."""
+    return replace(table, asks=question(head))
 
 
 def asked(study: Study, table: Table) -> Table:
