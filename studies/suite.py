@@ -65,13 +65,15 @@ def plan(suite: str = SUITE) -> Plan:
     return Study("suite", [suite], ["own"], ["own"], ["random-search"]).plan()
 
 
-def best_known(problem: SpecimenProblem, truth: Real | None) -> tuple[Real, float]:
-    """The least objective that any of many descents in the box ends at, and where (d,)."""
+def best_known(problem: SpecimenProblem, told: Sequence[Real]) -> tuple[Real, float]:
+    """The least objective that any of many descents in the box ends at, and where (d,).
+
+    Some of them from points (d,) of which something is told.
+    """
     low, high = problem.lower, problem.upper
     # As many from all orders of size alike, in which small parameters are found.
     starts = [uniform(problem, STARTS // 2, 2), sized(problem, uniform(problem, STARTS // 2, 3))]
-    if truth is not None:
-        starts.append(np.clip(truth, low, high)[None])
+    starts += [np.clip(each, low, high)[None] for each in told]
     points, ends = descents(problem, np.concatenate(starts))
     if isinstance(problem, Problem):
         with np.errstate(all="ignore"):
@@ -89,15 +91,14 @@ def sized(problem: SpecimenProblem, points: Real) -> Real:
     return np.where(low > 0.0, np.abs(low) ** (1.0 - share) * high**share, points)
 
 
-def measured(case: RaceCase) -> tuple[float, Features]:
-    """Best known objective of a problem, and its features."""
+def measured(case: RaceCase, ends: Sequence[Mapping[str, float]] = ()) -> tuple[float, Features]:
+    """Best known objective of a problem, looked for where trials ended too, and its features."""
     source = case.source
     model = source.model_of(case.model)
     problem = problem_of(source, model, case.objective)
-    truth = None
-    if set(source.truth) == set(model.names):
-        truth = problem.space.from_theta(model.vector(dict(source.truth)))
-    optimum, best = best_known(problem, truth)
+    told = [each for each in (source.truth, *ends) if set(each) == set(model.names)]
+    starts = [problem.space.from_theta(model.vector(dict(each))) for each in told]
+    optimum, best = best_known(problem, starts)
     target = best + TARGET * (reference_of(problem) - best)
     return best, features_of(problem, optimum, best, target)
 

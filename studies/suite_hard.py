@@ -14,7 +14,7 @@ well known.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count, islice
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -110,7 +110,15 @@ def make(suite: str, script: str, seed: int, rule: Rule, sweeps: Sweeps) -> None
     text = description(suite, script, sweeps, rows)
     (SUITES / f"{suite}.toml").write_text(text, encoding="utf-8")
     write(suite, {}, {})
-    found = {case.source.name: measured(case) for case in plan(suite).cases}
+    measure(suite, {})
+
+
+def measure(suite: str, ends: Mapping[str, Sequence[Mapping[str, float]]]) -> None:
+    """Measure the problems of a suite, also with what is known of where trials ended."""
+    found = {
+        case.source.name: measured(case, ends.get(case.source.name, ()))
+        for case in plan(suite).cases
+    }
     write(
         suite,
         found,

@@ -29,7 +29,11 @@ if TYPE_CHECKING:
     from mkdocs.structure.files import Files
     from mkdocs.structure.pages import Page
 
-RACES = {"springpot-60": ("suite_race", "suite_repeated"), "springpot-hard-20": ("suite_hard",)}
+RACES = {
+    "springpot-60": ("suite_race", "suite_repeated"),
+    "springpot-hard-20": ("suite_hard",),
+    "springpot-rugged-20": ("suite_rugged",),
+}
 """Studies whose archives tell who arrives."""
 EASIER = ("funnel",)
 """Features that are the smaller, the harder a problem is."""

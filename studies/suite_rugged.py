@@ -2,6 +2,7 @@
 
     python studies/suite_rugged.py           draws and measures springpot-rugged-20
     springpot run studies/suite_rugged.py    races on it
+    python studies/suite_rugged.py again     looks for lower objectives where trials of it ended
 
 Of springpot-hard-20 `auto` reaches 98 % of the targets: that no descent arrives was measured there
 by one kind of descent, from starts of one scale. Here sweeps without further columns go up to
@@ -15,6 +16,7 @@ half of springpot-60, and the paper's swarm.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -23,7 +25,7 @@ import numpy as np
 
 from drawn_problems import SWEEPS, searched
 from paper.asking import asked
-from springpot.benchmark import Findings, Store, Study, save_table
+from springpot.benchmark import Findings, Store, Study, save_table, store_path
 from springpot.benchmark.features import descents, uniform
 from springpot.identification import BudgetSpent, Recorder
 from springpot.identification.problem import SpecimenProblem
@@ -31,7 +33,7 @@ from springpot.measurement import DataSet
 from springpot.rheology import Real
 from springpot_plugins.optimisers.leastsquares import LeastSquares, Misfit
 from suite import sized
-from suite_hard import PARTS, goal_of, make
+from suite_hard import PARTS, goal_of, make, measure
 from suite_race import by_part
 
 SUITE = "springpot-rugged-20"
@@ -84,6 +86,15 @@ def by_parameters(problem: SpecimenProblem, start: Real, goal: float) -> float:
     return run.best
 
 
+def ended(path: Path) -> dict[str, list[Mapping[str, float]]]:
+    """Where the trials on each problem ended."""
+    found: dict[str, list[Mapping[str, float]]] = {}
+    with Store(path) as store:
+        for cell, trials in store.raced():
+            found.setdefault(cell.problem.dataset, []).extend(trial.theta for trial in trials)
+    return found
+
+
 def finish(path: Path, folder: Path) -> None:
     """Write the table by the parts of the suite."""
     with Store(path) as store:
@@ -114,4 +125,7 @@ study = Study(
 )
 
 if __name__ == "__main__":
-    make(SUITE, "suite_rugged", SEED, rugged, PROTOCOLS)
+    if "again" in sys.argv:
+        measure(SUITE, ended(store_path(study)))
+    else:
+        make(SUITE, "suite_rugged", SEED, rugged, PROTOCOLS)

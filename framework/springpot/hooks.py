@@ -85,13 +85,11 @@ class SolverFormat(Protocol):
 
     def written(self, handoff: Any) -> str:
         """The text of a model that is handed over."""
-        ...
 
     def aspects(
         self, read: Callable[[str, Any], Any] | None = None
     ) -> Mapping[str, Callable[[], Iterable[str]]]:
         """Its contract: what must hold, by name; each yields sentences on what does not."""
-        ...
 
 
 @hookspec

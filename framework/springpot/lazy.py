@@ -35,9 +35,11 @@ def offered(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]
     def where() -> dict[str, str]:
         # Not for whoever imports a package and asks for nothing of it.
         import ast
+        from linecache import getlines
 
-        loader: Any = sys.modules[package].__loader__
-        parts = ast.parse(loader.get_source(package)).body
+        module = sys.modules[package]
+        # Of its file, whoever has loaded it: pytest's loader keeps no source.
+        parts = ast.parse("".join(getlines(str(module.__file__), vars(module)))).body
         imports = [each for part in parts if isinstance(part, ast.If) for each in part.body]
         return {
             name.name: "." * each.level + (each.module or name.name)

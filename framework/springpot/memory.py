@@ -80,8 +80,7 @@ def samples_of_one(residual: Any, links: Links = LINE) -> float:
 
 def spectrum_of(omega: Real, size: float, memory: float) -> Real:
     """Variance (n,) of noise of a size at frequencies in radians a number."""
-    spectrum: Real = size**2 * (1.0 - memory**2) / (1.0 + memory**2 - 2.0 * memory * np.cos(omega))
-    return spectrum
+    return size**2 * (1.0 - memory**2) / (1.0 + memory**2 - 2.0 * memory * np.cos(omega))
 
 
 def forgetting(values: Any, memory: float, links: Links = LINE) -> Any:

@@ -49,6 +49,18 @@ def test_a_cell_that_is_off_is_found(tables, tmp_path):
     assert len(wrong) == 1
 
 
+@pytest.mark.parametrize("race", ["hard", "rugged"])
+def test_so_are_the_shares_on_the_drawn_suites(race):
+    name = f"suite_{race}"
+    raced = recomputed_suite.Race(
+        RESULTS / name / f"{name}.zip", SUITE.with_name(f"springpot-{race}-20.csv")
+    )
+    # All of their problems are hard or deceptive.
+    shares = {label: list(raced.share(label, "hard half")) for label in raced.labels}
+    _, wrong = recomputed_suite.compared({f"{name}/parts": shares}, RESULTS)
+    assert wrong == []
+
+
 def test_it_knows_nothing_of_springpot():
     tree = ast.parse(Path(recomputed_suite.__file__).read_text(encoding="utf-8"))
     names = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}

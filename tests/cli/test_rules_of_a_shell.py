@@ -130,8 +130,8 @@ def test_a_stage_is_shown_in_place_on_a_terminal_and_gone_at_the_end(tty, monkey
     if not tty:
         assert text == "fitting a model\n"
         return
-    assert lines[1] == f"{'fitting a model, 0 s':{hints.WIDTH}}"
-    assert lines[-2:] == [" " * hints.WIDTH, ""]
+    assert lines[1] == f"{'fitting a model, 0 s':{hints.window()}}"
+    assert lines[-2:] == [" " * hints.window(), ""]
 
 
 def test_nothing_is_written_over_where_nothing_was_shown(monkeypatch):

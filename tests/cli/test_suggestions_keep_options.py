@@ -2,8 +2,12 @@
 
 import shlex
 
+import click
 import numpy as np
 import pytest
+
+from springpot.cli.discover import again_with, command
+from springpot.cli.group import springpot as group
 
 GEOMETRY = "shear-pads area=200cm^2 gap=10mm"
 
@@ -45,3 +49,12 @@ def test_outputs_stay_behind(springpot, bent, tmp_path):
     figure = str(tmp_path / "fit.svg")
     words = following(springpot("identify", bent, "--model", "kelvin", "--figure", figure))
     assert "--figure" not in words
+
+
+def test_a_report_is_made_again_with_all_that_was_given():
+    given = ["--own", "c", "--fix", "k=5", "--geometry", GEOMETRY]
+    root = click.Context(group, info_name="springpot")
+    with command.make_context("discover", ["a.csv", "-m", "kelvin", "--auto", *given], root):
+        again = again_with(["a.csv"], "kelvin", (), auto=True, seed=None)
+    assert again[:6] == ["springpot", "discover", "a.csv", "--model", "kelvin", "--auto"]
+    assert sorted(again[6:]) == sorted([*given, "--seed", "0"])

@@ -12,7 +12,6 @@ import pytest
 import springpot
 from springpot.errors import DataError, ModelError, OptionError, OutputError, SpringpotError
 from springpot.identification import Identification
-from springpot.identification.kept import _ends
 from springpot.registry import plugins
 from springpot.report.text import percent, to_json
 from springpot.rheology.model import Family
@@ -335,8 +334,3 @@ def test_numbers_of_a_list_stand_in_one_line():
         "rows": [[1, 2], [3, 4]],
     }
     assert '"numbers": [1.0, null, -2e-07]' in text
-
-
-def test_an_end_that_nobody_knows_is_endless_on_its_side():
-    assert _ends([None, 2.0]) == (-np.inf, 2.0)
-    assert _ends([1.0, None]) == (1.0, np.inf)

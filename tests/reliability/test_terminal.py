@@ -191,7 +191,7 @@ def test_progress_is_written_over_itself_and_still_plain(monkeypatch):
     assert first == ""
     assert not any(COMMANDS.search(line) for line in lines)
     assert "\\r" not in shown.getvalue()
-    assert lines[-2:] == [" " * hints.WIDTH, ""]
+    assert lines[-2:] == [" " * hints.window(), ""]
 
 
 @pytest.mark.soak

@@ -9,13 +9,13 @@ import pytest
 from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
+from springpot.report import tables
 from springpot.testreport import (
     certifying,
     code,
     deciding,
     local,
     quantities,
-    report,
     summary,
 )
 from springpot.testreport.local import Channel
@@ -124,7 +124,7 @@ def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
 
 def test_sheets_of_one_name_are_counted_from_two():
     taken = set()
-    assert [report._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
+    assert [tables._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
 
 
 @pytest.mark.parametrize(("still", "told"), [(120, 0), (160, 161)])

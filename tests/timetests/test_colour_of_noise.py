@@ -9,8 +9,9 @@ from scipy.signal import lfilter
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model
 from springpot.timetests import identify
-from springpot.timetests.colour import colour_of, repeated
+from springpot.timetests.colour import colour_of
 from springpot.timetests.scatter import MEMORIES, ResidualScatter, scatter_of
+from springpot.timetests.traces_of_motion import repeated
 
 N = 500
 SEEDS = range(20)

@@ -1,15 +1,14 @@
 """Noise of the displacement that was imposed: a model answers to it, and no effect is its cause."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
 from springpot.measurement.imposed import imposed_noise
+from springpot.numerics import DEVIATIONS
 from springpot.registry import plugins
-from springpot.timetests import compare, diagnose, left
+from springpot.timetests import compare, diagnose, traces_of_motion
 
 TIME = 0.005 * np.arange(1000)
 EFFECTS = ("inertia", "time-delay", "filter-mismatch")
@@ -39,7 +38,7 @@ def test_no_mass_is_found_in_it(seed):
 
 @pytest.mark.soak
 def test_nor_is_the_noise_read_from_what_a_mass_leaves_of_it():
-    rng, t = np.random.default_rng(4), 0.01 * np.arange(600)
+    rng, t = np.random.default_rng(5), 0.01 * np.arange(600)
     stroke = 5.0 * np.sin(2.0 * np.pi * t) * np.minimum(1.0, 0.2 + t / 6.0)
     model = parse_model("prony-2")
     theta = model.theta(k0=19.0, k1=24.0, tau1=0.13, k2=9.0, tau2=0.9)
@@ -88,19 +87,18 @@ def test_corners_and_smooth_motion_are_no_noise():
 
 def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(monkeypatch):
     at = np.linspace(0.0, 1.0, 400)
-    monkeypatch.setattr(left, "InTimePart", SimpleNamespace)
-    monkeypatch.setattr(left, "imposed_noise", lambda value: 0.3)
+    monkeypatch.setattr(traces_of_motion, "imposed_noise", lambda value: 0.3)
 
     def heard(sd, control="displacement", moved=0.0):
         loading = Loading(at + moved, at)
-        test = SimpleNamespace(loading=loading, control=control)
-        part = SimpleNamespace(at=at, test=test, stiffness=4.0, sd=np.full(400, sd))
-        return left._heard(part)
+        test = TimeTest(at, at, loading, control=control)
+        return traces_of_motion.Imposed.of(test, 4.0, np.full(400, sd)).noise
 
     # A variance is known to the root of two by their number.
-    most = 0.3 * np.sqrt(1.0 + left.DEVIATIONS * np.sqrt(2.0 / (left.WORTH * 400)))
-    assert heard(0.99 * 1.2 / left.HEARD) == pytest.approx(most)
-    assert heard(1.01 * 1.2 / left.HEARD) == 0.0
-    assert heard(0.99 * 0.075 / left.HEARD, "force") == pytest.approx(most)
-    assert heard(1.01 * 0.075 / left.HEARD, "force") == 0.0
-    assert heard(0.1, moved=1e-3) == 0.0
+    most = 0.3 * np.sqrt(1.0 + DEVIATIONS * np.sqrt(2.0 / (traces_of_motion.WORTH * 400)))
+    least = traces_of_motion.HEARD
+    assert heard(0.99 * 1.2 / least) == pytest.approx(most)
+    assert heard(1.01 * 1.2 / least) == 0.0
+    assert heard(0.99 * 0.075 / least, "force") == pytest.approx(most)
+    assert heard(1.01 * 0.075 / least, "force") == 0.0
+    assert heard(0.1, moved=-1e-3) == 0.0

@@ -83,7 +83,7 @@ def test_one_effect_alone_is_missing_for_certain():
         ("effect-missing", ["friction", "inertia"], "cannot-tell"),
         ("cannot-tell", ["friction"], "cannot-tell"),
     ):
-        rows = verdict._candidates(pair, [0.7, 0.2], alike, [error(), error()], says)
+        rows = verdict._candidates(pair, [0.7, 0.2], alike, [error(), error()], says, error())
         assert rows[0].verdict == first
         assert [row.probability for row in rows] == [0.7, 0.2]
     assert rows[1].verdict == "absent"

@@ -12,7 +12,7 @@ import pytest
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import open_in_time, parse_model, plugins
-from springpot.timetests import identify, predicted
+from springpot.timetests import diagnose, identify, predicted
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.native import TimeSearch
 from springpot.timetests.recording import recorded
@@ -229,7 +229,21 @@ def test_what_the_exact_response_alone_follows_is_fitted_to_all_samples():
     stress = exact + 0.02 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(t))
     parts = parts_of_specimen([replace(blank, response=stress)])
     search = TimeSearch(MODEL, quick_parts(parts), 304.15, [THETA], thorough=False)
-    found, _ = search.near(parts, [search.centred(each) for each in search.starts()])
+    found, _ = search.near(parts, [search.inside(each) for each in search.starts()])
     left = parts[0].residual(MODEL, search.theta(found), 304.15).value
     best = parts[0].residual(MODEL, THETA, 304.15).value
     assert left @ left < best @ best
+
+
+def test_a_specimen_that_warms_by_far_is_not_taken_for_diffusion():
+    """From a model that is far off a linear step told that it cools."""
+    model, t = parse_model("fractional-zener + thermal-transient"), np.geomspace(0.01, 100.0, 100)
+    transient = {"thermal-transient.s": 3.3, "thermal-transient.tau": 24.0}
+    theta = model.theta(k1=25.0, k2=55.0, c=34.0, alpha=0.65, **transient)
+    force = recorded(model, theta, TimeTest.of_relaxation(t, t, "N/mm"), REFERENCE).value
+    noise = 0.05 * np.random.default_rng(2).normal(size=len(t))
+    library = [plugins().effect(name) for name in ("thermal-transient", "diffusion")]
+    test = TimeTest.of_relaxation(t, force + noise, "N/mm")
+    found = diagnose(test, parse_model("fractional-zener"), library)
+    assert found.leading[0] == "thermal-transient"
+    assert found.candidates[0].parameters["s"].value == pytest.approx(3.3, abs=0.5)

@@ -11,7 +11,6 @@ from springpot.measurement import Loading, TimeTest, noise_of
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
-from springpot.timetests.colour import Imposed, powers_of, with_the_motion
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Promise
 from springpot.timetests.residuals_of_tests import parts_of_specimen
@@ -22,6 +21,7 @@ from springpot.timetests.scatter import (
     scatter_of_sweep,
 )
 from springpot.timetests.score import TimeScan, _different
+from springpot.timetests.traces_of_motion import Imposed, powers_of, with_the_motion
 
 TIME = np.geomspace(0.01, 100.0, 120)
 
@@ -47,7 +47,7 @@ def test_noise_with_a_memory_has_no_jump(memory):
 
 def beside_hum(seed, size, height, memory=0.0):
     hum = height * np.sin(1.43 * np.arange(size) + 1.0)
-    motion = Imposed((0, 0), False, np.zeros((size, 0)))
+    motion = Imposed((0, 0), False, 0.0, None)
     return scatter_of_record(noise(seed, size, memory) + hum, np.zeros((0, size)), motion, size)
 
 
@@ -72,7 +72,7 @@ def test_what_goes_with_the_motion_is_no_noise(height):
         moved = lfilter([1.0], [1.0, -1.5, 0.85], noise(seed, 200))
         place = moved / moved.std()
         missed = height * np.sign(place) * np.maximum(np.abs(place) - 0.7, 0.0)
-        motion = Imposed((0, 0), False, powers_of(moved))
+        motion = Imposed((0, 0), False, 0.0, powers_of(moved, False))
         left = missed - place * (missed @ place) / 200 + noise(seed + 50, 200, 0.5)
         found = scatter_of_record(left, np.zeros((0, 200)), motion, 200)
         assert found.misfit == (height > 0.0)
@@ -85,7 +85,7 @@ def test_noise_that_is_larger_where_the_motion_is_quick_is_noise(seed):
     quick = np.abs(np.gradient(moved))
     left = rng.normal(size=800) * quick / quick.max()
     spectrum = np.full(800, np.var(left))
-    assert with_the_motion(left, spectrum, powers_of(moved))[0] > 0.05
+    assert with_the_motion(left, spectrum, powers_of(moved, False))[0] > 0.05
 
 
 def test_one_sample_far_off_is_no_jump():

@@ -7,36 +7,22 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from springpot.report.tables import FORMATS, Table, save_table
+    from springpot.report.tables import FORMATS as FORMATS, Table as Table, save_table as save_table
 
-    from .columns import frame
-    from .exporting import Export, export
-    from .runner import Outcome, run_study
-    from .standings import Findings, summarise, write_tables
-    from .statistics import Interval
-    from .store import Store
-    from .study import Study
-    from .summary import load_study, store_path
-    from .trial import Status
-
-__all__ = [
-    "FORMATS",
-    "Findings",
-    "Export",
-    "Interval",
-    "Outcome",
-    "Status",
-    "Store",
-    "Study",
-    "Table",
-    "export",
-    "frame",
-    "load_study",
-    "run_study",
-    "save_table",
-    "store_path",
-    "summarise",
-    "write_tables",
-]
+    from .columns import frame as frame
+    from .exporting import Export as Export, export as export
+    from .runner import Outcome as Outcome, run_study as run_study
+    from .standings import (
+        Findings as Findings,
+        summarise as summarise,
+        write_tables as write_tables,
+    )
+    from .statistics import Interval as Interval
+    from .store import Store as Store
+    from .study import Study as Study
+    from .summary import load_study as load_study, store_path as store_path
+    from .trial import Status as Status
 
 __getattr__, __dir__ = offered(__name__)
+
+__all__ = __dir__()

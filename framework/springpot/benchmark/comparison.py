@@ -408,8 +408,7 @@ def quality(race: ProblemRace, mark: int, target: float) -> Real:
     No better than the target, infinite if it failed.
     """
     # Below the target a race is over: who got further beyond it is no better.
-    clipped: Real = np.maximum(race.values[:, :, mark], target)
-    return clipped
+    return np.maximum(race.values[:, :, mark], target)
 
 
 def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[OptimiserChoice]:

@@ -108,7 +108,6 @@ class Engine(Protocol):
 
     def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """Results in no order."""
-        ...
 
 
 class SerialEngine:

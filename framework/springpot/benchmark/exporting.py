@@ -74,8 +74,7 @@ class PrecisionScale:
         # The reference itself may be the best that is known: then there is nothing to scale by.
         if not room > 0:
             room = 1.0
-        scaled: Real = np.maximum(values - self.best, 0.0) / room
-        return scaled
+        return np.maximum(values - self.best, 0.0) / room
 
 
 def write_coco(store: Store, folder: Path) -> Export:

@@ -225,14 +225,15 @@ def wilcoxon_holm(scores: Real) -> Real:
     Over blocks: exact for up to 50 of them, ties or not (`sign_flips`), else by the normal
     approximation. Blocks in which a difference is not defined, both being infinite, count as ties.
     """
-    from scipy.stats import wilcoxon
-
     first, second = np.triu_indices(scores.shape[1], 1)
     a, b = scores.T[first], scores.T[second]
     same = a == b
     gaps = np.clip(np.where(same, 0.0, a) - np.where(same, 0.0, b), -1e300, 1e300)
     if gaps.shape[1] <= EXACT:
         return _square(holm(sign_flips(gaps)), scores.shape[1])
+    # Only now: it takes most of a second to import.
+    from scipy.stats import wilcoxon
+
     p = np.ones(len(gaps))
     differ = gaps.any(axis=1)
     if differ.any():
@@ -368,8 +369,7 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
     ordered = np.moveaxis(values, 0, -1).copy()
     ordered.sort(axis=-1)
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
-    chosen: Real = np.moveaxis(ordered[..., places], -1, 0)
-    return chosen
+    return np.moveaxis(ordered[..., places], -1, 0)
 
 
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
@@ -459,5 +459,4 @@ def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
         below, above = np.split(own[:, first] * own[:, second] @ sides, 2, axis=1)
         most = np.stack([below, 1.0 - below - above, above]).argmax(axis=0)
         counts += np.stack([(most == region).sum(axis=0) for region in range(3)])
-    found: Real = counts.T / DRAWS
-    return found
+    return counts.T / DRAWS

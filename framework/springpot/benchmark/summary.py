@@ -348,8 +348,7 @@ def summarise_cell(cell: CellRow, trials: CellTrials, hits: Real, accuracy: floa
 
 def _known(values: Real) -> Real:
     """Those of `values` (n,) that are numbers."""
-    known: Real = values[~np.isnan(values)]
-    return known
+    return values[~np.isnan(values)]
 
 
 def median_of(values: Sequence[float | None]) -> float | None:

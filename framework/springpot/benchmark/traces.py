@@ -131,8 +131,7 @@ class Traces:
         before[(np.cumsum(self.counts) - self.counts)[self.counts > 0]] = 0
         seen = np.searchsorted(grid, self.evaluations)
         new = np.bincount(seen, reached - before, minlength=len(grid) + 1)
-        shares: Real = np.cumsum(new)[: len(grid)] / len(self.counts) / len(targets)
-        return shares
+        return np.cumsum(new)[: len(grid)] / len(self.counts) / len(targets)
 
     def hits(self, goals: Real) -> Real:
         """Evaluation at which each trial reached its goal (n,), infinite where it did not."""

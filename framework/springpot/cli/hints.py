@@ -14,6 +14,8 @@ from click.core import ParameterSource
 from springpot import writing
 from springpot.errors import below, plain
 
+from .common import window
+
 MEANING = (
     "geometry",
     "fix",
@@ -72,8 +74,6 @@ def _words(option: str, value: Any) -> list[str]:
 
 PATIENCE = 1.0
 """Seconds that nobody asks about."""
-WIDTH = 100
-"""Letters of a line that is written over."""
 
 
 class Waiting:
@@ -103,7 +103,7 @@ class Waiting:
             # Written over by blanks: the answer must not begin behind what is left of the last
             # stage.
             if self._begun and sys.stderr.isatty():
-                print(f"\r{' ' * WIDTH}\r", end="", file=below(sys.stderr), flush=True)
+                print(f"\r{' ' * window()}\r", end="", file=below(sys.stderr), flush=True)
             self._begun = False
         # Where it still ran, an optimiser would not be protected in a process of its own.
         self._thread.join()
@@ -129,7 +129,9 @@ class Waiting:
         if sys.stderr.isatty():
             line = plain(f"{self._stage}, {monotonic() - self._began:.0f} s")
             # Only this return is for the terminal; names in the stage come from strangers.
-            print(f"\r{line:{WIDTH}.{WIDTH}}", end="", file=below(sys.stderr), flush=True)
+            # No longer than the window: what is broken cannot be written over.
+            width = window()
+            print(f"\r{line:{width}.{width}}", end="", file=below(sys.stderr), flush=True)
             return
         # One line for all the models that are fitted, not one for each.
         kind = self._stage.split()[0]

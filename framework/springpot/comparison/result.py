@@ -58,57 +58,46 @@ class RankedFit(Protocol):
     @property
     def model(self) -> Model:
         """What was fitted."""
-        ...
 
     @property
     def theta(self) -> Real:
         """Its parameters, shape (p,)."""
-        ...
 
     @property
     def rss(self) -> float:
         """Sum of squares of the residual over the noise."""
-        ...
 
     @property
     def dof(self) -> float:
         """Numbers that its parameters do not follow."""
-        ...
 
     @property
     def numbers(self) -> float:
         """How many numbers it was judged by, those counted once whose noise is alike."""
-        ...
 
     @property
     def noise_dof(self) -> float:
         """Degrees of freedom of the noise."""
-        ...
 
     @property
     def floor(self) -> float:
         """The relative error that noise alone leaves."""
-        ...
 
     @property
     def least_error(self) -> float:
         """Below which its relative error is not."""
-        ...
 
     @property
     def relative_rms(self) -> float:
         """Above which it is not."""
-        ...
 
     @property
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion, but for what all models share."""
-        ...
 
     @property
     def curve(self) -> Real:
         """What it says of each number over the noise, but for what all models share, shape (m,)."""
-        ...
 
 
 def _least_error(judged: Iterable[Judgement]) -> float:

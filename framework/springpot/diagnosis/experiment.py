@@ -139,8 +139,7 @@ class Contest(ABC):
         def jacobian(x: Real) -> Real:
             scale = np.where(logs, theta(x), 1.0)
             by_x = seen(*x.tolist())[1] * scale[:, None]
-            slopes: Real = np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
-            return slopes
+            return np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
 
         # Parameters differ in size by many decades, and their columns carry the units: scaled by
         # the columns. What changes no digit that is printed is not gone after.

@@ -606,7 +606,6 @@ class OneSet(Protocol):
     @property
     def key(self) -> tuple[str, ...]:
         """Their names in alphabetical order."""
-        ...
 
 
 S = TypeVar("S", bound=OneSet)
@@ -617,19 +616,15 @@ class Sets(Protocol[S]):
 
     def likeliest(self) -> list[S]:
         """One fit of each set, the likeliest first."""
-        ...
 
     def open(self, near: Sequence[S]) -> None:
         """Fit the neighbours of some sets."""
-        ...
 
     def extend(self, near: Sequence[S]) -> None:
         """Fit sets with one effect more than some."""
-        ...
 
     def exchange(self, best: S) -> None:
         """Fit whatever may stand in a place of the best set."""
-        ...
 
 
 MOST_TOGETHER = 4

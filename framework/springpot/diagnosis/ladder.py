@@ -76,31 +76,25 @@ class Examined(Protocol):
     @property
     def diagnosis(self) -> Diagnosis:
         """What is said of it."""
-        ...
 
     @property
     def base(self) -> FittedModel:
         """The fit that was judged."""
-        ...
 
     @property
     def tests(self) -> Sequence[Test]:
         """What it was fitted to."""
-        ...
 
     @property
     def correlated(self) -> tuple[Model, Real]:
         """The model whose parameters are told, and the correlations (p, p) of these."""
-        ...
 
     @property
     def untold(self) -> Untold | None:
         """Effects of an amplitude that no column tells, which may stand in a named one's place."""
-        ...
 
     def grown_with(self, effect: Effect) -> GrownBy:
         """The model as accepting one effect would make it, without a new fit."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -242,8 +242,7 @@ def _own_levels(frame: NoiseFrame, name: str) -> Real:
 def _creep(along: Real) -> Real:
     """Polynomials without their constant, shape (DRIFT_DEGREE, n)."""
     x = 2.0 * (along - along.min()) / np.ptp(along) - 1.0
-    curves: Real = np.polynomial.legendre.legvander(x, DRIFT_DEGREE).T[1:]
-    return curves
+    return np.polynomial.legendre.legvander(x, DRIFT_DEGREE).T[1:]
 
 
 def _settling(frame: NoiseFrame, order: Real) -> Iterator[Unknown]:

@@ -469,8 +469,7 @@ def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Com
         # come from.
         grown = np.sqrt(2 * count / max(fit.dof, 1))
         drawn = rng.choice(fit.residual * grown, size=(n, 2 * count))
-    errors: Complex = drawn[:, :count] + 1j * drawn[:, count:]
-    return errors
+    return drawn[:, :count] + 1j * drawn[:, count:]
 
 
 def _refitted(fit: Fit, errors: Complex) -> Real:

@@ -343,8 +343,7 @@ def _done_teams(
     agree = converged & (cost <= best[team] * (1.0 + rules.alike))
     votes = np.bincount(team, weights=agree, minlength=teams)
     reached = np.bincount(team, weights=converged & (cost <= rules.floors), minlength=teams)
-    settled: NDArray[np.bool_] = (votes >= AGREE) | (reached > 0)
-    return settled
+    return (votes >= AGREE) | (reached > 0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,8 +186,7 @@ class SpectrumSearch:
     def theta_of(self, u: Real) -> Real:
         """The effects' parameters (..., q) within their bounds."""
         theta = self.coordinates.theta(u, self.size)
-        bounded: Real = np.minimum(np.maximum(theta, self._lower), self._upper)
-        return bounded
+        return np.minimum(np.maximum(theta, self._lower), self._upper)
 
     def u_of(self, own: Real) -> Real:
         """Search coordinates (q,) of the effects' parameters."""

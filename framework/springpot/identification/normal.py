@@ -32,15 +32,12 @@ class Equations(Protocol):
 
     def normal(self, residual: Real, jacobian: Real) -> tuple[Real, Real, Real]:
         """Objective (R,), half its gradient (R, p), and J J' as `bent` and `step` take it."""
-        ...
 
     def bent(self, jtj: Real, step: Real) -> Real:
         """J J' times a step (R, p)."""
-        ...
 
     def step(self, jtj: Real, downhill: Real, damping: Real, frozen: Mask) -> Real:
         """Solution (R, p) of the damped equations; none for what is frozen."""
-        ...
 
 
 class Whole:

@@ -88,8 +88,7 @@ class Specimens:
         both = np.concatenate([self.number, self.number])
         pulls = np.array([jacobian[both == i].T @ residual[both == i] for i in range(self.count)])
         moved = pulls @ inverse
-        covariance: Real = self.count / (self.count - 1) * moved.T @ moved
-        return covariance
+        return self.count / (self.count - 1) * moved.T @ moved
 
     def sandwich_of_levels(
         self, slopes: LevelSlopes, residual: Real, inverse: Bordered
@@ -431,8 +430,7 @@ class Errors(NamedTuple):
         weight = 1.0 / (self.own + square + SMALLEST)
         part = weight[:, None] * self.common
         inner = np.eye(self.common.shape[1]) + self.common.T @ part
-        found: Real = weight[:, None] * right - part @ np.linalg.solve(inner, part.T @ right)
-        return found
+        return weight[:, None] * right - part @ np.linalg.solve(inner, part.T @ right)
 
 
 def component(value: Real, error: Errors, design: Real) -> Component:

@@ -277,8 +277,7 @@ class Known:
             return np.nan_to_num(self.spread.carried(self.slopes).dense(), posinf=ENDLESS)
         # An endless variance times a slope of zero would be no number.
         spread = np.nan_to_num(self.spread, nan=0.0, posinf=ENDLESS)
-        covariance: Real = self.slopes @ spread @ self.slopes.T
-        return covariance
+        return self.slopes @ spread @ self.slopes.T
 
     def ways(self, sd: Real, by_theta: Real) -> tuple[Real, Real]:
         """Standard deviations (n,) downwards and up, of what goes with theta by `by_theta` (n, p).

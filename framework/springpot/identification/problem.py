@@ -199,8 +199,7 @@ def _differences(model: Model, theta: Real, points: Points, direction: Real) -> 
     steps = np.array(STEPS)[:, None]
     ends = np.concatenate([theta + steps * direction, theta - steps * direction])
     ahead, behind = np.split(model.network.respond(ends, points).value, 2)
-    differences: Complex = (ahead - behind) / (2.0 * steps)
-    return differences
+    return (ahead - behind) / (2.0 * steps)
 
 
 @dataclass(frozen=True)
@@ -330,8 +329,7 @@ def total(terms: Real) -> Real:
         # side.
         columns: Real = np.add.reduce(terms, axis=-1)
         return columns
-    sums: Real = np.add.accumulate(terms, axis=-1)[..., -1]
-    return sums
+    return np.add.accumulate(terms, axis=-1)[..., -1]
 
 
 def sizes(measurement: Measurement) -> Real:

@@ -269,8 +269,7 @@ class Identification(Known, Drawn, Printed):
         factor, known = self._factors, self._by_theta
         if isinstance(known, Bordered):
             return known.scaled(factor)
-        covariance: Real = factor[:, None] * known * factor
-        return covariance
+        return factor[:, None] * known * factor
 
     @property
     def _by_theta(self) -> Covariance:

@@ -92,8 +92,7 @@ class Branches:
         """Derivative of ln theta by the logarithm of the leader of its branch, shape (m, p)."""
         if not len(self.leaders):
             return self.gains
-        steps: Real = self.gains / self.gains[np.arange(len(self.gains)), self.leaders][:, None]
-        return steps
+        return self.gains / self.gains[np.arange(len(self.gains)), self.leaders][:, None]
 
     def shaped(self, v: Real, log: NDArray[np.bool_]) -> Real:
         """Search coordinates (..., p) of shapes (..., d) at unit gain."""
@@ -105,8 +104,7 @@ class Branches:
     @cached_property
     def _places(self) -> Real:
         """Where the shape coordinates go, shape (d, p)."""
-        places: Real = np.eye(len(self.owner))[self.free]
-        return places
+        return np.eye(len(self.owner))[self.free]
 
     def shape(self, u: Real, log: NDArray[np.bool_]) -> Real:
         """Shapes (..., d) of search coordinates (..., p)."""
@@ -143,8 +141,7 @@ def branches_of(model: Model) -> Branches:
 
 def interleaved(values: Complex) -> Real:
     """Real and imaginary parts in turn along the last axis."""
-    parts: Real = np.ascontiguousarray(values).view(np.float64)
-    return parts
+    return np.ascontiguousarray(values).view(np.float64)
 
 
 def plane_data(stiffness: Complex, weights: Complex, compliance: bool) -> tuple[Real, Real]:
@@ -277,8 +274,7 @@ def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> R
     for _ in range(40):
         ratio = (1.0 + ratio) ** (1.0 / (dimension + 1.0))
     steps = ratio ** -np.arange(1.0, dimension + 1.0)
-    points: Real = (0.5 + np.arange(1, count + 1)[:, None] * steps + offset) % 1.0
-    return points
+    return (0.5 + np.arange(1, count + 1)[:, None] * steps + offset) % 1.0
 
 
 def thinned(log_omega: Real, most: int) -> NDArray[np.intp]:

@@ -488,8 +488,7 @@ def _linear_slope(fit: Fit, i: int) -> Real:
     weights = fit.task.weights[0]
     if fit.task.logarithmic:
         jacobian = jacobian / fit.model.stiffness(fit.theta, points)
-    slope: Real = np.nan_to_num(weighted(jacobian, weights, fit.objective.turn))
-    return slope
+    return np.nan_to_num(weighted(jacobian, weights, fit.objective.turn))
 
 
 def tied_values(

@@ -283,8 +283,7 @@ def _explained(time: Real, values: Real, omega: Real) -> Real:
     spare = cc * ss - cs**2
     apart = spare > ROUNDING * cc * ss
     gain = np.where(apart, ss * cr**2 - 2.0 * cs * cr * sr + cc * sr**2, 0.0)
-    explained: Real = gain / np.where(apart, spare, 1.0)
-    return explained
+    return gain / np.where(apart, spare, 1.0)
 
 
 def steady_part(record: MendedSignals, omega: float) -> Steady:

@@ -287,8 +287,7 @@ def _smooth(size: Real) -> Real:
     if len(size) < 5:
         return size
     padded = np.concatenate([size[:1], size[:1], size, size[-1:], size[-1:]])
-    mean: Real = np.convolve(padded, np.full(5, 0.2), mode="valid")
-    return mean
+    return np.convolve(padded, np.full(5, 0.2), mode="valid")
 
 
 def fourth_differences(clock: Real, signal: Real) -> tuple[Real, Real]:

@@ -58,7 +58,6 @@ class Floor(Protocol):
 
     def beside(self, fits: Sequence[Any]) -> Self:
         """The same, lowered by fits with the same effects that any material comes near to."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,8 +57,7 @@ def table_of(column: Real, row: T) -> T:
     order: Literal["F", "K"] = "K"
     if tall:
         order = "F"
-    table: T = np.multiply(column, row, order=order)
-    return table
+    return np.multiply(column, row, order=order)
 
 
 def _phase(exponent: float) -> complex:
@@ -326,8 +325,7 @@ class Continuum(Node):
 
     @cached_property
     def _log_rates(self) -> Real:
-        logs: Real = np.log(np.array(self.rates, dtype=np.float64))
-        return logs
+        return np.log(np.array(self.rates, dtype=np.float64))
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K, linear in all parameters."""

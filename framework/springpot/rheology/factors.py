@@ -45,8 +45,7 @@ def bounded_shift(value: Any, slopes: tuple[Any, ...]) -> Any:
 
 def _inverse_temperature(at: Points) -> Real:
     """(1/T - 1/Tr) / R in mol/kJ."""
-    inverse: Real = (1.0 / at.need("temperature") - 1.0 / at.reference_temperature) / GAS_CONSTANT
-    return inverse
+    return (1.0 / at.need("temperature") - 1.0 / at.reference_temperature) / GAS_CONSTANT
 
 
 def _arrhenius(at: Points, energy: Any) -> Any:

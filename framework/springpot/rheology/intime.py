@@ -219,8 +219,7 @@ class Passive:
     def relaxation_rate(self, t: Real) -> Real:
         """Derivative by time (n,) of `relaxation`, after the step."""
         modes = self.spectrum(t.min(), t.max())
-        rate: Real = -np.exp(-np.outer(t, modes.rates)) @ (modes.rates * modes.weights)
-        return rate
+        return -np.exp(-np.outer(t, modes.rates)) @ (modes.rates * modes.weights)
 
     def creep_rate(self, t: Real) -> Real:
         """Derivative by time (n,) of `creep`, after the step."""

@@ -488,8 +488,7 @@ class BalancedSeries(Composition):
             """Changes (..., q, n) of the whole K; the element's share of motion moves too."""
             moved = np.real((of_body + of_element) / whole - of_body / alone)
             shift = -moved / stiffening
-            change: Complex = by_body * of_body + by_element * (of_element + steeper * shift)
-            return change
+            return by_body * of_body + by_element * (of_element + steeper * shift)
 
         by_theta = np.concatenate(
             [total(body.by_theta, 0.0), total(0.0, element.by_theta)], axis=-2

@@ -71,8 +71,7 @@ def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
     >>> power_of_s(0.5, np.log([4.0])).round(6)
     array([1.414214+1.414214j])
     """
-    modulus: Complex = np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
-    return modulus
+    return np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
 
 
 @dataclass(frozen=True, eq=False)

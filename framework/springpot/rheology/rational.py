@@ -31,8 +31,7 @@ def inside(newton: NDArray[np.inexact[Any]], u: Real, low: Real, high: Real) -> 
     # Newton ends in few steps, where it stays inside; half the interval always ends. Where it has
     # arrived, `u` is an end itself, and the middle would lead away again.
     within = ((newton > low) & (newton < high)) | (np.abs(newton - u) <= ROUNDING * (1 + np.abs(u)))
-    places: Real = np.where(within, newton, 0.5 * (low + high))
-    return places
+    return np.where(within, newton, 0.5 * (low + high))
 
 
 ROUNDING = 1e-14

@@ -481,8 +481,7 @@ def _gain_slope(rates: Modes, step: Modes) -> Modes:
     # Its two terms cancel where z is small: there the series takes over.
     closed = (np.exp(-far) - -np.expm1(-far) / far) / far
     series = -0.5 + z / 3.0 - z**2 / 8.0 + z**3 / 30.0 - z**4 / 144.0 + z**5 / 840.0
-    slope: Modes = step * np.where(near, series, closed)
-    return slope
+    return step * np.where(near, series, closed)
 
 
 def _driven_evenly(rates: Modes, step: float, changes: Real, mix: Modes, rate_mix: Modes) -> Modes:

@@ -310,8 +310,7 @@ def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
     head = [np.ones_like(s)]
     if dashpot:
         head.append(s)
-    columns: Complex = np.column_stack([*head, s[:, None] / (s[:, None] + np.exp(u))])
-    return columns
+    return np.column_stack([*head, s[:, None] / (s[:, None] + np.exp(u))])
 
 
 def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -> Real:
@@ -504,5 +503,4 @@ def _roots(level: float, weights: Real, rates: Real, ends: tuple[Real, Real]) ->
             value = level + np.sum(weights * place / (away[:, None] - gaps), axis=1)
         # Between two rates it falls from plus to minus without end.
         low, high = np.where(value > 0.0, away, low), np.where(value > 0.0, high, away)
-    found: Real = 0.5 * (low + high)
-    return found
+    return 0.5 * (low + high)

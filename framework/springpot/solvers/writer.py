@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -35,41 +35,7 @@ WITHIN = 1e-3
 """Of K read back: what straight lines of a table or the fields of a fixed card leave."""
 
 
-class CardFormat(Protocol):
-    """What is asked of a `Writer` here."""
-
-    @property
-    def suffix(self) -> str:
-        """Of the file."""
-
-    @property
-    def solid(self) -> bool:
-        """Whether it describes a solid."""
-
-    @property
-    def damper(self) -> bool:
-        """Whether it describes a damper."""
-
-    @property
-    def dashpot(self) -> bool:
-        """Whether it has room for one."""
-
-    @property
-    def modulus(self) -> str:
-        """Which one it takes."""
-
-    @property
-    def several(self) -> Callable[[list[str]], str] | None:
-        """How many materials are one file."""
-
-    def written(self, handoff: Handoff) -> str:
-        """The text of one."""
-
-    def together(self, handoffs: Sequence[Handoff]) -> str:
-        """The text of several."""
-
-
-def sample_for(writer: CardFormat, prony: Prony = SERIES, **changes: Any) -> Handoff:
+def sample_for(writer: Writer, prony: Prony = SERIES, **changes: Any) -> Handoff:
     """What a format can hold: a stiffness for dampers, else the modulus that it takes."""
     own: dict[str, Any] = {"unit": "MPa", "is_modulus": True, "letter": writer.modulus or "E"}
     if writer.damper:
@@ -80,22 +46,7 @@ def sample_for(writer: CardFormat, prony: Prony = SERIES, **changes: Any) -> Han
     return Handoff(prony, **given)
 
 
-def aspects_of(
-    writer: CardFormat, read: Reading | None
-) -> Mapping[str, Callable[[], Iterable[str]]]:
-    """What must hold, by name; each yields sentences that say what does not."""
-    aspects = {
-        "text": lambda: _text(writer),
-        "holds": lambda: _holds(writer),
-        "refuses": lambda: _refuses(writer),
-        "several": lambda: _several(writer),
-    }
-    if read is not None:
-        aspects["read-back"] = lambda: _read_back(writer, read)
-    return aspects
-
-
-def _text(writer: CardFormat) -> Iterator[str]:
+def _text(writer: Writer) -> Iterator[str]:
     if not writer.suffix.startswith("."):
         yield f"the suffix is '{writer.suffix}', not the end of a file's name such as '.inp'"
     handoff = sample_for(writer)
@@ -109,7 +60,7 @@ def _text(writer: CardFormat) -> Iterator[str]:
             yield f"a user is not told '{line[:60]}': write every line of heading() as a comment"
 
 
-def _holds(writer: CardFormat) -> Iterator[str]:
+def _holds(writer: Writer) -> Iterator[str]:
     first = np.array([1.5, 1.0, 1.0])
     changes: dict[str, Handoff] = {
         "the weight of a term": sample_for(writer, replace(SERIES, weights=first * SERIES.weights)),
@@ -132,7 +83,7 @@ def _holds(writer: CardFormat) -> Iterator[str]:
             yield f"{what} changes nothing in the card"
 
 
-def _below(writer: CardFormat, handoff: Handoff) -> list[str]:
+def _below(writer: Writer, handoff: Handoff) -> list[str]:
     """Lines of a card without those of its heading, which tells of all in any case."""
     told = handoff.heading()
     if writer.solid:
@@ -141,7 +92,7 @@ def _below(writer: CardFormat, handoff: Handoff) -> list[str]:
     return [line for line in lines if not any(words in line for words in told)]
 
 
-def _refuses(writer: CardFormat) -> Iterator[str]:
+def _refuses(writer: Writer) -> Iterator[str]:
     times = np.geomspace(1e-4, 1e2, MOST_TERMS)
     cases = {
         f"{MOST_TERMS} terms": replace(SERIES, weights=np.ones(MOST_TERMS), times=times),
@@ -156,7 +107,7 @@ def _refuses(writer: CardFormat) -> Iterator[str]:
                 yield f"{what}: refuse it in one line that says why"
 
 
-def _several(writer: CardFormat) -> Iterator[str]:
+def _several(writer: Writer) -> Iterator[str]:
     if writer.several is None:
         return
     one, other = sample_for(writer), sample_for(writer, model="kelvin", number=2)
@@ -166,7 +117,7 @@ def _several(writer: CardFormat) -> Iterator[str]:
             yield f"of two materials in one file that of {handoff.model} is lost"
 
 
-def _read_back(writer: CardFormat, read: Reading) -> Iterator[str]:
+def _read_back(writer: Writer, read: Reading) -> Iterator[str]:
     omega = np.geomspace(*SERIES.band, 40)
     cases = {"a series": SERIES}
     if writer.dashpot:
@@ -240,7 +191,15 @@ class Writer:
 
     def aspects(self, read: Reading | None = None) -> Mapping[str, Callable[[], Iterable[str]]]:
         """Its contract, by the name of each aspect; see `springpot.testing.check_writer`."""
-        return aspects_of(self, read)
+        aspects = {
+            "text": lambda: _text(self),
+            "holds": lambda: _holds(self),
+            "refuses": lambda: _refuses(self),
+            "several": lambda: _several(self),
+        }
+        if read is not None:
+            aspects["read-back"] = lambda: _read_back(self, read)
+        return aspects
 
     def written(self, handoff: Handoff) -> str:
         """The text, where the format can hold what is handed over.

@@ -91,8 +91,7 @@ class Frame:
     @cached_property
     def elastic(self) -> Real:
         """Stiffness matrix (n, n) of the bare frame."""
-        matrix: Real = self.drifts.T @ (self.stiffness[:, None] * self.drifts)
-        return matrix
+        return self.drifts.T @ (self.stiffness[:, None] * self.drifts)
 
     @cached_property
     def natural(self) -> tuple[Real, Real]:

@@ -393,8 +393,7 @@ def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -
     # A derivative that is not a number is wrong, kink or not; and where all is rough, nothing has
     # been shown.
     bad = np.isnan(exact) | ~smooth.any(axis=0)
-    error: Real = np.where(bad, np.inf, np.where(smooth, wrong, 0.0))
-    return error
+    return np.where(bad, np.inf, np.where(smooth, wrong, 0.0))
 
 
 def _finite(model: Model) -> Iterator[str]:

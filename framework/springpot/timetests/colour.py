@@ -13,19 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.rounding import digit_of, is_even
-from springpot.measurement.steady_start import cycles_of
-from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
-from springpot.measurement.timetest import TimeTest
+from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH
 
-from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST, non_negative
+from ..numerics import MEDIAN_WORTH, NORMAL
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -199,66 +195,15 @@ def _remembers_long(past: tuple[float, ...]) -> bool:
     return bool(np.any((np.abs(np.angle(poles)) < UPPER * np.pi) & (np.abs(poles) > LONGEST)))
 
 
-def repeated(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
-    """Chance that noise repeats with a motion as a residual does, and what does not repeat.
-
-    Whatever its colour, noise has at the harmonics of a motion what it has between them, over
-    which each of them is a variable of F; all of them together by Fisher (1925, Statistical
-    Methods for Research Workers, section 21.1).
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of a record.
-    period : tuple of int
-        So many periods of what was imposed, and their samples.
-
-    Returns
-    -------
-    tuple of float and ndarray, shape (m,)
-        The chance, and the rest of as many whole periods.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.timetests.colour import repeated
-    >>> noise, t = np.random.default_rng(1).normal(size=200), np.arange(200)
-    >>> wave = np.cos(0.1 * np.pi * t)
-    >>> [round(repeated(each, (1, 20))[0], 3) for each in (noise, noise + wave)]
-    [1.0, 0.0]
-    """
-    from scipy.special import gammaincc
-
-    periods, lag = period
-    n = len(residual) // lag * lag
-    cycles = n // lag * periods
-    transform = np.fft.rfft(residual[:n] - np.mean(residual[:n]))
-    count = (n - 1) // 2 // cycles
-    # Of two cycles the harmonics have nothing between them.
-    beside = (cycles - 1) // 2
-    if not count * beside:
-        return 1.0, residual
-    lines = cycles * np.arange(1, count + 1)
-    away = np.concatenate([-np.arange(1, beside + 1), np.arange(1, beside + 1)])
-    power = np.abs(transform) ** 2
-    around = power[np.minimum(lines[:, None] + away, len(power) - 1)].mean(axis=1)
-    worth = float(len(away))
-    ratio = power[lines] / np.maximum(around, SMALLEST)
-    # F of 2 and 2 m numbers has a closed form.
-    logs = -worth * np.log1p(ratio / worth)
-    transform[lines] = 0.0
-    rest = np.fft.irfft(transform, n) * np.sqrt(n / (n - 2.0 * count))
-    # One of them may stand out, or all may a little.
-    chances = count * np.exp(logs.min()), gammaincc(count, -np.sum(logs))
-    return float(min(2.0 * min(chances), 1.0)), rest
-
-
-def of_a_ripple(rows: Real, sought: NDArray[np.bool_] | None = None) -> tuple[float, float]:
+def of_a_ripple(
+    rows: Real, sought: NDArray[np.bool_] | None = None, followed: float = 0.0
+) -> tuple[float, float]:
     """Chance that of white noise (r, n) one period holds so large a share, and its frequency.
 
     In radians a sample. Of the largest of m ordinates, each a sum over the rows (Fisher 1929,
     doi:10.1098/rspa.1929.0151, by Bonferroni's inequality); between two whole periods a ripple
-    falls into both. Where not all (n - 1,) are sought, the others count as noise.
+    falls into both. Where not all (n - 1,) are sought, the others count as noise. What a model has
+    `followed` of the r n numbers is no longer there.
     """
     from scipy.special import betainc
 
@@ -271,81 +216,6 @@ def of_a_ripple(rows: Real, sought: NDArray[np.bool_] | None = None) -> tuple[fl
     top = int(np.argmax(np.where(sought, power, -1.0)))
     share = min(2.0 * float(power[top]) / whole, 1.0)
     # Each ordinate has 2 r of the r n degrees of freedom: a beta variable of r and r (n/2 - 1).
-    chance = np.count_nonzero(sought) * betainc(count * (0.5 * n - 1.0), float(count), 1.0 - share)
+    others = max(0.5 * (count * n - followed) - count, 0.5)
+    chance = np.count_nonzero(sought) * betainc(others, float(count), 1.0 - share)
     return float(min(1.0, chance)), np.pi * (top + 1) / n
-
-
-class Imposed(NamedTuple):
-    """What a channel that was imposed may leave its traces by in the noise of the other.
-
-    Attributes
-    ----------
-    period : tuple of int
-        Of the motion; see `repeated`. None of an uneven one.
-    coarse : bool
-        Whether it has few values: what a model makes of their rounding has lines.
-    powers : ndarray, shape (n, p)
-        Of its place and speed, of an uneven one.
-    """
-
-    period: tuple[int, int]
-    coarse: bool
-    powers: Real
-
-    @classmethod
-    def of(cls, test: TimeTest) -> Imposed:
-        """What was imposed in a test."""
-        value, count = test.loading.recorded.value, len(test.time)
-        powers = np.zeros((count, 0))
-        if test.kind == "history" and FEWEST <= len(value) == count and is_even(test.time):
-            powers = powers_of(value)
-        return cls(cycles_of(test.loading, count), digit_of(value) > 0.0, powers)
-
-
-def powers_of(value: Real) -> Real:
-    """Products (n, 9) of place and speed of a motion (n,), up to the third degree.
-
-    By samples a little apart: of its noise a model has answered to the nearest ones, too.
-    """
-    around = np.pad(value, ORDER, mode="edge")
-    speed = around[2 * ORDER :] - around[: -2 * ORDER]
-    place, speed = (each / max(float(np.abs(each).max()), SMALLEST) for each in (value, speed))
-    degrees = [(i, j) for i in range(4) for j in range(4 - i) if i + j]
-    return np.stack([place**i * speed**j for i, j in degrees], axis=1)
-
-
-def with_the_motion(residual: Real, spectrum: Real, powers: Real) -> tuple[float, Real]:
-    """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
-
-    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
-    speed is known by them where it varies as quickly as noise.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of a record.
-    spectrum : ndarray, shape (n,)
-        Variance of each number of the noise's cosine transform.
-    powers : ndarray, shape (n, p)
-        Of place and speed; see `powers_of`.
-    """
-    from scipy.special import fdtrc
-
-    every = np.column_stack([residual, powers])
-    white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
-    basis = np.linalg.qr(white[1:].T)[0]
-    left = white[0] - basis @ (basis.T @ white[0])
-    # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
-    # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
-    # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of
-    # simulated noise that grows with place or speed four records in a hundred at most are below
-    # .01, and one below .001.
-    squares = np.column_stack([np.ones(len(left)), powers**2])
-    variance = squares @ non_negative(squares, left**2)[0]
-    uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
-    basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
-    n, count = basis.shape
-    explained = float(np.sum((basis.T @ value) ** 2))
-    left = max(float(value @ value) - explained, SMALLEST)
-    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(fdtrc(count, n - count, explained / count / (left / (n - count)))), rest

@@ -28,7 +28,7 @@ from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.thresholds import SEARCH
+from springpot.thresholds import EVIDENCE, SEARCH
 
 from .diagnosis import examine
 from .fitting import identify
@@ -36,7 +36,7 @@ from .left import AskedTests, Left, Tried
 from .residuals_of_tests import Test
 from .scatter import ResidualScatter
 from .score import TimeScan
-from .sieve import EXACT, MARGIN, leading_of_scan, nearly_fitted, noise_of_both
+from .sieve import EXACT, leading_of_scan, nearly_fitted, noise_of_both
 from .specimen import at_tests
 from .verdict import TimeCase
 
@@ -123,7 +123,8 @@ class TimeSets:
         """The best set, once those near it and the best of each size are fitted exactly."""
         while True:
             best = self.likeliest()[0]
-            near = [one for one in self.likeliest() if one.cost < best.cost + MARGIN]
+            margin = 2.0 * EVIDENCE.rivals
+            near = [one for one in self.likeliest() if one.cost < best.cost + margin]
             # By what fixed exponentials are off, or from a start that leads astray, a set that
             # leaves noise alone may look as if it did not.
             for count in range(1, len(best.effects) + 1):

@@ -93,8 +93,7 @@ class QuickPart(InTimePart):
     @cached_property
     def t(self) -> Real:
         """Their times."""
-        times: Real = self.test.time[self.rows]
-        return times
+        return self.test.time[self.rows]
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
@@ -108,8 +107,7 @@ class QuickPart(InTimePart):
         # So that a test of a million samples outweighs one of a thousand as much as it would with
         # all of them.
         more = np.sqrt(len(self.test) / len(self.rows))
-        weight: Real = np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
-        return weight
+        return np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
 
     @cached_property
     def times(self) -> Real:

@@ -17,26 +17,18 @@ from springpot.distributions import f_sf
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
-from springpot.measurement.imposed import imposed_noise
-from springpot.measurement.rounding import is_even
 from springpot.memory import worth_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from ..numerics import DEVIATIONS, SMALLEST, TWO_DEVIATIONS
+from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .residuals_of_tests import InTimePart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 
-WORTH = 0.15
-"""Share of the samples that such a median is worth: by 600 simulated channels of 100 to 3,000."""
-FEWEST = 100
-"""Samples below which it is not told."""
 APART = 16
 """Samples between two of the kicks that are tried, in turn up and down."""
-HEARD = 0.05
-"""Share of the response's own noise below which nobody hears it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,13 +67,18 @@ class Left:
         # By its noise alone, whatever the test weighed in a fit.
         plain = [part.with_scale(1.0) for part in parts]
         residuals = [part.residual(model, theta, reference).value for part in plain]
-        scatters = [part.scatter(value) for part, value in zip(parts, residuals, strict=True)]
         rounded = [part.rounded(value) for part, value in zip(plain, residuals, strict=True)]
         heard = [felt(part, model, theta, reference) for part in plain]
         lines = 0
         if is_material(model):
             lines = int(np.count_nonzero(theta[: len(model.material.parameters)]))
             theta = theta[own_parameters(model)]
+        # Each test is followed by its share of the parameters.
+        share = (len(theta) + lines) / max(sum(len(value) for value in residuals), 1)
+        scatters = [
+            part.scatter(value, share * len(value))
+            for part, value in zip(parts, residuals, strict=True)
+        ]
         told = tuple(residuals), tuple(scatters), tuple(rounded), tuple(heard)
         return cls(len(theta), *told, lines)
 
@@ -333,12 +330,12 @@ def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
     ndarray, shape (m,)
         Zero where the channel is quiet beside the response, or was not recorded.
     """
-    quiet, size = np.zeros(len(part.measured)), _heard(part)
-    if size == 0.0 or not isinstance(part, InTimePart):
+    quiet = np.zeros(len(part.measured))
+    if not isinstance(part, InTimePart) or part.imposed.noise == 0.0:
         return quiet
     # Of independent noise the answers add as squares do: those to some kicks stand for all.
     kicks = np.zeros(len(part.at))
-    kicks[APART::APART] = size
+    kicks[APART::APART] = part.imposed.noise
     kicks[2 * APART :: 2 * APART] *= -1.0
     loading = part.test.loading
     kicked = loading.value.copy()
@@ -350,25 +347,6 @@ def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
     share = np.count_nonzero(kicks) / len(kicks)
     answer = np.where(part.counted, (after - before) / part.sd, 0.0)
     return np.asarray(answer / np.sqrt(share), dtype=float)
-
-
-def _heard(part: TestPart) -> float:
-    """The noise of the imposed channel, as large as it may well be.
-
-    Zero where the response's own drowns it.
-    """
-    if not isinstance(part, InTimePart) or len(part.at) < FEWEST or not is_even(part.at):
-        return 0.0
-    loading = part.test.loading.recorded
-    if not np.array_equal(loading.time, part.at):
-        return 0.0
-    size, factor = imposed_noise(loading.value), part.stiffness
-    if part.test.control == "force":
-        factor = 1.0 / factor
-    if size * factor < HEARD * float(np.median(part.sd)):
-        return 0.0
-    error = float(np.sqrt(2.0 / (WORTH * len(part.at))))
-    return size * float(np.sqrt(1.0 + DEVIATIONS * error))
 
 
 @dataclass(frozen=True, eq=False)

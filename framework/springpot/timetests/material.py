@@ -530,8 +530,7 @@ def _beside(by_u: Real, each: Real) -> Real:
         return each
     # Variable projection: what the effects could take up of each line is taken out of it.
     basis = np.linalg.qr(by_u)[0]
-    rest: Real = each - basis @ (basis.T @ each)
-    return rest
+    return each - basis @ (basis.T @ each)
 
 
 def _left(by_weights: Real, by_u: Real, target: Real) -> float:

@@ -32,16 +32,10 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
-from .colour import Imposed
 from .recording import recorded, spread
-from .scatter import (
-    FEWEST,
-    ResidualScatter,
-    scatter_of,
-    scatter_of_record,
-    scatter_of_sweep,
-)
+from .scatter import FEWEST, ResidualScatter, scatter_of, scatter_of_record, scatter_of_sweep
 from .start import apparent
+from .traces_of_motion import Imposed
 from .where import places, places_in_sweep
 
 COARSE = 60
@@ -123,8 +117,11 @@ class TestPart(ABC):
         """What a model says of some of these numbers (r,), with derivatives (r, p)."""
 
     @abstractmethod
-    def scatter(self, residual: Real) -> ResidualScatter:
-        """The noise in a residual (m,) that is told over the standard deviations."""
+    def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
+        """The noise in a residual (m,) that is told over the standard deviations.
+
+        So many of the numbers a model has `followed`.
+        """
 
     @property
     @abstractmethod
@@ -393,14 +390,15 @@ class InTimePart(TestPart):
         """The same with this noise."""
         return replace(self, noise=sd)
 
-    def scatter(self, residual: Real) -> ResidualScatter:
+    def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """From the spectrum of the residual."""
-        return scatter_of_record(residual, self.rounded(residual), self.imposed, self.worth)
+        rounded = self.rounded(residual)
+        return scatter_of_record(residual, rounded, self.imposed, self.worth, followed)
 
     @cached_property
     def imposed(self) -> Imposed:
         """What of the loading may leave its traces in the noise."""
-        return Imposed.of(self.test)
+        return Imposed.of(self.test, self.stiffness, self.sd)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""
@@ -508,9 +506,9 @@ class SweepPart(TestPart):
         """The same with given standard deviations."""
         return replace(self, test=replace(self.test, sd=_complex(sd)))
 
-    def scatter(self, residual: Real) -> ResidualScatter:
+    def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """A sweep is too short for a spectrum."""
-        return scatter_of_sweep(residual, self.test.sd is not None)
+        return scatter_of_sweep(residual, self.test.sd is not None, followed)
 
     def neighbours(self, residual: Real) -> Real:
         """K' comes first and then K'': its neighbours are told by K' alone."""
@@ -590,7 +588,7 @@ class OtherPart(TestPart):
         """The same with these standard deviations."""
         return replace(self, noise=sd)
 
-    def scatter(self, residual: Real) -> ResidualScatter:
+    def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """From the spectrum of the residual."""
         return scatter_of(residual)
 

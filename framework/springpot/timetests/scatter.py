@@ -30,14 +30,12 @@ from .colour import (
     SLOWEST,
     UPPER,
     Colour,
-    Imposed,
     colour_of,
     frequencies,
     of_a_ripple,
-    repeated,
     transformed,
-    with_the_motion,
 )
+from .traces_of_motion import Imposed, repeated, with_the_motion
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -212,7 +210,7 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
 
 
 def scatter_of_record(
-    residual: Real, rounded: Real, imposed: Imposed, worth: float
+    residual: Real, rounded: Real, imposed: Imposed, worth: float, followed: float = 0.0
 ) -> ResidualScatter:
     """The same of a record: noise does not go with the motion, as rounding does.
 
@@ -226,6 +224,8 @@ def scatter_of_record(
         The motion.
     worth : float
         Independent numbers that tell the presumed noise.
+    followed : float
+        So many of the numbers a model has followed.
     """
     power = float(np.mean(residual**2))
     if len(rounded) and power > 0.0:
@@ -236,10 +236,10 @@ def scatter_of_record(
         return scatter_of(residual, share**2 * max(lines, 0.0), worth)
     found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
     if not (imposed.coarse or found.misfit):
-        found = _beside_lines(residual, found, imposed.period, worth)
+        found = _beside_lines(residual, found, imposed.period, worth, followed)
     if power > 0.0 and imposed.period[1]:
         chance, rest = repeated(residual, imposed.period)
-    elif imposed.powers.size and power > 0.0 and not found.misfit:
+    elif imposed.powers and power > 0.0 and not found.misfit:
         chance, rest = with_the_motion(residual, found.spectrum(len(residual)), imposed.powers)
     if chance >= found.chance:
         return found
@@ -301,7 +301,7 @@ def _coloured(
     return replace(found, size=size, colour=colour)
 
 
-def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
+def scatter_of_sweep(residual: Real, known: bool, followed: float = 0.0) -> ResidualScatter:
     """The noise in the residual (2 n,) of a sweep, K' then K'', over its standard deviations.
 
     A sweep is too short for a spectrum. Its standard deviations are believed where they are
@@ -324,9 +324,8 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, SMALLEST)
     smooth = float(ndtr(-alike * np.sqrt(count)))
     # Three chances to be missed, of which the worst one is told.
-    local = min(
-        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, of_a_ripple(halves)[0])
-    )
+    ripple, _ = of_a_ripple(halves, followed=followed)
+    local = min(1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, ripple))
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
         apart, worth = max(float(np.sqrt(power)), SMALLEST), np.inf
@@ -334,7 +333,11 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
 
 
 def _beside_lines(
-    residual: Real, noise: ResidualScatter, period: tuple[int, int], worth: float
+    residual: Real,
+    noise: ResidualScatter,
+    period: tuple[int, int],
+    worth: float,
+    followed: float,
 ) -> ResidualScatter:
     """The noise without lines that go with no motion, as of a hum: they are none.
 
@@ -349,7 +352,7 @@ def _beside_lines(
         sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
     for _ in range(PARTS):
         white = transformed(transformed(rest) / size, back=True)
-        chance, line = of_a_ripple(white[None], sought)
+        chance, line = of_a_ripple(white[None], sought, followed)
         if chance >= LOCAL:
             break
         first = min(first, chance)

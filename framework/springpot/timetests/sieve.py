@@ -16,7 +16,7 @@ from springpot.identification.result import Identification
 from springpot.memory import worth_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SEARCH
+from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
@@ -40,11 +40,6 @@ EXACT = 5
 """Effects that are fitted exactly, of those that are near the best.
 
 The rest can be no more than absent.
-"""
-MARGIN = 12.0
-"""Difference of the Bayesian information criterion within which an effect is near the best.
-
-Twice that of a class.
 """
 COSTLY = 0.05
 """Share of the best promise that makes an effect by which the specimen swings worth its fit."""
@@ -119,7 +114,7 @@ def of_material(
         effect = promises[0].effect
         model = base.model + effect
         try:
-            seeds = [promise.start(base, model) for promise in promises[:STARTS]]
+            seeds = [promise.start(base, model) for promise in _first(promises, STARTS)]
             fit = identify(asked.tests, model, seeds=seeds, thorough=False, noise=asked.known)
         except UntoldError as error:
             # Of no known size, it may explain the tests all the same.
@@ -133,6 +128,19 @@ def of_material(
         tried.append(Tried.exactly((effect,), fit, asked.parts))
         fitted(TriedEffect(effect, fit.model, fit.theta))
     return tried
+
+
+def _first(promises: Sequence[Promise], count: int) -> list[Promise]:
+    """The first promises of an effect, and the first of the other sign where they have one.
+
+    Of an effect that is large a linear step may not even tell whether it adds or takes away.
+    """
+    best = list(promises[:count])
+    turned = (each for each in promises if each.values[0] * best[0].values[0] < 0.0 < each.drop)
+    other = next(turned, None)
+    if other is not None and other not in best:
+        best.append(other)
+    return best
 
 
 def nearly_fitted(
@@ -153,7 +161,7 @@ def nearly_fitted(
     for promises in leading:
         effect = promises[0].effect
         model = base.model + effect
-        seeds = [promise.start(base, model, moved=True) for promise in promises[:starts]]
+        seeds = [promise.start(base, model, moved=True) for promise in _first(promises, starts)]
         seeds.append(promises[0].start(base, model))
         # The model's own fit with a trace of the effect is the last seed: an effect that does
         # nothing ends there.
@@ -285,7 +293,7 @@ def alone(each: Tried, model: Model) -> Real:
 
 def _as_near(each: Tried, best: Tried) -> bool:
     """Whether a fit is so near the best that a better start would change nothing."""
-    return plain_bic(each.left) - plain_bic(best.left) <= MARGIN
+    return plain_bic(each.left) - plain_bic(best.left) <= 2.0 * EVIDENCE.rivals
 
 
 def exactly_fitted(
@@ -338,7 +346,8 @@ def _near(each: Tried, best: Tried, before: Left, noise: Sequence[ResidualScatte
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
     apart = delta_bic(before, best.left, noise) - delta_bic(before, each.left, noise)
-    return min(worse, apart) <= MARGIN
+    # Twice what makes a class of effects.
+    return min(worse, apart) <= 2.0 * EVIDENCE.rivals
 
 
 def noise_of_both(before: Left, best: Left) -> list[ResidualScatter]:

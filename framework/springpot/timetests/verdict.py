@@ -230,11 +230,11 @@ def answer_of(
     alike = without_limits(_class(tried, promises, noise), tried, parts, base.reference)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
-    candidates = _candidates(tried, chances, alike, after, verdict)
+    error, jump = error_of(tests, noise), slip.says if slipped else ""
+    candidates = _candidates(tried, chances, alike, after, verdict, error)
     named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
-    error, jump = error_of(tests, noise), slip.says if slipped else ""
     apart = said_apart(parts, tests, best.rows(parts, noise, tests))
     rival = beside_one_ramp(parts, named, leading_of(named))
     diagnosis = Diagnosis(
@@ -513,10 +513,16 @@ def _candidates(
     alike: Sequence[str],
     after: Sequence[Error],
     verdict: Verdict,
+    error: Error,
 ) -> list[Candidate]:
     """The row of each effect that was tried, and whether the first is missing for certain."""
     told = zip(tried, chances, after, strict=True)
-    rows = [_candidate(each, chance, alike, error) for each, chance, error in told]
+    rows = [_candidate(each, chance, alike, left) for each, chance, left in told]
+    # Of several that are missing each by itself may explain next to nothing.
+    if verdict == "unexplained":
+        rows = [
+            replace(each, verdict="cannot-tell") if each.lowers(error) else each for each in rows
+        ]
     # One of several that cannot be told apart is not known to be the missing one.
     if verdict == "effect-missing" and len(alike) == 1:
         rows[0] = replace(rows[0], verdict="missing")

@@ -123,8 +123,7 @@ class _Search:
     def _others(self, size: int, n: int) -> NDArray[np.int64]:
         """An index (n,) below `size` for each point, never its own."""
         drawn = self.rng.integers(0, size - 1, n)
-        others: NDArray[np.int64] = drawn + (drawn >= np.arange(n))
-        return others
+        return drawn + (drawn >= np.arange(n))
 
     def _learn(self, rate: Real, scale: Real, gain: Real) -> None:
         """Remember the means of what won, by how much it did (of Lehmer)."""

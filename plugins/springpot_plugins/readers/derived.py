@@ -134,8 +134,7 @@ def _omega(roles: Mapping[str, Column]) -> Real:
 
 
 def _si(column: Column, table: dict[str, float]) -> Real:
-    values: Real = column.numbers() * table[known_unit(column.unit or "", table, column.name)]
-    return values
+    return column.numbers() * table[known_unit(column.unit or "", table, column.name)]
 
 
 def _column(like: Column, name: str, values: Real, unit: str = "Pa") -> Column:

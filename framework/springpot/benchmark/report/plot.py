@@ -132,8 +132,7 @@ class PlotAxis:
         if self.logarithmic:
             # After the cut: below the lower end there may be zeros.
             inside, (low, high) = np.log10(inside), np.log10([low, high])
-        part: Real = (inside - low) / (high - low)
-        return part
+        return (inside - low) / (high - low)
 
     def ticks(self) -> list[float]:
         """Where numbers stand."""

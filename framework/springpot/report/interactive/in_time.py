@@ -235,40 +235,28 @@ def _joined(pairs: Sequence[tuple[Real, Real]], digits: int = 6) -> dict[str, An
 
 def _views(part: TestPart, number: int, count: int) -> list[tuple[str, dict[str, Any]]]:
     """The views of one test: what answered over time, and over what was imposed where it swings."""
-    test, of = part.test, {"test": number, "parts": ["storage"]}
+    test, shown = part.test, ["storage"]
     named = f"{test.name}: " if count > 1 else ""
     if isinstance(test, Measurement):
-        units = test.units
+        units, shown = test.units, ["storage", "loss"]
+        name, label = "storage and loss", f"[{units.stiffness}]"
         x = {"label": f"frequency [{units.clock}]", "log": True, "column": "x"}
-        y = {"label": f"{units.storage} and {units.loss} [{units.stiffness}]", "log": True}
-        view = {"name": f"{named}storage and loss", "x": x, "y": y}
-        return [
-            (
-                f"test-{number}",
-                {
-                    **of,
-                    **view,
-                    "parts": ["storage", "loss"],
-                    "along": x,
-                    "residual": f"Δ [{units.stiffness}]",
-                },
-            )
-        ]
-    if isinstance(test, OtherTest):
+        y = {"label": f"{units.storage} and {units.loss} {label}", "log": True}
+    elif isinstance(test, OtherTest):
+        name, label = test.quantity, f"{test.quantity} [{test.unit}]"
         x = {"label": test.clock, "log": test.control == "frequency", "column": "x"}
-        label = f"{test.quantity} [{test.unit}]"
-        of |= {"along": x, "residual": f"Δ {label}"}
         y = {"label": label, "log": False}
-        return [(f"test-{number}", {**of, "name": f"{named}{test.quantity}", "x": x, "y": y})]
-    imposed, answered = test.words
-    label = f"{answered} [{test.response_unit}]"
-    # After a step all decades of time tell.
-    x = {"label": "t [s]", "log": test.after_step, "column": "x"}
-    of |= {"along": x, "residual": f"Δ {label}"}
-    y = {"label": label, "log": test.after_step and bool(np.all(test.response > 0.0))}
-    views = [(f"test-{number}", {**of, "name": f"{named}{answered} over time", "x": x, "y": y})]
-    if test.kind in ("history", "recovery"):
+    else:
+        imposed, answered = test.words
+        name, label = f"{answered} over time", f"{answered} [{test.response_unit}]"
+        # After a step all decades of time tell.
+        x = {"label": "t [s]", "log": test.after_step, "column": "x"}
+        y = {"label": label, "log": test.after_step and bool(np.all(test.response > 0.0))}
+    of = {"test": number, "parts": shown, "along": x, "residual": f"Δ {label}", "y": y}
+    views = [(f"test-{number}", {**of, "name": f"{named}{name}", "x": x})]
+    if isinstance(test, TimeTest) and test.kind in ("history", "recovery"):
         x = {"label": f"{imposed} [{test.loading_unit}]", "log": False, "column": "moved"}
-        loop = {"name": f"{named}{answered} over {imposed}", "x": x, "y": y}
-        views.append((f"loop-{number}", {**of, **loop}))
+        views.append(
+            (f"loop-{number}", {**of, "name": f"{named}{answered} over {imposed}", "x": x})
+        )
     return views
