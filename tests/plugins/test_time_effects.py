@@ -240,6 +240,18 @@ def test_an_overshoot_is_a_fading_network_as_much_as_any_other_effect_that_does_
     assert all(each.verdict != "missing" for each in found.candidates)
 
 
+@pytest.mark.soak
+def test_a_network_that_has_faded_early_in_a_long_start_up_is_found():
+    test = start_up(0.7, 50.0 / T[-1])
+    noisy = test.response + 0.005 * test.response.max() * np.random.default_rng(5).normal(
+        size=len(test.response)
+    )
+    names = ("fading-network", "thermal-transient", "thermal-force", "force-drift")
+    effects = [plugins().effect(name) for name in names]
+    found = diagnose(replace(test, response=noisy), parse_model("maxwell"), effects)
+    assert found.best.effect == "fading-network"
+
+
 def test_a_fluid_that_is_set_in_motion_is_not_seen_after_an_ideal_step():
     effect = plugins().effect("basset")
     t = np.geomspace(0.1, 10.0, 20)

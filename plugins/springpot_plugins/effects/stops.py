@@ -22,7 +22,7 @@ from springpot.rheology import (
 
 FEWEST = 8
 """Samples of a start-up from which a maximum on the way is looked for."""
-FADINGS = (0.3, 1.0, 3.0, 10.0)
+FADINGS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 """Exponents at the largest strain at which a fading network is sought."""
 SMALLEST = 1e-9
 """Share of the largest strain that is no motion."""
