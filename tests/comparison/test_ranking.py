@@ -305,4 +305,3 @@ def test_few_numbers_are_not_followed_by_as_many_parameters():
     assert ranking.best.model.name == "springpot"
     assert ranking.best in ranking.adequate
     assert not spends_most(ranking.best.refit)
-    assert ranking.notes[0].startswith("the noise floor is the scatter about ")
