@@ -2,6 +2,12 @@
 
     python studies/certificates.py [--draws 1000] [--out results/certificates]
 
+Question: does what a certificate states come true, its expanded uncertainty, its decision and its
+chance of lying outside? Measure: shares of simulated certificates in which the true value is held,
+a pad at the limit passes or fails, and a result lies outside. What would answer it: 0.95 held,
+within 0.02; 0.025 passing at the limit and as many failing; a share outside that is within 0.07 of
+the stated chance.
+
 Four pads, five cycles each, whose stiffness and loss scatter by 1 % from cycle to cycle, as they
 are counted: from one crossing of the displacement to the next, each by itself. The load
 cell is off by 1 % (standard, one error in all tests), the stroke by 0.5 % (each test has its own)
@@ -23,6 +29,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
+from paper.asking import asking
 from springpot.benchmark import Table, save_table
 from springpot.benchmark.statistics import wilson
 from springpot.testreport import LoopRecord
@@ -184,7 +191,7 @@ def main() -> None:
     with TemporaryDirectory() as folder:
         for name, table in (("covered", covered), ("decided", decided), ("risked", risked)):
             made = table(asked.draws, asked.seed, Path(folder))
-            save_table(made, asked.out, name, ("md", "csv"))
+            save_table(asking(__doc__, made), asked.out, name, ("md", "csv"))
 
 
 if __name__ == "__main__":

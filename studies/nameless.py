@@ -3,6 +3,13 @@
     python studies/nameless.py [--part leave-one-out|blind|nothing] [--cases 120]
         [--size 0.2,0.005] [--seed 20261125] [-o results/nameless]
 
+Question: is a law that is in no library found, and is none invented where nothing is missing?
+Measure: shares of drawn cases in which the curve is back within half the noise, the form is in the
+class or first, what is outside the grammar is called so, and a law is invented. What would answer
+it: the curve back in 40 of 45 cases at 20 % of K and in 30 at 4 %; the form in the class in 97 %
+and first in 85 %; what is outside called so in 95 %; a law invented in at most 0.5 %; 93 to 97 % of
+the exponents in their intervals; at most 5 s a case.
+
 Leave one out: each effect of the library is deleted in turn, data are drawn with it, and a law is
 sought beside the model that lacks it: does its curve come back to half the noise? Blind: laws of a
 generator that shares no code with springpot, beside any material: is the law in the class, and is
@@ -36,6 +43,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import springpot
 from nameless_laws.truths import INSIDE, OUTSIDE, grid, material, with_law
+from paper.asking import question
 from springpot import Effect, Measurement, Units
 from springpot.identification import Window, settings
 
@@ -278,7 +286,8 @@ def write(
 ) -> None:
     """The tables, and one page of them."""
     done = ", ".join(f"{count} cases of {part}" for part, count in counts.items())
-    page = ["# Laws without a name", "", f"`python studies/nameless.py --seed {seed}`: {done}", ""]
+    page = ["# Laws without a name", "", question(__doc__), ""]
+    page += [f"`python studies/nameless.py --seed {seed}`: {done}", ""]
     for name, rows in found.items():
         with (folder / f"{name}.csv").open("w", newline="") as file:
             csv.writer(file).writerows(rows)

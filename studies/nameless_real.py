@@ -2,6 +2,11 @@
 
     python studies/nameless_real.py [NAME ...] [--out results/nameless/real] [--figures docs/images]
 
+Question: is the law of a device whose physics is known found in measured data, and in those of a
+published equation? Measure: the class of laws that the data cannot tell apart, and the error beside
+the noise floor before and after. What would answer it: a class that holds the known law with its
+exponents in their intervals, or `none` where no formula of the grammar is that law.
+
 Filled EPDM by strain, a friction damper by amplitude and band tension, a magnetorheological damper
 by current and amplitude: a set that is not on this machine is passed over. The hysteretic benchmark
 (Bouc-Wen; Noel and Schoukens 2016, with the published values) and the Silverbox (Wigren and
@@ -23,6 +28,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 
 import springpot
+from paper.asking import question
 from springpot import Measurement, Units
 from springpot.errors import DataError
 
@@ -137,7 +143,7 @@ def main() -> None:
             continue
         found = springpot.invent(data, model, along=list(along), seed=0)
         (options.out / f"{name}.json").write_text(json.dumps(found.to_dict(), indent=1) + "\n")
-        (options.out / f"{name}.txt").write_text(str(found) + "\n")
+        (options.out / f"{name}.txt").write_text(f"{question(__doc__)}\n\n{found}\n")
         found.plot(options.figures / f"law-{name}.png")
         print(found, "\n", flush=True)
 

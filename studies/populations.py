@@ -2,6 +2,13 @@
 
     python studies/populations.py [--fits 2000] [--judged 300] [--out results/populations]
 
+Question: do intervals of a population's means hold the truth, is scatter told from an effect that
+all specimens have, and what do many specimens cost? Measure: shares of simulated populations,
+components over the true ones, and processor time. What would answer it: 93 to 97 % of the means
+held and components within a fifth; at most 2 % of scatter taken for an effect and 95 % of the
+hidden ones found, of which one specimen alone tells fewer than half; less than a minute for a
+thousand specimens.
+
 24 specimens of 3 batches, each a spring beside a dashpot measured at 12 frequencies with 1 % noise;
 stiffness and dashpot scatter by 5 % within a batch, and batches by 3 or by 10 %. A hidden mass that
 all of them have leaves chi-square 15 in each, which its own stiffness and dashpot cannot make up
@@ -21,6 +28,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 import springpot
+from paper.asking import asking
 from springpot import Measurement
 from springpot.benchmark import Table, save_table
 from springpot.benchmark.statistics import wilson
@@ -141,7 +149,7 @@ def main() -> None:
     }
     for name, table in tables.items():
         if asked.only in (None, name):
-            save_table(table(), asked.out, name, ("md", "csv"))
+            save_table(asking(__doc__, table()), asked.out, name, ("md", "csv"))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,11 @@ Fit one test, predict the other two, and judge them honestly.
     SPRINGPOT_DATA=FOLDER python studies/time_and_frequency.py [--temperature 160] [-o
     results/time_and_frequency]
 
+Question: does a model that is fitted to one test of a polymer predict the two others? Measure: the
+error of each prediction beside what is to be expected, and of all tests fitted together. What would
+answer it: each prediction within twice what is to be expected, and tests that agree when fitted
+together.
+
 FOLDER holds ``polystyrene-three-tests`` (github.com/mirandi1/pyRheo, demos/data/polystyrene):
 oscillation, stress relaxation and creep at 130, 145, 160, 175 and 190 degC. Each model is fitted to
 each test alone, and to all three together; every fit then predicts the tests that it has not seen.
@@ -23,6 +28,7 @@ from pathlib import Path
 from statistics import median
 
 import springpot
+from paper.asking import question
 from springpot.errors import OutputError, SpringpotError
 from springpot.identification import Identification
 from springpot.timetests import Test, TestPrediction, identify, predict_test
@@ -172,8 +178,8 @@ def report(found: Sequence[Row], joint: Sequence[tuple[int, Identification]]) ->
         "agrees",
     )
     return (
-        "# One polystyrene, three tests, five temperatures\n\nWritten by `python"
-        " studies/time_and_frequency.py`; its text says what was done. Errors are root mean"
+        f"# One polystyrene, three tests, five temperatures\n\n{question(__doc__)}\n\nWritten by"
+        " `python studies/time_and_frequency.py`; its text says what was done. Errors are root mean"
         " squares over that of the signal (of |K| for oscillation). *Seen before* is the share of"
         " a test at times or frequencies that the fitted test reached, *error within* the error"
         f" there; the rest is extrapolated.\n\nOf {len(found)} predictions {counts['holds']} hold,"

@@ -17,6 +17,11 @@ from springpot.registry import parse_model
 ROOT = Path(__file__).resolve().parents[1]
 
 
+@pytest.fixture(autouse=True)
+def beside(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "studies"))
+
+
 @pytest.fixture
 def study(monkeypatch):
     spec = importlib.util.spec_from_file_location(

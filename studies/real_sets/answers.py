@@ -1,4 +1,10 @@
-"""What the tool answered, kept as plain data, and the table made of it."""
+"""What the tool answered, kept as plain data, and the table made of it.
+
+Question: does discovery that begins with a plain model find the physics that is known of a measured
+set, and what does it leave? Measure: the effects that it accepts, and the error over the noise
+floor before and after. What would answer it: the known effects accepted and no others, with an
+error of at most 1.5 times the floor.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from paper.asking import asking
 from springpot import Measurement, compare
 from springpot.benchmark import Table
 from springpot.diagnosis import Ladder
@@ -93,12 +100,8 @@ def saved(folder: Path) -> Iterator[dict[str, Any]]:
 
 def table(answers: Sequence[dict[str, Any]]) -> Table:
     """One row for each set and model."""
-    return Table(
-        "Measured data: what is missing and what remains",
-        COLUMNS,
-        [_row(one) for one in answers],
-        NOTE,
-    )
+    title = "Measured data: what is missing and what remains"
+    return asking(__doc__, Table(title, COLUMNS, [_row(one) for one in answers], NOTE))
 
 
 def _row(one: dict[str, Any]) -> tuple[Entry, ...]:

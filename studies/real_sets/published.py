@@ -1,4 +1,10 @@
-"""What was found beside what is published, or what can be read off the data without a model."""
+"""What was found beside what is published, or what can be read off the data without a model.
+
+Question: do the parameters that are found agree with what is published, or with what can be read
+off the data without a model? Measure: each with its 95 % interval beside what is expected. What
+would answer it: what is expected within the interval; where there is none, shift factors within 5 %
+and an error no greater than that of the published model.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from paper.asking import asking
 from springpot import Measurement, read
 from springpot.benchmark import Interval, Table
 from springpot.errors import DataError
@@ -97,7 +104,8 @@ def published(answers: Sequence[dict[str, Any]]) -> Table:
         for part in (_wlf, _shifts, _errors, _force, _signals)
         for row in part(one)
     ]
-    return Table("Measured data: parameters against what is published", COLUMNS, rows, NOTE)
+    title = "Measured data: parameters against what is published"
+    return asking(__doc__, Table(title, COLUMNS, rows, NOTE))
 
 
 def _wlf(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:

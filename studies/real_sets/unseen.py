@@ -1,5 +1,9 @@
 """Files of other people's repositories: what a first diagnosis says, beside what is true of them.
 
+Question: does a first diagnosis, without a model and without options, say what is true of files
+that other people made? Measure: a rule that calls each answer right, defensible, hedged or
+confidently wrong. What would answer it: 85 % right or defensible, and none confidently wrong.
+
 Each is diagnosed without a model and without options, by its name and the hint that is printed
 where its columns have no names. What is true is told by its repository: a column of the table.
 """
@@ -12,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import springpot
+from paper.asking import asking
 from springpot.benchmark import Table
 from springpot.errors import SpringpotError
 from springpot.files import write_text
@@ -174,12 +179,8 @@ def table(answers: Sequence[dict[str, Any]]) -> Table:
     count = counted(words)
     empty = (None,) * (len(COLUMNS) - 3)
     goal = "goal: right or defensible in 85 %, confidently wrong 0"
-    return Table(
-        "Files of other people",
-        COLUMNS,
-        [*rows, (goal, *empty, count, None)],
-        NOTE,
-    )
+    rows.append((goal, *empty, count, None))
+    return asking(__doc__, Table("Files of other people", COLUMNS, rows, NOTE))
 
 
 def _rows(

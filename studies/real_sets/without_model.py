@@ -1,5 +1,9 @@
 """Every set asked without naming a model: any linear passive material is judged.
 
+Question: does discovery without a model explain a measured set, or name the cause of what it
+leaves? Measure: the error over the noise floor when it ends, and the causes that it names. What
+would answer it: at least 12 of the 16 sets within 1.5 times the floor or with a named cause.
+
 What it leaves needs a cause.
 """
 
@@ -10,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from paper.asking import asking
 from springpot import Measurement, discover
 from springpot.benchmark import Table
 from springpot.diagnosis import Ladder
@@ -124,7 +129,7 @@ def table(answers: Sequence[dict[str, Any]]) -> Table:
         *(_row(one) for one in answers),
         (goal, *empty, f"{good} of {len(answers)}: {met}", counts, None),
     ]
-    return Table("Measured data without a model", COLUMNS, rows, NOTE)
+    return asking(__doc__, Table("Measured data without a model", COLUMNS, rows, NOTE))
 
 
 def judged(one: dict[str, Any]) -> str:
