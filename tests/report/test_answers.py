@@ -47,10 +47,10 @@ def places_of(page):
 @pytest.mark.parametrize(
     ("form", "words"),
     [
-        (lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f)), "The misfit swings by about"),
+        (lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f)), "the misfit swings by about"),
         (
             lambda f: 1.0 - 0.25 * np.exp(-((np.log(f / 12.0) / 0.12) ** 2)),
-            "between 11.1 and 13 Hz",
+            "a single point at 11.1 Hz",
         ),
     ],
     ids=["ripple", "notch"],
@@ -77,11 +77,14 @@ def test_without_a_place_only_an_adequate_model_leaves_noise():
         assert "o single band of frequencies stands out" in text_of(told)
         case = replace(ladder.steps[0].case, diagnosis=told)
         changed = replace(
-            ladder, steps=(replace(ladder.steps[0], case=case),), diagnosis=told, verdict=verdict
+            ladder,
+            steps=(replace(ladder.steps[0], examined=case),),
+            diagnosis=told,
+            verdict=verdict,
         )
         shown = places_of(report_html(changed, damper(), ["x"]))
-        assert "No single band of frequencies stands out" in shown
-        assert "noise" not in shown
+        assert "no single band of frequencies stands out" in shown
+        assert "looks like noise" not in shown
 
 
 def superposed(celsius=(5.0, 25.0, 45.0)):
@@ -238,7 +241,8 @@ def test_an_effect_that_leaves_the_error_is_not_shown_as_a_suggestion():
     assert f"{name}: {says}" in " ".join(text_of(told, verbose=True).split())
     assert says not in told._repr_html_()
     assert f">{name}</td>" not in told._repr_html_()
-    step = replace(ladder.steps[-1], case=replace(ladder.steps[-1].case, diagnosis=told))
+    case = replace(ladder.steps[-1].case, diagnosis=told)
+    step = replace(ladder.steps[-1], examined=case)
     page = report_html(replace(ladder, steps=(step,), diagnosis=told), damper(), ["x"])
     # The data of the figures, which programs read, keep all.
     section = page.partition("<h2>Which effects could it be?")[2].partition("<h2>")[0]

@@ -32,7 +32,6 @@ def ladder():
 def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, monkeypatch):
     """Two steps and the frames between them, played for ever."""
     monkeypatch.setattr(replay, "FRAMES", 2)
-    monkeypatch.setattr(replay, "DOTS", 30)
     played = images.open(ladder.plot(tmp_path / "replay.gif"))
     assert played.n_frames == replay.FRAMES + 1
     lasting = []
@@ -62,7 +61,6 @@ def test_a_passage_goes_from_one_curve_to_the_next(ladder):
 def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     """Over its own axes; half way the curve lies between both fits, and so does what is left."""
     monkeypatch.setattr(replay, "FRAMES", 2)
-    monkeypatch.setattr(replay, "DOTS", 30)
     time = np.geomspace(0.05, 5.0, 16)
     noise = 1.0 + 0.01 * np.random.default_rng(5).normal(size=16)
     test = TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name="relaxation")
@@ -82,9 +80,8 @@ def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
 
 
 @pytest.mark.soak
-def test_several_tests_are_played_beside_one_another(monkeypatch):
+def test_several_tests_are_played_beside_one_another():
     """Each of them, in their order; further ones below."""
-    monkeypatch.setattr(replay, "DOTS", 30)
     rng, time = np.random.default_rng(5), np.geomspace(0.05, 5.0, 16)
     tests = [
         TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + rise) * noise, name=f"at-{rise}")
@@ -93,7 +90,7 @@ def test_several_tests_are_played_beside_one_another(monkeypatch):
     found = springpot.discover(tests, "maxwell", accept=["parallel-spring"], only=["friction"])
     stage = replay.ReplayInTime(found)
     assert [one.name for one in stage.played] == ["at-1.0", "at-3.0"]
-    assert stage.at(1, 0.5).size == (14 * 30, 5 * 30)
+    assert stage.at(1, 0.5).size == (14 * 100, 5 * 100)
     assert replay._mosaic(4, 2) == [
         ["curve 0", "curve 1", "ladder"],
         ["residual 0", "residual 1", "ladder"],
