@@ -163,3 +163,35 @@ def test_what_another_effect_explains_is_no_noise(monkeypatch, base, best, misfi
 def test_without_an_effect_the_model_itself_tells_the_noise(base):
     before = SimpleNamespace(squares_left=900.0)
     assert sieve.least_left(TESTS, base, [], before) is before
+
+
+@pytest.mark.parametrize(
+    ("misfit", "told", "sought"),
+    [(False, [300.0, 310.0, 899.9], ["slow"]), (True, [300.0, 500.0, 899.9], [])],
+)
+def test_what_helps_less_than_an_explanation_is_sought_from_the_data(
+    monkeypatch, base, misfit, told, sought
+):
+    """Where nothing explains the tests no rival is held back, and what does not help stays so."""
+    asked = []
+
+    class Search:
+        def __init__(self, model, parts, reference, seeds):
+            asked.append(model.named(seeds[0]))
+
+        starts, theta = list, staticmethod(lambda u: u)
+        near = staticmethod(lambda parts, starts: (LED, 1))
+
+    monkeypatch.setattr(sieve, "TimeSearch", Search)
+    monkeypatch.setattr(sieve, "_near", lambda each, best, before, noise: each is best)
+    monkeypatch.setattr(sieve.Left, "by", lambda *given: SimpleNamespace(squares_left=310.0))
+    monkeypatch.setattr(
+        sieve, "replace", lambda each, **new: SimpleNamespace(**{**vars(each), **new})
+    )
+    nearly = [tried("mode", 300.0), tried("slow", 500.0), tried("absent", 899.9)]
+    nearly[0].left.misfit = misfit
+    found = sieve.from_the_data(TESTS, base, nearly, SimpleNamespace(squares_left=900.0))
+    assert [each.left.squares_left for each in found] == told
+    assert [next(name for name in one if name.endswith(".size")) for one in asked] == [
+        f"{name}.size" for name in sought
+    ]

@@ -77,6 +77,7 @@ from .sieve import (
     alone,
     exactly_fitted,
     from_the_best,
+    from_the_data,
     leading_of_scan,
     least_left,
     nearly_all,
@@ -539,7 +540,7 @@ def _sieved(
         return of_material(asked, base, leading_of_scan(promises, before), fitted)
     nearly = nearly_all(asked, base, promises, before, fitted)
     nearly += from_the_best(asked, base, nearly, before, promises)
-    return exactly_fitted(asked, base, nearly, before, fitted)
+    return exactly_fitted(asked, base, from_the_data(asked, base, nearly, before), before, fitted)
 
 
 def _better_start(

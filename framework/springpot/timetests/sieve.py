@@ -296,6 +296,35 @@ def _as_near(each: Tried, best: Tried) -> bool:
     return plain_bic(each.left) - plain_bic(best.left) <= 2.0 * EVIDENCE.rivals
 
 
+def from_the_data(
+    asked: AskedTests, base: Identification, nearly: Sequence[Tried], before: Left
+) -> list[Tried]:
+    """The same, those that help less than one that explains the tests sought as a first fit is.
+
+    What it makes of the model's own parameters another effect may ask otherwise: of a mode in the
+    relaxation and of one in the retardation each leads away from the other.
+    """
+    best = min(nearly, key=lambda each: plain_bic(each.left), default=None)
+    if best is None or best.left.misfit:
+        return list(nearly)
+    noise = noise_of_both(before, best.left)
+    gains = [delta_bic(before, each.left, noise) for each in nearly]
+    helps = [i for i in np.argsort(gains)[::-1].tolist() if gains[i] >= SEARCH.decisive]
+    behind = [i for i in helps if not _near(nearly[i], best, before, noise)][:EXACT]
+    found = list(nearly)
+    for i in behind:
+        each = nearly[i]
+        search = TimeSearch(each.model, asked.quick, base.reference, [each.theta])
+        try:
+            u, _ = search.near(asked.quick, search.starts())
+            left = Left.by(each.model, search.theta(u), base.reference, asked.parts)
+        except SpringpotError:
+            continue
+        if plain_bic(left) < plain_bic(each.left):
+            found[i] = replace(each, theta=search.theta(u), left=left)
+    return found
+
+
 def exactly_fitted(
     asked: AskedTests,
     base: Identification,
