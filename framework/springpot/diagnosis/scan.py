@@ -137,14 +137,13 @@ def influence(
     full = np.empty((len(grid), len(grown.names)))
     full[:, old] = theta
     full[:, new] = grid
-    with np.errstate(
-        all="ignore"
-    ):  # settings beyond what floating-point numbers hold are left out below
+    whole = relative_to(stiffness, measurement)
+    # Settings beyond what floating-point numbers hold are left out below.
+    with np.errstate(all="ignore"):
         with_effect = model.fixed_at(theta) + effect
         change = with_effect.network.respond(grid, measurement.points).value - stiffness
         change = np.where(np.isfinite(change), change, np.nan)
-    whole = relative_to(stiffness, measurement)
-    relative = np.sqrt(np.mean(np.abs(change / whole) ** 2, axis=-1))
+        relative = np.sqrt(np.mean(np.abs(change / whole) ** 2, axis=-1))
     usable = np.isfinite(relative) & (relative > LEAST_RELATIVE)
     names = tuple(parameter.name for parameter in added)
     told = bool(np.any(np.isfinite(relative)))
@@ -381,8 +380,10 @@ def _score(
         # hardly show it.
         bound = float(np.quantile(needed, 0.9))
     left = frame.project(frame.whiten(influence.change).T)
-    # Settings as they are, beside the tangent: a large change follows its own curve.
-    cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
+    # Settings as they are, beside the tangent: a large change follows its own curve. One beyond all
+    # numbers costs endlessly much.
+    with np.errstate(over="ignore"):
+        cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
     starts = influence.theta[np.argsort(cost)[:WHOLE_STARTS]]
     if score > 0.0:
         best = int(np.argmax(along))
