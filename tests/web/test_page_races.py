@@ -287,7 +287,7 @@ def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: by
 
 
 @pytest.mark.soak
-def test_a_plan_that_does_not_exist_is_not_offered(judged: Page):
+def test_a_plan_is_offered_until_the_accepted_effect_is_told_from_its_twin(judged: Page):
     here = judged
     here.page.click("#leave")
     plan = here.page.locator('[data-leave="plan"]')
@@ -296,8 +296,6 @@ def test_a_plan_that_does_not_exist_is_not_offered(judged: Page):
     here.page.click("#effect-inertia")
     here.shows(GROWN)
     here.page.click("#leave")
-    assert plan.get_attribute("aria-disabled") == "true"
-    assert plan.get_attribute("title") == "no further measurement is proposed here"
-    plan.dispatch_event("click")
-    assert here.reads("#done") == ""
+    # The mass may be the specimen's own: that is still to be told apart.
+    assert plan.get_attribute("aria-disabled") == "false"
     assert here.violations() == []

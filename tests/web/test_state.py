@@ -525,13 +525,13 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
 def test_the_ladder_that_was_asked_for_last_is_remembered_longest(monkeypatch):
     climbed = []
 
-    def climb(state, measurement, told, begun):
+    def climb(state, measurement, told, begun, fitted):
         climbed.append(state.model)
         return state.model
 
     monkeypatch.setattr(tasks, "_ladders", OrderedDict())
     monkeypatch.setattr(tasks, "ladder_of", climb)
-    monkeypatch.setattr(tasks, "_measured", lambda text: None)
+    monkeypatch.setattr(tasks, "_opened", lambda text: None)
     states = [State("data", f"prony-{i}") for i in range(1, tasks.LADDERS + 2)]
     for each in states[: tasks.LADDERS]:
         tasks._ladder(each, "", print)
