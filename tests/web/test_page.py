@@ -402,7 +402,8 @@ def test_three_temperatures_and_the_race(
     here.shows("material")
     assert here.reads("#facts") == "18 points, 3 sweeps"
     assert here.page.locator("#key [class*=sweep-]").all_inner_texts() == ["●"] * 3
-    assert "● 0 °C" in here.reads("#key") and "● 40 °C" in here.reads("#key")
+    assert "● 0 °C" in here.reads("#key")
+    assert "● 40 °C" in here.reads("#key")
     here.page.select_option("#view", "master-curve")
     playwright.expect(here.page.locator("#plot-view .label").first).to_contain_text(
         "reduced frequency", timeout=PATIENCE
