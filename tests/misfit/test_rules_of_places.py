@@ -254,3 +254,9 @@ def test_what_is_left_is_told_beyond_the_noise_that_no_parameter_followed(off, s
     )
     assert residual_causes._size_in_words(frame, "") == f"what is left is {says}"
     assert residual_causes._size_in_words(frame, "here") == f"what is left is {says}: here"
+
+
+def test_nothing_is_a_linear_material_too():
+    """Friction may take all of the data, and leave spring and dashpot at nothing."""
+    model = springpot.parse_model("kelvin")
+    assert material.is_of_material(model, np.zeros(2), (1.0, 10.0), 0.1)
