@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import pickle
 import resource
 import signal
 import sys
@@ -12,11 +11,10 @@ import threading
 from collections.abc import Callable, Container
 from contextlib import suppress
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 from select import select
 from time import monotonic
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from springpot.limits import address_space
 
@@ -122,41 +120,6 @@ def cause_of(status: int) -> str:
         return f"the process was ended by {signal.Signals(-code).name}"
     except ValueError:
         return f"the process was ended by signal {-code}"
-
-
-class _Plain(pickle.Unpickler):
-    """Reads plain values and objects of known classes.
-
-    And nothing that would be called where it is read.
-    """
-
-    def __init__(self, blob: bytes, known: tuple[type, ...]) -> None:
-        super().__init__(BytesIO(blob))
-        self._known = known
-
-    def find_class(self, module: str, name: str) -> type:
-        for known in self._known:
-            if (known.__module__, known.__qualname__) == (module, name):
-                return known
-        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
-
-
-def unpacked(blob: bytes, *known: type) -> Any:
-    """What a process that ran foreign code has pickled: its answer must run no code here.
-
-    Parameters
-    ----------
-    blob : bytes
-        What it sent.
-    *known : type
-        Classes of which there may be objects, beside plain values.
-
-    Raises
-    ------
-    Exception
-        Of any kind, if it is none of this.
-    """
-    return _Plain(blob, known).load()
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,11 @@ import json
 import os
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from springpot.benchmark import Study
-from springpot.benchmark.trial import digest_of_objective
 
 STUDY = {
     "datasets": ["artificial-fractional-zener", "artificial-springpot"],
@@ -43,7 +41,6 @@ def fresh():
 @pytest.mark.soak
 def test_a_digest_knows_nothing_of_what_ran_before(fresh):
     """Fits, a diagnosis, other studies and what libraries keep for the whole process."""
-    import numpy as np
 
     import springpot
 
@@ -94,14 +91,3 @@ def test_data_of_another_processor_have_the_digests_that_were_published():
         capture_output=True, text=True, check=True, env=surroundings,
     )  # fmt: skip
     assert json.loads(said.stdout) == COMPUTED
-
-
-def test_an_objective_is_looked_at_in_three_places_of_its_box():
-    asked = []
-    box = SimpleNamespace(lowest=np.zeros(2), highest=np.ones(2))
-    problem = SimpleNamespace(
-        lower=np.array([1.0, -2.0]), upper=np.array([2.0, 8.0]), space=box, fixed=[],
-        evaluate=lambda x: asked.append(x) or np.zeros(3),
-    )  # fmt: skip
-    digest_of_objective(problem)
-    np.testing.assert_allclose(asked[0], [[1.2, 0.0], [1.5, 3.0], [1.8, 6.0]])

@@ -15,8 +15,7 @@ from springpot.benchmark.gate.baseline import baseline_of
 from springpot.benchmark.plan import WorkOrder, drawn
 from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import study_tables
-from springpot.benchmark.supervisor import Audit
-from springpot.benchmark.trial import Status, TwinProblem, Workshop
+from springpot.benchmark.trial import TwinProblem, Workshop
 from springpot.errors import StudyError
 from springpot.identification import run
 
@@ -134,22 +133,12 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     plan = noisy_study(
         objectives=["relative"], optimisers=["native"], noise=[0.01], repetitions=60, budget=60
     ).plan()
-    shop, audit = Workshop(plan), Audit(plan)
+    shop = Workshop(plan)
     covered = []
     for r in range(60):
-        [result] = audit(WorkOrder(0, (r,)), shop.run([WorkOrder(0, (r,))])[0])
+        [[result]] = shop.run([WorkOrder(0, (r,))])
         covered.append(result.covered)
     assert 0.9 <= np.mean(covered) <= 0.99
-
-
-def test_a_worker_that_tells_of_other_data_is_found_out():
-    plan = noisy_study(noise=[0.01], optimisers=["native"]).plan()
-    [[result]] = Workshop(plan).run([WorkOrder(0, (1,))])
-    [told] = Audit(plan)(WorkOrder(0, (1,)), [replace(result, reference=1.0)])
-    assert (told.status, told.reason) == (
-        Status.CHANGED,
-        "its data are not those of its repetition",
-    )
 
 
 def test_the_first_evaluation_is_the_common_point_of_every_optimiser(stores):

@@ -25,9 +25,8 @@ from springpot.benchmark.fork_server import Parcel
 from springpot.benchmark.plan import BLOCK, WorkOrder
 from springpot.benchmark.trial import Bell, Status, TrialResult, TwinProblem, Workshop
 from springpot.errors import StudyError
-from springpot.identification import BatchedOptimiser, Card
+from springpot.identification import BatchedOptimiser, Card, Optimiser, run
 from springpot.identification.problem import Problem
-from springpot.identification.runs import run
 from springpot.measurement import DataSet
 
 
@@ -230,6 +229,18 @@ def test_how_a_run_ended(status, failed, kept):
     assert trial._status(SimpleNamespace(status=status, failed=failed)) == kept
 
 
+def at(twin, point):
+    """What is kept of a run that evaluates one point."""
+
+    class There(Optimiser):
+        name, card = "there", Card("one point")
+
+        def minimise(self, problem, budget, rng):
+            problem(point)
+
+    return twin.judge(0, 0, run(There(), twin.problem, 1, np.random.default_rng(0), diary=True))
+
+
 def test_a_twin_without_noise_judges_what_was_found():
     plan = small_study(datasets=[artificial(), artificial(0.02, "noisy")]).plan()
     exact, noisy = (TwinProblem(case) for case in plan.cases[::2])
@@ -238,11 +249,11 @@ def test_a_twin_without_noise_judges_what_was_found():
     bare = TwinProblem(small_study(datasets=[unknown], models=["springpot"]).plan().cases[0])
     assert (bare.noisy, bare.clean, bare.truth) == (False, None, None)
     point = noisy.problem.space.from_theta(noisy.problem.model.vector(dict(TRUTH)))
-    worth = noisy.judged(point)
+    worth = at(noisy, point)
     assert worth.oracle == pytest.approx(0.0, abs=1e-20)
     assert worth.parameter_error == pytest.approx(0.0, abs=1e-12)
     assert worth.best > 0.0
-    assert bare.judged(0.5 * (bare.problem.lower + bare.problem.upper)).oracle is None
+    assert at(bare, 0.5 * (bare.problem.lower + bare.problem.upper)).oracle is None
 
 
 def shop(mood="fine", **changes):
@@ -279,19 +290,6 @@ def test_what_an_optimiser_raises_is_a_status(monkeypatch, mood, status, reason)
     assert ([(each.status, each.reason) for each in own], worn) == ([(status, reason)], False)
 
 
-def test_an_optimiser_that_changes_the_problem_is_told():
-    made = shop()
-    bench = made._benches[0]
-    data = bench.problem.measurement.stiffness
-    data.setflags(write=True)
-    data *= 1.001
-    found = made.run([WorkOrder(0, (0,)), WorkOrder(0, (1,))])
-    assert [(own.status, own.repetition) for [own] in found] == [
-        (Status.CHANGED, 0),
-        (Status.CHANGED, 1),
-    ]
-
-
 def test_a_fault_of_the_worker_itself_wears_it(monkeypatch):
     made = shop()
     monkeypatch.setattr(made, "run", lambda tasks: 1 / 0)
@@ -303,10 +301,9 @@ def test_a_fault_of_the_worker_itself_wears_it(monkeypatch):
         [[own]], worn = fork_server._results(shop(), [WorkOrder(0, (0,))], lambda: None)
         assert (own.status, own.reason, worn) == (Status.ERROR, words, True)
     monkeypatch.setattr(fork_server, "end_children", lambda: 0)
-    for status in (Status.MEMORY, Status.CHANGED):
-        made = shop()
-        monkeypatch.setattr(made, "run", lambda tasks, s=status: [[TrialResult(0, 0, s)]])
-        assert fork_server._results(made, [WorkOrder(0, (0,))], lambda: None)[1]
+    made = shop()
+    monkeypatch.setattr(made, "run", lambda tasks: [[TrialResult(0, 0, Status.MEMORY)]])
+    assert fork_server._results(made, [WorkOrder(0, (0,))], lambda: None)[1]
 
 
 def test_a_parcel_lets_workers_find_what_the_program_defines(monkeypatch):
@@ -371,28 +368,6 @@ def test_a_script_is_loaded_once_and_its_faults_are_told_by_line(tmp_path):
 def test_a_clock_that_shows_nothing_gives_no_rate(processor, evaluations, each):
     trials = summary.CellTrials(("processor", "evaluations"), [(processor, evaluations)])
     np.testing.assert_array_equal(summary._each(trials), [each])
-
-
-def test_a_canary_goes_through_each_door():
-    problem = TwinProblem(small_study(datasets=[artificial()]).plan().cases[0]).problem
-    done = run(trial.Canary(), problem, trial.BUDGET, np.random.default_rng(7))
-    assert (done.evaluations, done.gradients, done.batched) == (4, 1, 2)
-    assert done.status == "budget"
-    other = replace(problem, measurement=measurement(1e-9))
-    assert trial.outcome(problem) == trial.outcome(problem) != trial.outcome(other)
-
-
-def test_a_canary_keeps_a_diary_of_where_it_has_been(monkeypatch):
-    """An array that was changed shows there, even where the best stays."""
-    problem = TwinProblem(small_study(datasets=[artificial()]).plan().cases[0]).problem
-    before, searched = trial.outcome(problem), trial.run
-
-    def elsewhere(*given, **options):
-        done = searched(*given, **options)
-        return replace(done, diary=[(1.01 * page, value) for page, value in done.diary])
-
-    monkeypatch.setattr(trial, "run", elsewhere)
-    assert trial.outcome(problem) != before
 
 
 def test_an_executor_has_no_more_batches_under_way_than_its_width():

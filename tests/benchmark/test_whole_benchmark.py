@@ -77,7 +77,6 @@ def trial(cell, repetition, rate, rng, noisy, known):
         seen=None if not known else
         pack(list(zip(steps.tolist(), np.minimum.accumulate(clean).tolist(), strict=True)))
         if noisy else b"",
-        point=(0.1, 0.2, 0.3),
     )  # fmt: skip
 
 

@@ -29,10 +29,8 @@ ADOPT = 36
 """
 PROMISES = {
     "own-processes": "supervisor.Backlog.entrant_of = lambda self, task: 0",
-    "canary": "canary.Witness.of = classmethod(lambda cls, problem: cls('', ''))",
-    "audit": "audit.Audit.__call__ = lambda self, task, results: list(results)",
-    "settings": "worker.settings = tuple",
-    "children": "worker.end_children = int",
+    "settings": "fork_server.settings = tuple",
+    "children": "fork_server.end_children = int",
     "seals": "store.seal = lambda values: b''; store.sound = store.whole = lambda *_: True",
     "derivatives": "problem.require_derivative = lambda *_: None",
 }
@@ -43,9 +41,7 @@ A line of a script, which coordinator and workers run before anything else.
 SCRIPT = """
 import sys
 sys.path.insert(0, {studies!r})
-from springpot.benchmark import store, supervisor, worker
-from springpot.benchmark import recheck as audit
-from springpot.benchmark import tamper_test as canary
+from springpot.benchmark import fork_server, store, supervisor
 from springpot.identification import problem
 {lines}
 from optimiser_comparison import study

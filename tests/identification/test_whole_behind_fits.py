@@ -19,7 +19,6 @@ from springpot.identification import (
     levels_alone,
     notes,
     regularisation,
-    runs,
     space,
     starts,
     uncertainty,
@@ -215,53 +214,6 @@ def test_ranges_meet(stays):
     low, high = known_factors.ranges(number, values)
     assert (low.tolist(), high.tolist()) == ([1.0, 3.5, 9.0], [3.0, 5.0, 9.0])
     stays([known_factors.meeting(low, high, room) for room in (0.0, 0.5, 0.51, 4.0)])
-
-
-@pytest.mark.parametrize(
-    ("counts", "says"),
-    [
-        ((5, 0, 0, 5), ""),
-        ((1, 1, 1, 5), ""),
-        ((0, 0, 0, 5), "its record counts 0 evaluations of 5"),
-        ((6, 0, 0, 5), "its record counts 6 evaluations of 5"),
-        ((3, 4, 0, 5), "more evaluations of one kind than of all"),
-        ((3, 0, 4, 5), "more evaluations of one kind than of all"),
-        ((3, -1, -1, 5), "more evaluations of one kind than of all"),
-        ((3, 3, 3, 5), ""),
-    ],
-)
-def test_counts_of_a_run_do_not_contradict_each_other(counts, says):
-    found = runs.miscounted(*counts)
-    assert says in found
-    assert bool(says) == bool(found)
-
-
-@pytest.mark.parametrize(
-    ("at", "values", "evaluations", "best", "wrong"),
-    [
-        ([1, 3], [2.0, 1.0], 3, 1.0, False),
-        ([1], [2.0], 1, 2.0, False),
-        ([0, 3], [2.0, 1.0], 3, 1.0, True),
-        ([1, 4], [2.0, 1.0], 3, 1.0, True),
-        ([1, 1], [2.0, 1.0], 3, 1.0, True),
-        ([1, 3], [1.0, 1.0], 3, 1.0, True),
-        ([1, 3], [1.0, 2.0], 3, 2.0, True),
-        ([1, 3], [2.0, 1.0], 3, 1.0 + 1e-15, True),
-    ],
-)
-def test_a_trace_improves_within_its_count(at, values, evaluations, best, wrong):
-    assert bool(runs.mistraced(at, values, evaluations, best)) == wrong
-
-
-def test_two_sums_of_squares_agree_but_for_rounding():
-    agree, rounding = runs.ALIKE, runs.ROUNDING
-    assert not runs.same(None, 1.0, 1.0)
-    assert runs.same((1.0 + 0.99 * agree) ** 2, 1.0, 0.0)
-    assert not runs.same((1.0 + 1.02 * agree) ** 2, 1.0, 0.0)
-    assert runs.same((0.9 * rounding) ** 2, 0.0, 1.0)
-    assert not runs.same((1.1 * rounding) ** 2, 0.0, 1.0)
-    assert runs.same(1.0, 1.0, np.inf)
-    assert not runs.same(4.0, 1.0, np.inf)
 
 
 def test_what_a_file_keeps_of_a_fit(stays):

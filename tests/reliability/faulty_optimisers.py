@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import atexit
-import builtins
 import ctypes
-import gc
 import os
 import signal
 import subprocess
@@ -142,11 +140,6 @@ def peek(problem: Recorder, rng: np.random.Generator) -> None:
     problem(points[problem.problem.evaluate(points).argmin()])
 
 
-def answer_with_a_program(problem: Recorder, rng: np.random.Generator) -> None:
-    """What reads its results would end, if it did what they say."""
-    sys.modules["springpot.benchmark.trial"].TrialResult.__reduce_ex__ = lambda *_: (os._exit, (3,))
-
-
 def leave_a_fork(problem: Recorder, rng: np.random.Generator) -> None:
     if os.fork() == 0:
         time.sleep(LASTING)
@@ -177,69 +170,6 @@ def patch_recorder(problem: Recorder, rng: np.random.Generator) -> None:
     raise ValueError("it has patched the recorder and fails")
 
 
-def patch_objective(problem: Recorder, rng: np.random.Generator) -> None:
-    kind = type(problem.problem)
-    kind.evaluate = lambda self, x: 1e-30 * np.ones(np.shape(x)[:-1])  # type: ignore[method-assign]
-    problem.batch(np.tile(problem.upper, (2, 1)))
-
-
-def patch_model(problem: Recorder, rng: np.random.Generator) -> None:
-    kind = type(problem.problem.model.network)
-    real = kind.respond
-    data = problem.problem.measurement.stiffness
-
-    def respond(self, theta, points, order=0):
-        response = real(self, theta, points, order)
-        return response._replace(value=np.broadcast_to(data, response.value.shape).copy())
-
-    kind.respond = respond
-
-
-def clear_data(problem: Recorder, rng: np.random.Generator) -> None:
-    data = problem.problem.measurement.stiffness
-    data[:] = problem.problem.model.stiffness(
-        problem.problem.space.theta(problem.upper), data_points(problem)
-    )
-
-
-def data_points(problem: Recorder) -> object:
-    return problem.problem.measurement.points
-
-
-def clear_weights(problem: Recorder, rng: np.random.Generator) -> None:
-    problem.problem.weights[:] = 0.0
-
-
-def move_box(problem: Recorder, rng: np.random.Generator) -> None:
-    problem.lower[:] = problem.upper
-
-
-def patch_generator(problem: Recorder, rng: np.random.Generator) -> None:
-    np.random.default_rng = lambda *_: rng  # type: ignore[assignment]
-
-
-def patch_clamp(problem: Recorder, rng: np.random.Generator) -> None:
-    np.minimum = np.maximum
-
-
-def force_best(problem: Recorder, rng: np.random.Generator) -> None:
-    object.__setattr__(problem, "best", 0.0)
-
-
-def forge_trace(problem: Recorder, rng: np.random.Generator) -> None:
-    """It finds the ledger by the collector, as only a hostile one would, and writes into it."""
-    for thing in gc.get_objects():
-        if type(thing).__name__ == "Ledger":
-            thing.best = 1e-30
-            thing.trace.append((thing.evaluations, 1e-30))
-
-
-def forge_count(problem: Recorder, rng: np.random.Generator) -> None:
-    for thing in gc.get_objects():
-        if type(thing).__name__ == "Ledger":
-            thing.evaluations = 0
-
-
 def close_everything(problem: Recorder, rng: np.random.Generator) -> None:
     os.closerange(3, 256)
 
@@ -262,10 +192,6 @@ def shout(problem: Recorder, rng: np.random.Generator) -> None:
 def forget_modules(problem: Recorder, rng: np.random.Generator) -> None:
     for name in [name for name in sys.modules if name.startswith(("springpot", "numpy", "pickle"))]:
         del sys.modules[name]
-
-
-def replace_float(problem: Recorder, rng: np.random.Generator) -> None:
-    builtins.float = lambda *_: 0.0  # type: ignore[assignment,misc]
 
 
 def never_ask(problem: Recorder, rng: np.random.Generator) -> None:
@@ -319,24 +245,11 @@ DEEDS: dict[str, Deed] = {
     "another folder": lambda *_: os.chdir("/"),
     "clear the environment": lambda *_: os.environ.clear(),
     "patch the recorder": patch_recorder,
-    "patch the objective": patch_objective,
-    "patch the model": patch_model,
-    "clear the data": clear_data,
-    "clear the weights": clear_weights,
-    "move the box": move_box,
-    "patch the generator": patch_generator,
-    "patch numpy": patch_clamp,
-    "patch the clock": lambda *_: setattr(time, "perf_counter", lambda: 0.0),
-    "set the best": force_best,
-    "forge the trace": forge_trace,
-    "forge the count": forge_count,
     "close all files": close_everything,
     "write into all files": write_everywhere,
     "shout": shout,
     "forget modules": forget_modules,
-    "replace float": replace_float,
     "evaluate unseen": peek,
-    "answer with a program": answer_with_a_program,
     "ask the user": lambda *_: input(),
     "ask for nothing finite": never_ask,
     "a point of another shape": wrong_shape,
@@ -347,7 +260,7 @@ DEEDS: dict[str, Deed] = {
 
 TRUE = frozenset({"budget"})
 """Statuses of a trial whose numbers are right."""
-TOLD = frozenset({"error", "invalid", "memory", "timeout", "crash", "changed"})
+TOLD = frozenset({"error", "invalid", "memory", "timeout", "crash"})
 
 
 MARK = "SPRINGPOT_TEST_MARK"

@@ -19,7 +19,6 @@ DEEDS = [
     "success without a result",
     "sleep",
     "kill its parent",
-    "patch the objective",
     "an error",
 ]
 
@@ -72,7 +71,6 @@ def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path,
     check(found, undisturbed, DEEDS, repetitions)
     assert "SIGSEGV" in found["faulty segfault", 0][1]
     assert found["faulty sleep", 0][:2] == ("timeout", "ended after the deadline of 2 s")
-    assert found["faulty patch the objective", 0][0] == "changed"
     assert all(worker.poll() is None for worker in dask.workers), (
         "a trial has ended a worker of the cluster"
     )

@@ -20,10 +20,7 @@ ALIKE = {
     "leave a timer",
     "raise on rounding",
     "clear the environment",
-    "patch the clock",
-    "forge the count",
     "write into all files",
-    "replace float",
     "a point of another shape",
 }
 """Beside each of these another does the same by other means; all are in the soak."""
@@ -81,17 +78,7 @@ def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(
     outcome = run_study(race(deeds, repetitions), workers=2, out=tmp_path, quiet=True, tables=False)
     found = trials(outcome.store)
     check(found, undisturbed, deeds, repetitions)
-    for deed in (
-        "patch the objective",
-        "patch the model",
-        "clear the data",
-        "clear the weights",
-        "move the box",
-    ):
-        assert found[f"faulty {deed}", 0][0] == "changed", deed
-    assert found["faulty forge the trace", 0][0] == "changed"
     assert "evaluated past the recorder" in found["faulty evaluate unseen", 0][1]
-    assert "no result" in found["faulty answer with a program", 0][1]
     assert "left 1 process behind" in found["faulty leave an orphan", 0][1]
     assert left_behind(str(tmp_path)) == []
     assert "SIGSEGV" in found["faulty segfault", 0][1]

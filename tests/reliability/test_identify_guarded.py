@@ -5,7 +5,6 @@ What the optimiser does is one line, never a result.
 
 import json
 import os
-import pickle
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -16,7 +15,6 @@ import pytest
 from faulty_optimisers import MARK, left_behind
 
 import springpot
-from springpot import processes
 from springpot.identification import Card, Objective, Optimiser
 
 HERE = Path(__file__).parent
@@ -62,7 +60,6 @@ DEEDS = {
     "sys.exit": "SystemExit: enough",
     "sleep": "it did not end within 3 s",
     "ask for nothing finite": "",
-    "forge the trace": "its best point has the objective",
     "no exception": "NoException: neither",
     "leave a session": "it did not end within 3 s",
     "evaluate unseen": "points were evaluated past the recorder",
@@ -155,27 +152,6 @@ def test_weights_that_are_no_numbers_are_one_line_that_names_the_objective():
             springpot.identify(DATA, "fractional-maxwell", optimiser=optimiser, objective=objective)
 
 
-def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
-    """Also where the optimiser has changed how it is sent."""
-
-    class Bomb:
-        def __reduce__(self):
-            return os.mkdir, (str(tmp_path / "called"),)
-
-    class Forger(Optimiser):
-        name, card = "forger", Card("forger")
-
-        def minimise(self, problem, budget, rng):
-            dumps = pickle.dumps
-            pickle.dumps = lambda *_: dumps(Bomb())
-            pickle.dump = lambda _, stream: stream.write(dumps(Bomb()))
-
-    # Whether what it forged is sent hangs on who loaded the module before; it is never called.
-    with pytest.raises(springpot.errors.OptionError, match=r"exit code 0|no finite value"):
-        springpot.identify(DATA, "fractional-maxwell", optimiser=Forger(), budget=9)
-    assert not (tmp_path / "called").exists()
-
-
 def test_a_restart_that_fails_is_a_note_where_another_finds_something():
     class Moody(Optimiser):
         name, card = "moody", Card("moody")
@@ -189,13 +165,3 @@ def test_a_restart_that_fails_is_a_note_where_another_finds_something():
     assert any(
         "of 8 restarts failed, the first: ValueError: not today" in note for note in found.notes
     )
-
-
-def test_where_threads_run_the_record_is_checked_all_the_same(monkeypatch):
-    from faulty_optimisers import Faulty
-
-    monkeypatch.setattr(processes, "can_copy", lambda: False)
-    with pytest.raises(springpot.errors.OptionError, match="its best point has the objective"):
-        springpot.identify(
-            DATA, "fractional-maxwell", optimiser=Faulty(deed="forge the trace"), budget=60
-        )

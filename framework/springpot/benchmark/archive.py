@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 
 from springpot.errors import StudyError
 from springpot.files import LARGEST, write_with
-from springpot.identification.runs import miscounted, mistraced
 from springpot.numerics import ALIKE
 from springpot.registry import plugins
 
@@ -362,9 +361,17 @@ def _contradiction(result: TrialResult, budget: int) -> str:
     numbers, values = unpack(result.trace)
     if not len(numbers) or result.best is None:
         return "the trace is missing"
-    return miscounted(result.evaluations, result.gradients, result.batched, budget) or mistraced(
-        numbers, values, result.evaluations, result.best
-    )
+    if not 1 <= result.evaluations <= budget:
+        return f"the record counts {result.evaluations} evaluations of {budget}"
+    if not 0 <= max(result.gradients, result.batched) <= result.evaluations:
+        return "the record counts more evaluations of one kind than of all"
+    rising = numbers[0] >= 1 and numbers[-1] <= result.evaluations and np.all(np.diff(numbers) > 0)
+    if not (rising and np.all(np.diff(values) < 0)):
+        return "the trace contradicts the count of evaluations"
+    # Not but for rounding: both are one number that was written down twice.
+    if values[-1] != result.best:
+        return "the best value is not the last of the trace"
+    return ""
 
 
 AS_ONE = 500

@@ -24,7 +24,7 @@ from springpot.errors import SpringpotError, StudyError
 
 from .fork_server import Parcel
 from .plan import Plan, WorkOrder
-from .supervisor import Audit, LocalEngine
+from .supervisor import LocalEngine
 from .trial import Status, TrialResult, Workshop, failure
 
 IDLE = 60.0
@@ -122,7 +122,7 @@ class SerialEngine:
     """
 
     def __init__(self, plan: Plan, quiet: bool = False) -> None:
-        self._shop, self._audit, self._quiet = Workshop(plan), Audit(plan), quiet
+        self._shop, self._quiet = Workshop(plan), quiet
 
     def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """Results in the order of the tasks."""
@@ -134,7 +134,7 @@ class SerialEngine:
                 stack.enter_context(redirect_stdout(aside))
                 stack.enter_context(redirect_stderr(aside))
                 self._shop.warm_up(task)
-                results = self._audit(task, self._shop.run([task])[0])
+                results = self._shop.run([task])[0]
             yield results
 
 

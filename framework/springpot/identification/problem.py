@@ -14,7 +14,7 @@ all.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, Self, TypeVar
@@ -451,11 +451,6 @@ class SpecimenProblem(Searched):
     def nothing(self) -> float:
         """Objective of no response at all; no number where that has none."""
 
-    @property
-    @abstractmethod
-    def fixed(self) -> Iterator[Real | Complex]:
-        """All that the objective hangs on beside the box: measured numbers, and how they weigh."""
-
     @abstractmethod
     def with_tests(self, tests: Sequence[Test]) -> Self:
         """The same, weights and box and all, on other numbers of the same tests."""
@@ -530,13 +525,6 @@ class Problem(SpecimenProblem):
         """Objective of no stiffness, which has no logarithm."""
         none = np.zeros_like(self.measurement.stiffness)
         return float(self.objective.value(none, self.measurement, self.weights))
-
-    @property
-    def fixed(self) -> Iterator[Real | Complex]:
-        """The measurement's columns, and the weights."""
-        data = self.measurement
-        yield from (data.omega, data.stiffness, self.weights)
-        yield from (data.conditions[name] for name in sorted(data.conditions))
 
     def with_tests(self, tests: Sequence[Test]) -> Problem:
         """The same on the numbers of one other sweep; its weights are made of these."""

@@ -1,24 +1,17 @@
 """The recorder is what an optimiser sees of a run.
 
-It evaluates, counts and ends, and nothing in it can be set.
-
-The record itself is a `Ledger`, to which a recorder holds no reference: its doors are functions
-that close over it.
-
-The ledger owns the truth about a run: what was evaluated, what was best.
-
-No optimiser is given a reference to it, only a `Recorder`, which asks it.
+It evaluates, counts, keeps the best and ends the run: what a library claims of itself is not asked.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from math import inf
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeAlias
 
 import numpy as np
 
+from springpot.errors import LONGEST_REASON
 from springpot.rheology.points import Real
 
 from .problem import Searched
@@ -31,52 +24,99 @@ class BudgetSpent(BaseException):
     """Ends a run; not an `Exception`, so that a library's own handlers do not swallow it."""
 
 
-@dataclass(eq=False)
-class Ledger:
-    """The truth about a run.
+class Recorder:
+    """Counts every evaluation, keeps the best point and its trace, and ends the run at the budget.
 
-    See `springpot.identification.Recorder` for what it does and its parameters.
+    Points are moved into the parameters' own limits (a stiffness is positive, an order at most one)
+    before they are evaluated, not into the search box: the paper's swarm may leave it. A value that
+    is not a number is counted, is never the best, and reaches the optimiser as infinity.
+
+    Parameters
+    ----------
+    problem : Problem, or whatever else can be searched
+        What is minimised.
+    budget : int
+        Evaluations allowed; none beyond it is made or recorded.
+    target : float
+        The run ends once the objective is this small.
+    diary : list, optional
+        Gets every point in the order of evaluation, with its penalty; see `all_points`.
+    start : ndarray, shape (d,), optional
+        The race's common first point.
 
     Attributes
     ----------
+    lower, upper : ndarray, shape (d,)
+        Corners of the box that bounded optimisers keep to.
     evaluations, gradients, batched : int
         Points evaluated, how many of them with a derivative, and how many in calls for several at
         once.
-    best, best_x : float, ndarray
-        Smallest objective seen and where, shape (d,); empty before the first finite value.
-    best_factor : float
-        Penalty that is in it.
-    trace : list of (int, float)
+    best : float
+        Smallest objective seen, infinite before the first finite value.
+    improvements : list of (int, float)
         Evaluation number and objective at every improvement.
     remarks : list of str
         What the optimiser has to say of its run.
-    start : ndarray, shape (d,), or None
-        The race's common first point.
     limit : int
         Evaluations at which the run ends: of the budget, or those made when the target is met.
     """
 
-    problem: Searched
-    budget: int
-    target: float = -inf
-    diary: Diary | None = None
-    evaluations: int = field(default=0, init=False)
-    gradients: int = field(default=0, init=False)
-    batched: int = field(default=0, init=False)
-    best: float = field(default=inf, init=False)
-    best_x: Real = field(default_factory=lambda: np.empty(0), init=False)
-    best_factor: float = field(default=1.0, init=False)
-    trace: list[tuple[int, float]] = field(default_factory=list, init=False)
-    remarks: list[str] = field(default_factory=list, init=False)
-    start: Real | None = field(default=None, init=False)
-    limit: int = field(default=0, init=False)
-
-    def __post_init__(self) -> None:
-        self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
-        # Looked up once: it is called at every evaluation of most optimisers.
-        self._evaluate = self.problem.evaluate
+    def __init__(
+        self,
+        problem: Searched,
+        budget: int,
+        target: float = -inf,
+        diary: Diary | None = None,
+        start: Real | None = None,
+    ) -> None:
+        self.problem, self.budget, self.target, self.diary = problem, budget, target, diary
+        # Copies: what an optimiser does to them in place must not reach another run.
+        self.lower, self.upper = problem.lower.copy(), problem.upper.copy()
+        self.evaluations = self.gradients = self.batched = 0
+        self.best = inf
+        self.remarks: list[str] = []
         # One comparison guards the hot path.
-        self.limit = self.budget
+        self.limit = budget
+        self._best_x: Real = np.empty(0)
+        self.improvements: list[tuple[int, float]] = []
+        self._start = start
+        self._lowest, self._highest = problem.space.lowest, problem.space.highest
+        # Looked up once: it is called at every evaluation of most optimisers.
+        self._evaluate = problem.evaluate
+
+    @property
+    def dimension(self) -> int:
+        """Number of searched parameters."""
+        return self.problem.dimension
+
+    @property
+    def start(self) -> Real | None:
+        """Search point (d,) that all optimisers of the race begin at, evaluated already.
+
+        None where each begins as it likes.
+        """
+        if self._start is None:
+            return None
+        return self._start.copy()
+
+    def first(self, own: Real) -> Real:
+        """The search point (d,) to begin at: the race's first, and later on one's own."""
+        start = self.start
+        # Once only: whoever starts anew begins elsewhere.
+        if start is None or self.evaluations > 1:
+            return own
+        return start
+
+    @property
+    def best_x(self) -> Real:
+        """Where it was best, shape (d,); empty before the first finite value."""
+        # A copy: the record must not change under an optimiser's hands.
+        return self._best_x.copy()
+
+    @property
+    def trace(self) -> list[tuple[int, float]]:
+        """Evaluation number and objective at every improvement, a copy."""
+        return list(self.improvements)
 
     @property
     def spent(self) -> bool:
@@ -93,8 +133,18 @@ class Ledger:
         """Evaluations still allowed."""
         return self.limit - self.evaluations
 
-    def value(self, x: Real) -> float:
-        """Objective at one point, shape (d,)."""
+    def remark(self, text: str) -> None:
+        """Say something of the run in one line, such as why it goes on as it does."""
+        self.remarks.append(" ".join(str(text).split())[:LONGEST_REASON])
+
+    def __call__(self, x: Real) -> float:
+        """Objective at one point, shape (d,).
+
+        Raises
+        ------
+        BudgetSpent
+            If the run has ended; this holds for all that follow.
+        """
         if self.evaluations >= self.limit:
             raise BudgetSpent
         # Not by `np.clip`, which takes more than twice as long, at every evaluation of a search.
@@ -123,7 +173,7 @@ class Ledger:
         """
         if factor is not None:
             factor = factor[None]
-        values: Real = LedgerGroup([self]).batch(np.asarray(x, dtype=float)[None], factor)[0]
+        values: Real = _stacked([self], np.asarray(x, dtype=float)[None], factor)[0]
         return values
 
     def gradient(self, x: Real) -> tuple[float, Real]:
@@ -187,31 +237,34 @@ class Ledger:
             self._improve(point, value)
 
     def _improve(self, point: Real, value: float) -> None:
-        self.trace.append((self.evaluations, value))
+        self.improvements.append((self.evaluations, value))
         self.enter_best(point)
 
-    def enter_best(self, point: Real, factor: float = 1.0) -> None:
+    def enter_best(self, point: Real) -> None:
         """Take `point` (d,) for the place of the last improvement in the trace."""
-        self.best, self.best_x, self.best_factor = self.trace[-1][1], point.copy(), factor
+        self.best, self._best_x = self.improvements[-1][1], point.copy()
         if self.best <= self.target:
             self.limit = self.evaluations
 
 
-class LedgerGroup:
-    """Ledgers of one problem whose points are evaluated in one stacked call.
+class RecorderGroup:
+    """Recorders of one problem whose points are evaluated in one stacked call.
 
     It lets a batched optimiser carry all repetitions of a cell side by side; each run records what
     it would alone.
 
     Parameters
     ----------
-    ledgers : sequence of Ledger
+    recorders : sequence of Recorder
         One for each run, all of the same problem.
     """
 
-    def __init__(self, ledgers: Sequence[Ledger]) -> None:
-        self.ledgers = tuple(ledgers)
-        self.problem = self.ledgers[0].problem
+    def __init__(self, recorders: Sequence[Recorder]) -> None:
+        self.recorders = tuple(recorders)
+        self.problem = self.recorders[0].problem
+
+    def __len__(self) -> int:
+        return len(self.recorders)
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:
         """Objective (runs, m) at points (runs, m, d).
@@ -230,35 +283,49 @@ class LedgerGroup:
         BudgetSpent
             If every run has ended.
         """
-        m = x.shape[1]
-        # Not by `left`, whose call takes twice as long, fifty times a step.
-        left = [ledger.limit - ledger.evaluations for ledger in self.ledgers]
-        allowed = [m] * len(left)
-        if min(left) < m:  # in all calls but the last ones every run may evaluate all its points
-            allowed = [min(m, count) for count in left]
-        if max(allowed) <= 0:
-            raise BudgetSpent
-        points = np.minimum(np.maximum(x, self.problem.space.lowest), self.problem.space.highest)
-        values = self._evaluate(points, allowed, m)
+        if len(self.recorders) > 1:
+            return _stacked(self.recorders, x, factor)
+        # By its own door: it may be of another kind, whose evaluations take time on a clock.
+        own = None
         if factor is not None:
-            values = values * factor
-        _note(self.ledgers, points, values, allowed, factor)
-        return values
+            own = factor[0]
+        return self.recorders[0].batch(x[0], own)[None]
 
-    def _evaluate(self, points: Real, allowed: list[int], m: int) -> Real:
-        if min(allowed) == m:
-            # A single run is spared the cost of a leading axis.
-            if len(points) == 1:
-                return self.problem.evaluate(points[0])[None]
-            return self.problem.evaluate(points)
-        chosen = np.arange(m) < np.array(allowed)[:, None]
-        values = np.full(chosen.shape, inf)
-        values[chosen] = self.problem.evaluate(points[chosen])
-        return values
+
+def _stacked(recorders: Sequence[Recorder], x: Real, factor: Real | None) -> Real:
+    """Objective (runs, m) at points (runs, m, d) in one call, noted by the recorder of each run."""
+    m, space = x.shape[1], recorders[0].problem.space
+    # Not by `left`, whose call takes twice as long, fifty times a step.
+    left = [each.limit - each.evaluations for each in recorders]
+    allowed = [m] * len(left)
+    if min(left) < m:  # in all calls but the last ones every run may evaluate all its points
+        allowed = [min(m, count) for count in left]
+    if max(allowed) <= 0:
+        raise BudgetSpent
+    points = np.minimum(np.maximum(x, space.lowest), space.highest)
+    values = _evaluated(recorders[0].problem, points, allowed)
+    if factor is not None:
+        values = values * factor
+    _note(recorders, points, values, allowed, factor)
+    return values
+
+
+def _evaluated(problem: Searched, points: Real, allowed: list[int]) -> Real:
+    """Objective at points (runs, m, d); infinite and not evaluated beyond what a run is allowed."""
+    m = points.shape[1]
+    if min(allowed) == m:
+        # A single run is spared the cost of a leading axis.
+        if len(points) == 1:
+            return problem.evaluate(points[0])[None]
+        return problem.evaluate(points)
+    chosen = np.arange(m) < np.array(allowed)[:, None]
+    values = np.full(chosen.shape, inf)
+    values[chosen] = problem.evaluate(points[chosen])
+    return values
 
 
 def _note(
-    ledgers: Sequence[Ledger],
+    recorders: Sequence[Recorder],
     points: Real,
     values: Real,
     allowed: list[int],
@@ -268,46 +335,43 @@ def _note(
 
     Values that are no numbers become infinite, in place.
     """
-    bests, lowest = np.array([ledger.best for ledger in ledgers]), values.min(axis=1)
+    bests, lowest = np.array([recorder.best for recorder in recorders]), values.min(axis=1)
     # The least of a row tells whether one of it is no number: the whole row is searched only then.
     if np.isnan(lowest).any():
         values[np.isnan(values)] = inf
         lowest = values.min(axis=1)
     rows = np.flatnonzero(lowest < bests)
     if rows.size:  # late in a run most calls improve on nothing
-        _trace(ledgers, values[rows], bests[rows], rows.tolist())
-    for ledger, count in zip(ledgers, allowed, strict=True):
+        _trace(recorders, values[rows], bests[rows], rows.tolist())
+    for recorder, count in zip(recorders, allowed, strict=True):
         if count > 0:
-            ledger.evaluations += count
-            ledger.batched += count
-    if ledgers[0].diary is not None:
-        _write_down(ledgers, points, allowed, factor)
+            recorder.evaluations += count
+            recorder.batched += count
+    if recorders[0].diary is not None:
+        _write_down(recorders, points, allowed, factor)
     if rows.size:
         # The first of equal values, as one after the other would have had it.
         columns = values[rows].argmin(axis=1)
-        factors = [1.0] * len(rows)
-        if factor is not None:
-            factors = factor[rows, columns].tolist()
-        for i, point, own in zip(rows.tolist(), points[rows, columns], factors, strict=True):
-            ledgers[i].enter_best(point, own)
+        for i, point in zip(rows.tolist(), points[rows, columns], strict=True):
+            recorders[i].enter_best(point)
 
 
 def _write_down(
-    ledgers: Sequence[Ledger], points: Real, allowed: list[int], factor: Real | None
+    recorders: Sequence[Recorder], points: Real, allowed: list[int], factor: Real | None
 ) -> None:
     """Append what each was allowed to its diary."""
-    for i, (ledger, count) in enumerate(zip(ledgers, allowed, strict=True)):
-        if ledger.diary is None:
+    for i, (recorder, count) in enumerate(zip(recorders, allowed, strict=True)):
+        if recorder.diary is None:
             continue
         made = max(count, 0)
         penalties = None
         if factor is not None:
             penalties = factor[i, :made]
-        ledger.diary.append((points[i, :made], penalties))
+        recorder.diary.append((points[i, :made], penalties))
 
 
-def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]) -> None:
-    """Append to the traces of ledgers what improves on their best among new values (rows, m)."""
+def _trace(recorders: Sequence[Recorder], values: Real, bests: Real, rows: list[int]) -> None:
+    """Append to the traces of recorders what improves on their best among new values (rows, m)."""
     # What was best before each new value, the values of this call that come before it included.
     before = np.empty_like(values)
     before[:, 0] = bests
@@ -317,8 +381,8 @@ def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]
     for i, column, value in zip(
         run.tolist(), step.tolist(), values[run, step].tolist(), strict=True
     ):
-        ledger = ledgers[rows[i]]
-        ledger.trace.append((ledger.evaluations + column + 1, value))
+        recorder = recorders[rows[i]]
+        recorder.improvements.append((recorder.evaluations + column + 1, value))
 
 
 def all_points(diary: Diary, dimension: int) -> tuple[Real, Real]:
@@ -332,294 +396,3 @@ def all_points(diary: Diary, dimension: int) -> tuple[Real, Real]:
         points.append(page)
         factors.append(factor)
     return np.concatenate(points), np.concatenate(factors)
-
-
-T = TypeVar("T")
-
-
-class Recorder:
-    """Counts every evaluation, keeps the best point and its trace, and ends the run at the budget.
-
-    Points are moved into the parameters' own limits (a stiffness is positive, an order at most one)
-    before they are evaluated, not into the search box: the paper's swarm may leave it. A value that
-    is not a number is counted, is never the best, and reaches the optimiser as infinity.
-
-    Parameters
-    ----------
-    problem : Problem, or whatever else can be searched
-        What is minimised.
-    budget : int
-        Evaluations allowed; none beyond it is made or recorded.
-    target : float
-        The run ends once the objective is this small.
-    diary : list, optional
-        Gets every point in the order of evaluation, with its penalty; see `all_points`.
-    """
-
-    __slots__ = (
-        "_batch",
-        "_gradient",
-        "_misfit",
-        "_problem",
-        "_remark",
-        "_residual_batch",
-        "_residuals",
-        "_told",
-        "_value",
-    )
-
-    _value: Callable[[Real], float]
-    _batch: Callable[[Real, Real | None], Real]
-    _gradient: Callable[[Real], tuple[float, Real]]
-    _residuals: Callable[[Real], tuple[Real, Real]]
-    _misfit: Callable[[Real], Real]
-    _residual_batch: Callable[[Real], tuple[Real, Real]]
-    _remark: Callable[[str], None]
-    _told: Callable[[str], Any]
-
-    def __init__(
-        self, problem: Searched, budget: int, target: float = -inf, diary: Diary | None = None
-    ) -> None:
-        self._enter(Ledger(problem, budget, target, diary))
-
-    @classmethod
-    def of(cls, ledger: Ledger) -> Recorder:
-        """The recorder of a ledger."""
-        made = cls.__new__(cls)
-        made._enter(ledger)
-        return made
-
-    def _enter(self, ledger: Ledger) -> None:
-        self._problem = ledger.problem
-        # The recorder holds no ledger: an optimiser could write into what it can reach.
-        self._value, self._gradient = _door(ledger.value), _door(ledger.gradient)
-        self._misfit = _door(ledger.misfit)
-        self._residuals, self._residual_batch = (
-            _door(ledger.residuals),
-            _door(ledger.residual_batch),
-        )
-        self._batch = lambda x, factor: ledger.batch(x, factor)
-        self._remark = lambda text: ledger.remarks.append(str(text))
-        self._told = lambda what: getattr(ledger, what)
-
-    @property
-    def problem(self) -> Searched:
-        """What is minimised."""
-        return self._problem
-
-    @property
-    def dimension(self) -> int:
-        """Number of searched parameters."""
-        return self._problem.dimension
-
-    @property
-    def lower(self) -> Real:
-        """Lower corner of the box that bounded optimisers keep to."""
-        return self._problem.lower
-
-    @property
-    def upper(self) -> Real:
-        """Upper corner of that box."""
-        return self._problem.upper
-
-    @property
-    def budget(self) -> int:
-        """Evaluations allowed."""
-        return int(self._told("budget"))
-
-    @property
-    def start(self) -> Real | None:
-        """Search point (d,) that all optimisers of the race begin at, evaluated already.
-
-        None where each begins as it likes.
-        """
-        start: Real | None = self._told("start")
-        if start is None:
-            return None
-        return start.copy()
-
-    def first(self, own: Real) -> Real:
-        """The search point (d,) to begin at: the race's first, and later on one's own."""
-        start = self.start
-        # Once only: whoever starts anew begins elsewhere.
-        if start is None or self.evaluations > 1:
-            return own
-        return start
-
-    @property
-    def target(self) -> float:
-        """Objective at which the run ends."""
-        return float(self._told("target"))
-
-    @property
-    def evaluations(self) -> int:
-        """Points evaluated."""
-        return int(self._told("evaluations"))
-
-    @property
-    def gradients(self) -> int:
-        """How many of them with a derivative."""
-        return int(self._told("gradients"))
-
-    @property
-    def batched(self) -> int:
-        """How many of them in calls for several at once."""
-        return int(self._told("batched"))
-
-    @property
-    def best(self) -> float:
-        """Smallest objective seen, infinite before the first finite value."""
-        return float(self._told("best"))
-
-    @property
-    def best_x(self) -> Real:
-        """Where, a copy of shape (d,); empty before the first finite value."""
-        # A copy: the ledger's own must not change under an optimiser's hands.
-        place: Real = self._told("best_x").copy()
-        return place
-
-    @property
-    def trace(self) -> list[tuple[int, float]]:
-        """Evaluation number and objective at every improvement, a copy."""
-        # A list of its own: what an optimiser does with it must not change the record.
-        return list(self._told("trace"))
-
-    @property
-    def spent(self) -> bool:
-        """Whether the budget is used up."""
-        return bool(self._told("spent"))
-
-    @property
-    def met(self) -> bool:
-        """Whether the target is reached."""
-        return bool(self._told("met"))
-
-    @property
-    def left(self) -> int:
-        """Evaluations still allowed."""
-        return int(self._told("left"))
-
-    def remark(self, text: str) -> None:
-        """Say something of the run in one line, such as why it goes on as it does."""
-        self._remark(text)
-
-    def __call__(self, x: Real) -> float:
-        """Objective at one point, shape (d,).
-
-        Raises
-        ------
-        BudgetSpent
-            If the run has ended; this holds for all that follow.
-        """
-        return self._value(x)
-
-    def batch(self, x: Real, factor: Real | None = None) -> Real:
-        """Objective (m,) at points (m, d); those beyond the budget are not evaluated but infinite.
-
-        Parameters
-        ----------
-        x : ndarray, shape (m, d)
-            Points.
-        factor : ndarray, shape (m,), optional
-            Penalty by which each value is multiplied before it is recorded.
-        """
-        return self._batch(x, factor)
-
-    def gradient(self, x: Real) -> tuple[float, Real]:
-        """Objective and its exact gradient (d,) at one point; one evaluation."""
-        return self._gradient(x)
-
-    def residuals(self, x: Real) -> tuple[Real, Real]:
-        """Residuals (2n,) and their exact Jacobian (2n, d) at one point; one evaluation."""
-        return self._residuals(x)
-
-    def misfit(self, x: Real) -> Real:
-        """Residuals (2n,) alone at one point; one evaluation, without a derivative."""
-        return self._misfit(x)
-
-    def residual_batch(self, x: Real) -> tuple[Real, Real]:
-        """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.
-
-        Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives
-        zero.
-        """
-        return self._residual_batch(x)
-
-
-def _door(inside: Callable[[Real], T]) -> Callable[[Real], T]:
-    """A plain function that does the same: a bound method would carry what it is bound to."""
-    return lambda x: inside(x)
-
-
-class RecorderGroup:
-    """Recorders of one problem; in a study their points are evaluated in one stacked call.
-
-    It lets a batched optimiser carry all repetitions of a cell side by side; each run records what
-    it would alone.
-
-    Parameters
-    ----------
-    recorders : sequence of Recorder
-        One for each run, all of the same problem.
-    """
-
-    __slots__ = ("_batch", "_recorders")
-
-    def __init__(self, recorders: Sequence[Recorder]) -> None:
-        self._recorders = tuple(recorders)
-        # Also for recorders that somebody else made, which have no ledgers to be stacked.
-        self._batch: Callable[[Real, Real | None], Real] = self._one_by_one
-
-    @classmethod
-    def of(cls, ledgers: Sequence[Ledger]) -> RecorderGroup:
-        """The recorders of ledgers."""
-        made, group = cls([Recorder.of(ledger) for ledger in ledgers]), LedgerGroup(ledgers)
-        made._batch = lambda x, factor: group.batch(x, factor)
-        return made
-
-    def __len__(self) -> int:
-        return len(self._recorders)
-
-    @property
-    def recorders(self) -> tuple[Recorder, ...]:
-        """One for each run."""
-        return self._recorders
-
-    @property
-    def problem(self) -> Searched:
-        """What all of them minimise."""
-        # By construction all runs of a group have one problem.
-        return self._recorders[0].problem
-
-    def batch(self, x: Real, factor: Real | None = None) -> Real:
-        """Objective (runs, m) at points (runs, m, d).
-
-        Infinite and not evaluated where a run has ended.
-
-        Parameters
-        ----------
-        x : ndarray, shape (runs, m, d)
-            The same number of points for every run.
-        factor : ndarray, shape (runs, m), optional
-            Penalty by which each value is multiplied before it is recorded.
-
-        Raises
-        ------
-        BudgetSpent
-            If every run has ended.
-        """
-        return self._batch(x, factor)
-
-    def _one_by_one(self, x: Real, factor: Real | None) -> Real:
-        """The same without a stacked call."""
-        if all(recorder.left <= 0 for recorder in self._recorders):
-            raise BudgetSpent
-        # A run that has ended stays at infinity: the others of its group go on.
-        values = np.full(x.shape[:2], inf)
-        for i, recorder in enumerate(self._recorders):
-            if recorder.left > 0:
-                penalties = None
-                if factor is not None:
-                    penalties = factor[i]
-                values[i] = recorder.batch(x[i], penalties)
-        return values

@@ -1,4 +1,4 @@
-"""One supervised run of an optimiser, and what came of it according to the ledger.
+"""One supervised run of an optimiser, and what came of it according to the recorder.
 
 What an optimiser is: a frozen dataclass of options with a capability card and one method; one that
 is asked for points and told values may have several out at once. Whether the record of a run
@@ -16,14 +16,12 @@ from time import perf_counter, process_time
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from springpot.errors import OptionError, StudyError
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, ROUNDING
 from .problem import Searched
-from .recorder import BudgetSpent, Diary, Ledger, Recorder, RecorderGroup
+from .recorder import BudgetSpent, Diary, Recorder, RecorderGroup
 
 
 @dataclass(frozen=True)
@@ -187,7 +185,7 @@ class Unrecorded(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What one run found, as the ledger has it; nothing that a library claims.
+    """What one run found, as the recorder has it; nothing that a library claims.
 
     Parameters
     ----------
@@ -214,8 +212,6 @@ class Run:
         Every point evaluated, if that was asked for.
     point : ndarray, shape (d,)
         Where it was best, as it was evaluated; empty if no value was finite.
-    factor : float
-        Penalty in the value there.
     remarks : tuple of str
         What the optimiser said of it.
     """
@@ -232,7 +228,6 @@ class Run:
     batched: int = 0
     diary: Diary | None = None
     point: Real = field(default_factory=lambda: np.empty(0))
-    factor: float = 1.0
     processor: float = 0.0
     remarks: tuple[str, ...] = ()
 
@@ -276,20 +271,20 @@ def run(
     OptionError
         If the budget is not positive.
     """
-    ledger = Ledger(problem, _checked(budget), target, _pages(diary))
     if start is not None:
-        ledger.start = problem.lower + start * (problem.upper - problem.lower)
-    # Counted on both sides of the door: an optimiser that goes around the recorder is found out.
-    recorder, before = Recorder.of(ledger), problem.tally.points
+        start = problem.lower + start * (problem.upper - problem.lower)
+    recorder = Recorder(problem, _checked(budget), target, _pages(diary), start)
+    # Counted by the problem too: an optimiser that goes around the recorder is found out.
+    before = problem.tally.points
 
     def search() -> None:
-        if ledger.start is not None:
-            ledger.value(ledger.start)
-        optimiser.minimise(recorder, budget - ledger.evaluations, rng)
+        if start is not None:
+            recorder(start)
+        optimiser.minimise(recorder, budget - recorder.evaluations, rng)
 
     spent, fault = _supervised(search)
-    fault = fault or _past([ledger], problem.tally.points - before)
-    return _outcome(optimiser.name, ledger, spent, fault)
+    fault = fault or _past([recorder], problem.tally.points - before)
+    return _outcome(optimiser.name, recorder, spent, fault)
 
 
 def run_batch(
@@ -310,13 +305,13 @@ def run_batch(
         return [run(optimiser, problem, budget, rngs[0], target, diary)] * len(rngs)
     if not isinstance(optimiser, BatchedOptimiser) or not rngs:
         return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
-    ledgers = [Ledger(problem, _checked(budget), target, _pages(diary)) for _ in rngs]
-    group, before = RecorderGroup.of(ledgers), problem.tally.points
+    recorders = [Recorder(problem, _checked(budget), target, _pages(diary)) for _ in rngs]
+    group, before = RecorderGroup(recorders), problem.tally.points
     spent, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
-    fault = fault or _past(ledgers, problem.tally.points - before)
+    fault = fault or _past(recorders, problem.tally.points - before)
     # Side by side nobody knows whose second it was.
-    share = Spent(spent.seconds / len(ledgers), spent.processor / len(ledgers))
-    return [_outcome(optimiser.name, ledger, share, fault) for ledger in ledgers]
+    share = Spent(spent.seconds / len(recorders), spent.processor / len(recorders))
+    return [_outcome(optimiser.name, each, share, fault) for each in recorders]
 
 
 def _checked(budget: int) -> int:
@@ -350,9 +345,9 @@ def _supervised(call: Callable[[], None]) -> tuple[Spent, BaseException | None]:
     return Spent(perf_counter() - start, process_time() - worked), fault
 
 
-def _past(ledgers: Sequence[Ledger], evaluated: int) -> Unrecorded | None:
-    """What is wrong if more points were evaluated than are in the ledgers."""
-    hidden = evaluated - sum(ledger.evaluations for ledger in ledgers)
+def _past(recorders: Sequence[Recorder], evaluated: int) -> Unrecorded | None:
+    """What is wrong if more points were evaluated than the recorders have counted."""
+    hidden = evaluated - sum(recorder.evaluations for recorder in recorders)
     if hidden <= 0:
         return None
     return Unrecorded(
@@ -367,94 +362,44 @@ def _pages(diary: bool) -> Diary | None:
     return []
 
 
-def _outcome(name: str, ledger: Ledger, spent: Spent, fault: BaseException | None) -> Run:
-    space = ledger.problem.space
-    any_finite = ledger.best_x.size > 0
-    x = np.full(ledger.problem.dimension, np.nan)
-    if any_finite:
+def _outcome(name: str, recorder: Recorder, spent: Spent, fault: BaseException | None) -> Run:
+    space = recorder.problem.space
+    point = recorder.best_x
+    x = np.full(recorder.problem.dimension, np.nan)
+    if point.size:
         # The box is searched without regard to the order kinf > k0: what is told has it restored.
-        x = space.repaired(ledger.best_x)
+        x = space.repaired(point)
     return Run(
         name,
-        _status(ledger, fault),
-        ledger.best,
+        _status(recorder, fault),
+        recorder.best,
         x,
         space.theta(x),
-        ledger.evaluations,
-        ledger.gradients,
+        recorder.evaluations,
+        recorder.gradients,
         spent.seconds,
-        tuple(ledger.trace),
-        ledger.batched,
-        ledger.diary,
-        ledger.best_x,
-        ledger.best_factor,
+        tuple(recorder.improvements),
+        recorder.batched,
+        recorder.diary,
+        point,
         spent.processor,
-        tuple(ledger.remarks),
+        tuple(recorder.remarks),
     )
 
 
-def _status(ledger: Ledger, fault: BaseException | None) -> str:
+def _status(recorder: Recorder, fault: BaseException | None) -> str:
     # A library may wrap the end of the budget in an exception of its own: only the recorder knows.
-    if fault is not None and (ledger.left > 0 or isinstance(fault, Unrecorded)):
+    if fault is not None and (recorder.left > 0 or isinstance(fault, Unrecorded)):
         # The first line names it; what follows is often a printed array.
         lines = f"{type(fault).__name__}: {fault}".splitlines()
         return f"failed: {lines[0][:200]}"
-    if not ledger.best_x.size:
-        return f"failed: no finite value in {ledger.evaluations} evaluations"
-    if ledger.met:
+    if not recorder.improvements:
+        return f"failed: no finite value in {recorder.evaluations} evaluations"
+    if recorder.met:
         return "target"
-    if ledger.spent:
+    if recorder.spent:
         return "budget"
     return "converged"
-
-
-def miscounted(evaluations: int, gradients: int, batched: int, budget: int) -> str:
-    """What is wrong with the counts of a run, or nothing."""
-    if not 1 <= evaluations <= budget:
-        return f"its record counts {evaluations} evaluations of {budget}"
-    if not 0 <= max(gradients, batched) <= evaluations:
-        return "its record counts more evaluations of one kind than of all"
-    return ""
-
-
-def mistraced(numbers: ArrayLike, values: ArrayLike, evaluations: int, best: float) -> str:
-    """What is wrong with a trace of improvements (n,), or nothing."""
-    at, improvements = np.asarray(numbers), np.asarray(values)
-    rising = at[0] >= 1 and at[-1] <= evaluations and np.all(np.diff(at) > 0)
-    if not (rising and np.all(np.diff(improvements) < 0)):
-        return "its trace contradicts its count of evaluations"
-    # Not but for rounding: both are one number that was written down twice.
-    if improvements[-1] != best:
-        return "its best value is not the last of its trace"
-    return ""
-
-
-def same(claimed: float | None, evaluated: float, size: float) -> bool:
-    """Whether two sums of squares agree but for rounding, `size` being that of the data."""
-    if claimed is None:
-        return False
-    # By their roots, the sizes of residuals: squares near zero would agree by no share of
-    # themselves. Stacked and single evaluations differ in their last bits, 1e-16 of |K| in a
-    # residual, and a model may lose four digits of them.
-    one, other, own = np.sqrt(claimed), np.sqrt(evaluated), np.sqrt(size)
-    if not np.isfinite(own):
-        own = 0.0
-    return bool(abs(one - other) <= ALIKE * other + ROUNDING * own)
-
-
-def contradiction(run: Run, problem: Searched, budget: int) -> str:
-    """What is wrong with a run that claims to have come to something, or nothing."""
-    numbers, values = zip(*run.trace, strict=True)
-    wrong = miscounted(run.evaluations, run.gradients, run.batched, budget)
-    wrong = wrong or mistraced(numbers, values, run.evaluations, run.best)
-    if wrong:
-        return wrong
-    with np.errstate(all="ignore"):
-        evaluated = float(problem.evaluate(run.point)) * run.factor
-        size = float(problem.evaluate(0.5 * (problem.lower + problem.upper)))
-    if not same(run.best, evaluated, size):
-        return f"its best point has the objective {evaluated:.6g}, not {run.best:.6g}"
-    return ""
 
 
 class Enquiry(ABC):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from springpot.errors import LONGEST_REASON, OptionError
+from springpot.errors import OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
 from springpot.numerics import NEGLIGIBLE
@@ -23,7 +22,7 @@ from .material import is_material, shifted_by
 from .material_fit import STARTS as STARTS
 from .native import fit
 from .problem import Objective, Searched
-from .runs import Optimiser, Run, contradiction, run
+from .runs import Optimiser, Run, run
 
 DEADLINE = 300.0
 """Seconds of a run, as in a study."""
@@ -32,10 +31,10 @@ MEMORY = 2048
 
 
 def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator) -> Run:
-    """`run` in a process of its own; a crash, a hang or a forged record is a run that failed.
+    """`run` in a process of its own, where a crash or a hang is a run that failed.
 
     The process is a copy of this one. Where other threads run here, that would not be safe, and the
-    run takes place in this process; its record is checked all the same.
+    run takes place in this process.
 
     Parameters
     ----------
@@ -45,15 +44,8 @@ def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random
     from springpot.processes import can_copy
 
     if can_copy():
-        outcome = _elsewhere(optimiser, problem, budget, rng)
-    else:
-        outcome = run(optimiser, problem, budget, rng)
-    if outcome.failed:
-        return outcome
-    wrong = contradiction(outcome, problem, budget)
-    if wrong:
-        return _failure(optimiser, problem, wrong)
-    return outcome
+        return _elsewhere(optimiser, problem, budget, rng)
+    return run(optimiser, problem, budget, rng)
 
 
 def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:
@@ -65,7 +57,7 @@ def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:
 def _elsewhere(
     optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator
 ) -> Run:
-    from springpot.processes import elsewhere, unpacked
+    from springpot.processes import elsewhere
 
     def action(report: Callable[[bytes], object]) -> None:
         try:
@@ -73,48 +65,17 @@ def _elsewhere(
         except BaseException as error:
             # Nothing interrupts this process from outside: whatever it is, the optimiser raised it.
             outcome = _failure(optimiser, problem, f"{type(error).__name__}: {error}")
-        report(pickle.dumps(_plain(outcome)))
+        report(pickle.dumps(outcome))
 
     ended = elsewhere(action, DEADLINE, MEMORY)
     if ended.late:
         return _failure(optimiser, problem, f"it did not end within {DEADLINE:g} s")
     try:
-        return _told(optimiser, problem, unpacked(ended.message))
+        outcome: Run = pickle.loads(ended.message)
+        return outcome
     except Exception:
-        # What was cut short or never was a run tells nothing: how the process ended is told
-        # instead.
+        # What was cut short tells nothing: how the process ended is told instead.
         return _failure(optimiser, problem, ended.cause)
-
-
-def _plain(outcome: Run) -> dict[str, Any]:
-    """What is sent of a run: plain values, of which none is called where they are read."""
-    told = {field.name: getattr(outcome, field.name) for field in fields(Run)}
-    return told | {"point": outcome.point.tolist(), "best_x": None, "theta": None, "diary": None}
-
-
-def _told(optimiser: Optimiser, problem: Searched, told: dict[str, Any]) -> Run:
-    """The run again; what follows from its best point is reckoned here."""
-    point, space = np.array(told["point"], dtype=float), problem.space
-    x = np.full(problem.dimension, np.nan)
-    if point.size:
-        x = space.repaired(point.reshape(problem.dimension))
-    return Run(
-        optimiser.name,
-        str(told["status"]),
-        float(told["best"]),
-        x,
-        space.theta(x),
-        int(told["evaluations"]),
-        int(told["gradients"]),
-        float(told["seconds"]),
-        tuple((int(number), float(value)) for number, value in told["trace"]),
-        int(told["batched"]),
-        point=point,
-        factor=float(told["factor"]),
-        processor=float(told["processor"]),
-        # One line each, whatever a library has put into it.
-        remarks=tuple(" ".join(str(text).split())[:LONGEST_REASON] for text in told["remarks"]),
-    )
 
 
 NATIVE = "native"

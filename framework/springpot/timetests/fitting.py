@@ -7,7 +7,7 @@ The same sum of squares that the native solver minimises.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
@@ -98,12 +98,6 @@ class InTimeProblem(SpecimenProblem):
     def nothing(self) -> float:
         """Objective of no response."""
         return float(np.sum([np.sum(part.signal**2) for part in self.parts]))
-
-    @property
-    def fixed(self) -> Iterator[Real]:
-        """Where each number was measured, the number and its weight."""
-        for part in self.parts:
-            yield from (part.at, part.measured, part.sd)
 
     def with_tests(self, tests: Sequence[Test]) -> InTimeProblem:
         """The same on other numbers of the same tests."""
