@@ -344,7 +344,7 @@ FACTS = {
     "measurement/timetest.py": "PLANNED_IN IMMENSE",
     "measurement/units.py": "FORCE_UNITS LENGTH_UNITS TORQUE_UNITS ANGLE_UNITS PRESSURE_UNITS"
     " STRAIN_UNITS FREQUENCY_UNITS TIME_UNITS TEMPERATURE_UNITS MODULUS_UNITS _USUAL _PREFIXES",
-    "measurement/rounding.py": "MAINS",
+    "measurement/hum.py": "MAINS",
     "misfit/residual_tests.py": "TESTS",
     "misfit/where.py": "AMPLITUDE_POWERS FREQUENCY_POWERS",
     "numerics.py": "DECADE NORMAL MEDIAN_WORTH TWO_DEVIATIONS SMALLEST LARGEST HALVINGS",
@@ -369,7 +369,7 @@ FACTS = {
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,
 numbers of a source, signs and positions, ends of what a floating-point number can be or tell.
 """
-NUMBERS, WITH_PLUGINS = 633, 790
+NUMBERS, WITH_PLUGINS = 631, 788
 """Constants of modules that hold a number and are no facts, those of the framework and all; may
 only fall.
 

@@ -71,7 +71,7 @@ def main(trials: int, seconds: float) -> None:
         folder = Path(name)
         script, store = folder / "many.py", folder / "many" / "many.sqlite"
         script.write_text(STUDY.format(repetitions=-(-trials // DATA)), encoding="utf-8")
-        command = [sys.executable, "-m", "springpot.cli", "run", str(script), "--quiet"]
+        command = [sys.executable, "-m", "springpot", "run", str(script), "--quiet"]
         command += ["--engine", f"dask:{running.address}", "--out", str(folder)]
         there = [running.scheduler.pid, *(worker.pid for worker in running.workers)]
         start, before = perf_counter(), processor(there)

@@ -76,7 +76,7 @@ def test_wrong_usage_is_one_line_with_a_hint(springpot, arguments, words):
 
 @pytest.mark.soak
 def test_a_reader_that_goes_away_is_no_error():
-    script = f"{sys.executable} -m springpot.cli list models --json | true; echo ${{PIPESTATUS[0]}}"
+    script = f"{sys.executable} -m springpot list models --json | true; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(
         ["bash", "-c", script], capture_output=True, text=True, env=os.environ, check=True
     )

@@ -300,7 +300,7 @@ def provenance(plan: Plan) -> dict[str, str]:
         for entrant in plan.entrants
         if entrant.optimiser.card.distribution
     )
-    # As a module, ``python -m springpot.cli``, the program is a file of another name.
+    # As a module, ``python -m springpot``, the program is a file of another name.
     facts["command"] = shlex.join(
         [Path(sys.argv[0]).name.replace("__main__.py", "springpot"), *sys.argv[1:]]
     )

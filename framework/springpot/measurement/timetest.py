@@ -17,8 +17,9 @@ from springpot.rheology.points import KELVIN, STEADY, Real
 from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
+from .hum import without_hum
 from .imposed import SHORT, Loading, controlled, from_rest, is_released
-from .rounding import even_clock, without_hum
+from .rounding import even_clock
 from .rows import digest_of_columns
 from .steady_start import gone_on, said_of_start, stepped_to
 from .units import (
@@ -276,9 +277,7 @@ class TimeTest:
         name, provenance
             As in `TimeTest`.
         """
-        clock, moved, pulled = (
-            np.asarray(column, dtype=float) for column in (time, displacement, force)
-        )
+        clock, moved, pulled = (np.asarray(each, float) for each in (time, displacement, force))
         if not clock.shape == moved.shape == pulled.shape or clock.ndim != 1:
             raise DataError(
                 f"{name}: {clock.size} times, {moved.size} displacements and {pulled.size} forces: "

@@ -25,10 +25,10 @@ from springpot.distributions import (
     gamma_sf,
 )
 from springpot.identification.problem import weighted
+from springpot.measurement.hum import HARMONICS, near_mains
 from springpot.measurement.independence import frequency_numbers, rounded_log_omega
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.rounding import HARMONICS
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
@@ -45,7 +45,6 @@ from .frame import (
     spectrum,
     waves,
 )
-from .regions import near_mains
 from .where import Where
 
 if TYPE_CHECKING:

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from springpot.distributions import chi2_quantile
-from springpot.measurement.rounding import HARMONICS, MAINS
 from springpot.rheology.points import Real
 
 from ..numerics import ROUNDING, SMALLEST
@@ -262,26 +261,3 @@ def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:
     return len(apart) == 1 and (
         apart[0][0][1] == apart[0][1][0] or apart[0][1][1] == apart[0][0][0]
     )
-
-
-MULTIPLES = (1.0 / 3.0, 0.5, *HARMONICS)
-"""At which hum lands at all: there, and at tests one of whose own harmonics is the mains."""
-NEAR = 0.015
-"""Relative distance from a mains multiple at which hum leaks into a sinusoid of ten periods."""
-
-
-def near_mains(frequency: Real, multiples: Sequence[float] = MULTIPLES) -> NDArray[np.bool_]:
-    """Whether frequencies (n,) in Hz are as near to a multiple of the mains as its hum is seen.
-
-    Shape (n,).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from .regions import near_mains
-    >>> near_mains(np.array([25.1, 40.0, 50.2]))
-    array([ True, False,  True])
-    """
-    lines = np.outer(MAINS, multiples).ravel()
-    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR, axis=1)
-    return near

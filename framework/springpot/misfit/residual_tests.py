@@ -18,6 +18,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement.hum import near_mains
 from springpot.measurement.measurement import CONDITIONS
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged
@@ -43,7 +44,6 @@ from .frame import (
 )
 from .outliers import outlying
 from .refit import unseen_error, unseen_in_words
-from .regions import near_mains
 
 Rows: TypeAlias = NDArray[np.int64]
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)

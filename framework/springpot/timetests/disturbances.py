@@ -15,16 +15,16 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.identification.result import Identification
-from springpot.measurement.imposed import ORDER, imposed_noise
-from springpot.measurement.rounding import (
+from springpot.measurement.hum import (
     FEWEST_OF_LINE,
     RARE,
     WIDE,
     at_mains,
-    is_even,
     over_neighbours,
     periodogram,
 )
+from springpot.measurement.imposed import ORDER, imposed_noise
+from springpot.measurement.rounding import is_even
 from springpot.misfit.error import plain
 from springpot.rheology.points import Real
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.rounding import WIDE
+from springpot.measurement.hum import WIDE
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real

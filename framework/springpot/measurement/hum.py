@@ -1,0 +1,221 @@
+"""The hum of the mains: lines of the periodogram that no motion of the specimen has.
+
+White noise has no lines; each ordinate of a periodogram is held against those around it, as noise
+may have a memory, and the largest of m is known (Fisher 1929, doi:10.1098/rspa.1929.0151).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology.points import Real
+
+from ..numerics import SMALLEST
+from .rounding import EVEN, is_even
+
+MAINS = (50.0, 60.0)
+"""Frequencies of the mains in Hz."""
+HARMONICS = (1.0, 2.0, 3.0)
+"""Multiples of the mains at which there may be hum and nothing else."""
+MULTIPLES = (1.0 / 3.0, 0.5, *HARMONICS)
+"""At which hum lands at all: there, and at tests one of whose own harmonics is the mains."""
+NEAR = 0.015
+"""Relative distance from a mains multiple at which hum leaks into a sinusoid of ten periods."""
+TAPER = 0.5
+"""Share of the record that is faded at either end (Hann's window), lest what is slow leak."""
+FEWEST_OF_LINE = 200
+"""Samples of a record in which a line is sought."""
+AROUND = 20
+"""Ordinates on either side with which one is compared."""
+RARE = 1e-6
+"""Chance of noise alone below which the largest ordinate is a line."""
+WIDE = 3
+"""Ordinates on either side over which a line that falls between two of them is spread."""
+
+
+class Hum(NamedTuple):
+    """One line of the mains in a channel.
+
+    Attributes
+    ----------
+    hertz : float
+        Its frequency.
+    size : float
+        Its amplitude.
+    course : ndarray, shape (n,)
+        The line itself.
+    """
+
+    hertz: float
+    size: float
+    course: Real
+
+
+def periodogram(residual: Real) -> tuple[Real, Real]:
+    """Power of a residual (n,) at each of its frequencies, in radians a sample; its mean left out.
+
+    Of white noise the power is its variance at each of them.
+    """
+    window = _faded(len(residual))
+    turned = np.fft.rfft((residual - residual.mean()) * window)
+    power = np.abs(turned) ** 2 / np.sum(window**2)
+    return power[1:], 2.0 * np.pi * np.arange(1, len(power)) / len(residual)
+
+
+def _faded(count: int) -> Real:
+    """Weights (n,) that fade a record at both ends."""
+    fade = max(1, int(TAPER * count))
+    window = np.ones(count)
+    window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
+    window[-fade:] = window[:fade][::-1]
+    return window
+
+
+def over_neighbours(power: Real) -> Real:
+    """Powers (m,) over what those around them say that noise has there."""
+    around = np.lib.stride_tricks.sliding_window_view(
+        np.pad(power, AROUND, mode="reflect"), 2 * AROUND + 1
+    )
+    # Of an exponential the median is ln 2 times the mean, and a line does not move it.
+    return np.asarray(power / np.maximum(np.median(around, axis=1) / np.log(2.0), SMALLEST))
+
+
+def at_mains(hertz: Real) -> NDArray[np.bool_]:
+    """Whether frequencies (m,) of a record are of the mains, as near as it tells them apart."""
+    mains = np.outer(MAINS, HARMONICS).ravel()
+    near: NDArray[np.bool_] = np.min(np.abs(hertz[:, None] - mains), axis=1) <= 1.5 * hertz[0]
+    return near
+
+
+def near_mains(frequency: Real, multiples: Sequence[float] = MULTIPLES) -> NDArray[np.bool_]:
+    """Whether frequencies (n,) in Hz are as near to a multiple of the mains as its hum is seen.
+
+    Shape (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.hum import near_mains
+    >>> near_mains(np.array([25.1, 40.0, 50.2]))
+    array([ True, False,  True])
+    """
+    lines = np.outer(MAINS, multiples).ravel()
+    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR, axis=1)
+    return near
+
+
+def without_hum(
+    response: Real, clock: Real, imposed: Real, unit: str
+) -> tuple[Real, dict[str, str]]:
+    """What a specimen answered (n,) without the hum of the mains, and what is told of that."""
+    hums = hum_in(response, clock, imposed)
+    if not hums:
+        return response, {}
+    lines = " and ".join(f"{hum.hertz:.3g} Hz ({hum.size:.2g} {unit})" for hum in hums)
+    says = f"holds the hum of the mains, {lines} in amplitude: taken off"
+    return response - sum(hum.course for hum in hums), {"hum": says}
+
+
+def hum_in(response: Real, clock: Real, imposed: Real) -> list[Hum]:
+    """The lines of the mains in what a specimen answered, where the motion has none of them.
+
+    Parameters
+    ----------
+    response : ndarray, shape (n,)
+        Sample after sample.
+    clock, imposed : ndarray, shape (n,)
+        Times of the samples in s, and what was imposed at them.
+
+    Examples
+    --------
+    >>> t = np.arange(600) / 300.0
+    >>> moved = np.sin(6.0 * t)
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=600)
+    >>> hum_in(np.sin(6.0 * t + 0.2) + noise, t, moved)
+    []
+    >>> (hum,) = hum_in(np.sin(6.0 * t + 0.2) + 0.1 * np.cos(314.0 * t) + noise, t, moved)
+    >>> round(hum.hertz, 1), round(hum.size, 2)
+    (50.0, 0.1)
+    """
+    found: list[Hum] = []
+    if len(response) < FEWEST_OF_LINE or not (np.isfinite(response).all() and is_even(clock)):
+        return found
+    # Two samples of a period at least: what is quicker is seen as something else.
+    step = float(np.mean(np.diff(clock)))
+    if 2.0 * step * MAINS[0] > 1.0:
+        return found
+    own, apart = _of_a_motion(imposed)
+    for _ in range(len(MAINS) * len(HARMONICS)):
+        rest = response - sum(hum.course for hum in found)
+        sought = np.where(own, 0.0, _ratios(rest, step, apart))
+        top = int(np.argmax(sought))
+        if len(sought) * np.exp(-sought[top]) > RARE:
+            break
+        found.append(_fitted(rest, step, top))
+    return found
+
+
+def _of_a_motion(imposed: Real) -> tuple[NDArray[np.bool_], int]:
+    """Ordinates at which a motion (n,) may have lines, or what is made of it; and its own one.
+
+    What a specimen makes of a motion is at sums of its frequencies, and the harmonics of the
+    strongest one: the first of them may well stand alone.
+    """
+    power = periodogram(imposed)[0]
+    number = np.arange(1.0, len(power) + 1.0)
+    own = len(power) * np.exp(-over_neighbours(power)) < 1.0
+    own = np.convolve(own, np.ones(2 * WIDE + 1), "same") > 0.0
+    own |= number <= max(HARMONICS) * np.max(number[power > EVEN * power.max()], initial=0.0)
+    top = int(np.argmax(power))
+    # Where it lies between two ordinates, by a parabola.
+    before, here, after = np.log(np.maximum(np.pad(power, 1)[top : top + 3], SMALLEST))
+    apart = number[top] + 0.5 * (before - after) / min(before - 2.0 * here + after, -SMALLEST)
+    order = np.round(number / apart)
+    own |= (np.abs(number - order * apart) <= WIDE) & (order <= AROUND)
+    return own, top + 1
+
+
+def _ratios(channel: Real, step: float, apart: int) -> Real:
+    """How far the mains stands out of a channel (n,) at each ordinate; zero elsewhere.
+
+    Also out of the harmonics of a motion beside it, so many ordinates `apart`: what a specimen
+    makes of a motion is at all of them.
+    """
+    power, omega = periodogram(channel)
+    ratio = over_neighbours(power)
+    # Of several lines side by side none is the mains, nor of the harmonics of a motion: of these
+    # the two next ones that its own lobe does not reach, as some motions have every other one.
+    first = -(-2 * WIDE // apart)
+    for away in (*range(2 * WIDE, AROUND), first * apart, (first + 1) * apart):
+        ratio[power < 2 * WIDE * _largest_beside(power, away)] = 0.0
+    return np.where(at_mains(omega / (2.0 * np.pi * step)), ratio, 0.0)
+
+
+def _largest_beside(power: Real, away: int) -> Real:
+    """The largest of the powers (m,) so many ordinates away from each, on either side.
+
+    What is quicker than a record shows is folded back, and so are those beside it.
+    """
+    around = np.pad(power, away + 1, mode="reflect")
+    near = np.lib.stride_tricks.sliding_window_view(around, 3).max(axis=1)
+    beside: Real = np.maximum(np.maximum(near[2 * away :], near[: len(power)]), SMALLEST)
+    return beside
+
+
+def _fitted(channel: Real, step: float, top: int) -> Hum:
+    """The line that follows a channel (n,) best near one of its ordinates."""
+    count = len(channel)
+    # Faded twice, lest what is slow be followed.
+    weights = _faded(count) ** 2
+    left = weights * (channel - channel.mean())
+    near = 2.0 * np.pi / count * (top + 1 + np.linspace(-1.0, 1.0, 6 * AROUND + 1))
+    waves = np.exp(1j * np.multiply.outer(near, np.arange(count)))
+    omega = near[int(np.argmax(np.abs(waves @ left)))]
+    wave = np.exp(1j * omega * np.arange(count))
+    columns = np.stack([wave.real, wave.imag], axis=1)
+    amounts = np.linalg.lstsq(weights[:, None] * columns, left, rcond=None)[0]
+    return Hum(float(omega / (2.0 * np.pi * step)), float(np.hypot(*amounts)), columns @ amounts)
