@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from springpot.measurement.measurement import Measurement
 from springpot.numerics import ROUNDING, SMALLEST
 from springpot.rheology.elements import Continuum
-from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .leastsquares import Trial
@@ -24,6 +23,9 @@ from .normal import Layout, LevelSlopes
 from .problem import Objective, numbers_of
 from .space import Expected
 from .task import Task
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 
 class FittedModel(Protocol):

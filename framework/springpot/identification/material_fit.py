@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,6 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.factors import arrhenius, wlf
 from springpot.rheology.levels import Levels, levels_of
-from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 
@@ -32,6 +32,9 @@ from .leastsquares import Effort, Trial
 from .material import STILL, SpectrumSearch
 from .problem import Objective, relative_objective
 from .starts import Window, settings, thinned
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 NEAR = 0.02
 """Error of a prediction between measured points, in ln|K| and in radian.

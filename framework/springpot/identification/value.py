@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from math import inf, isfinite, nan
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -20,11 +20,13 @@ from springpot.measurement.units import (
 )
 from springpot.numerics import ENDLESS
 from springpot.plain_data import Plain, as_declared, json_number, jsonable, some
-from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 from springpot.writing import csv_text
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
 
 LOST = 1000.0
 """An interval of three decades says nothing.

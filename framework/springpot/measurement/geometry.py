@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from difflib import get_close_matches
 from math import cosh, inf, isfinite, log, pi, tanh
-from typing import ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from springpot.lazy import draw
 from springpot.rheology.points import Complex, Real
 from springpot.writing import LISTED, Html, joined, table, tag
 
-from .rows import Rows
 from .units import (
     ANGLE_UNITS,
     LENGTH_UNITS,
@@ -43,6 +42,9 @@ from .units import (
     normal_unit,
     one_modulus,
 )
+
+if TYPE_CHECKING:
+    from .rows import Rows
 
 _TERMS = 200
 """Terms of the series for torsion.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +18,11 @@ from springpot.rheology.points import Real
 from springpot.writing import Html, joined, number, tag
 
 from ..comparison import OVER_ALL, CellScores, MeanRanks, ProblemRace, profiles
-from ..standings import Findings
 from ..statistics import Interval, cliques, expected_running_time, wilson
 from .plot import Dot, Pen, PlotAxis, Ranked, StepLine, critical_differences, key, plot, scatter
+
+if TYPE_CHECKING:
+    from ..standings import Findings
 
 BANDS = 3
 """Optimisers whose quartiles are drawn on a problem; more would hide each other."""
