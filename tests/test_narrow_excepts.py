@@ -124,8 +124,6 @@ CHECK = "a contract test, whose finding is what was raised"
 TOP = "the top of a process: what comes this far is told as a fault, with exit code 3 or a status"
 CARRIED = "kept here and raised again behind a library that would swallow it"
 BOUNDARIES = {
-    "framework/springpot/benchmark/supervisor.py:_checked": OPTIMISER,
-    "framework/springpot/benchmark/trial.py:complaint": OPTIMISER,
     "framework/springpot/benchmark/archive.py:_one_line": STRANGER,
     "framework/springpot/benchmark/engine.py:close": FOREIGN,
     "framework/springpot/benchmark/fork_server.py:serve": (
@@ -187,7 +185,6 @@ BOUNDARIES = {
     "plugins/springpot_plugins/readers/trios_json.py:_parsed": STRANGER,
     "framework/springpot/cli/group.py:_table": PLUGIN,
     "framework/springpot/files.py:_is_stdout": "a stream that has no number, as a test's has none",
-    "framework/springpot/identification/searching.py:_elsewhere": OPTIMISER,
     "framework/springpot/identification/searching.py:action": OPTIMISER,
     "framework/springpot/files.py:bytes_of": STRANGER,
     "framework/springpot/files.py:toml_in": STRANGER,
