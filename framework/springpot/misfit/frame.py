@@ -474,7 +474,11 @@ class NoiseFrame:
     @cached_property
     def _turned_phase(self) -> Complex:
         """The same as differences of K are weighed."""
-        return self._phase if self.turn is None else self._phase * self.turn
+        if self.turn is not None:
+            return self._phase * self.turn
+        # Storage and loss with noise of unequal size keep it: turned with K they would mix.
+        equal = np.allclose(self.weights.real, self.weights.imag, atol=0.0)
+        return self._phase if equal else np.ones_like(self._phase)
 
     @cached_property
     def _deviations(self) -> Complex:
