@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle, product
 from pathlib import Path
 
 import numpy as np
@@ -177,19 +178,18 @@ def draw_success(race: dict[str, list[Finish]], folder: Path) -> None:
 def draw_progress(race: dict[str, list[Finish]], folder: Path) -> None:
     """Share of trials that have reached the target, against evaluations."""
     grid = np.geomspace(1, 1e4, 300)
-    with sheet(folder, "progress", 8.6, 5.0) as page:
+    with sheet(folder, "progress", 8.6, 5.6) as page:
         axes = page.subplots()
-        for i, name in enumerate(order(race)):
+        # However many optimisers are installed, the looks never run out.
+        looks = cycle(product(("-", "--", ":", "-."), COLOURS))
+        for name, (line, colour) in zip(order(race), looks, strict=False):
             hits = np.array([trial.hit for trial in race[name]])
-            line = ("-", "--", ":")[i // len(COLOURS)]
-            axes.plot(
-                grid, 100.0 * ecdf(hits, grid), line, color=COLOURS[i % len(COLOURS)], label=name
-            )
+            axes.plot(grid, 100.0 * ecdf(hits, grid), line, color=colour, label=name)
         logarithmic(axes, "x")
         axes.set(
             xlabel="evaluations", ylabel="trials at the target [%]", xlim=(1, 1e4), ylim=(0, 102)
         )
-        legend_above(page, axes, "Progress over all problems", columns=5)
+        legend_above(page, axes, "Progress over all problems", columns=4)
 
 
 study = Study(

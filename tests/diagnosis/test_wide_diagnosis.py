@@ -1,4 +1,7 @@
-"""From glass to rubber without a model: what is missing is the shift, and nothing beside it."""
+"""From glass to rubber without a model: what is missing is the shift, and nothing beside it.
+
+From -27.5 degC: below it these constants shift by more than any law of a material does.
+"""
 
 import numpy as np
 import pytest
@@ -21,6 +24,7 @@ EFFECTS = (
 def found():
     effects = [springpot.plugins().effect(name) for name in EFFECTS]
     data = spectrum(np.random.default_rng(1), force_held=True)
+    data = data.subset(data.conditions["temperature"] > -30.0)
     return diagnose(data, springpot.parse_model("material"), effects, np.random.default_rng(0))
 
 
