@@ -305,10 +305,11 @@ class NoiseFrame:
 
         Where the noise was estimated from the data's own scatter, that scatter is dealt out anew:
         the relative deviations of the points change places and signs, each with its gain and its
-        phase. The draws have the tails of the data, and scatter in gain and in phase as they do
-        (Freedman and Lane 1983, doi:10.1080/07350015.1983.10509354); what they have not is the
-        order. Otherwise they are normal; where a good part of the noise is that the values were
-        written with few digits, they are written with as many.
+        phase, or with its storage and its loss where the noise of these is of unequal size. The
+        draws have the tails of the data, and scatter as they do (Freedman and Lane 1983,
+        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are
+        normal; where a good part of the noise is that the values were written with few digits, they
+        are written with as many.
         """
         noise: Drawn
         if self._steps is not None:
@@ -461,7 +462,7 @@ class NoiseFrame:
     @cached_property
     def _sd(self) -> Real:
         """Standard deviation (n,) of each point, the mean of both parts."""
-        # One for both parts: a deviation is turned with K when it falls elsewhere, and storage
+        # One for both parts: where a deviation is turned with K as it falls elsewhere, storage
         # becomes loss.
         variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
         return np.asarray(np.sqrt(variance), dtype=np.float64)
@@ -477,8 +478,9 @@ class NoiseFrame:
         if self.turn is not None:
             return self._phase * self.turn
         # Storage and loss with noise of unequal size keep it: turned with K they would mix.
-        equal = np.allclose(self.weights.real, self.weights.imag, atol=0.0)
-        return self._phase if equal else np.ones_like(self._phase)
+        if not np.allclose(self.weights.real, self.weights.imag, atol=0.0):
+            return np.ones_like(self._phase)
+        return self._phase
 
     @cached_property
     def _deviations(self) -> Complex:
