@@ -168,3 +168,16 @@ def test_an_unknown_unit_of_a_record_is_named(tmp_path, unit, near):
     names = f"time [s],displacement [mm],force [{unit}]"
     says, _ = asked(put(tmp_path, names, TIME, MOVED, PULLED))
     assert f"unknown unit [{unit}] for force: did you mean [{near}]" in says
+
+
+def test_what_is_offered_for_curves_side_by_side_opens_all_of_them(tmp_path):
+    names = "20 °C,,,40 °C,,\nf [Hz],E1 [MPa],E2 [MPa],f [Hz],E1 [MPa],E2 [MPa]"
+    path = put(tmp_path, names, TIME, MODULUS, PULLED, TIME, PULLED, MOVED)
+    _, [hint] = asked(path, open_measurement)
+    for each in (hint, f"{path}?E1=storage[MPa],E2=loss[MPa]"):
+        opened = open_measurement(each)
+        assert opened.conditions["temperature"].tolist() == [20.0] * 5 + [40.0] * 5
+        assert opened.stiffness.real.tolist() == [*MODULUS, *PULLED]
+    one = open_measurement(f"{path}?2=storage[MPa],3=loss[MPa]")
+    assert one.stiffness.real.tolist() == list(MODULUS)
+    assert "of which number 2 is taken" in one.provenance["note columns"]
