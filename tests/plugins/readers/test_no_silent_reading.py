@@ -181,3 +181,12 @@ def test_what_is_offered_for_curves_side_by_side_opens_all_of_them(tmp_path):
     one = open_measurement(f"{path}?2=storage[MPa],3=loss[MPa]")
     assert one.stiffness.real.tolist() == list(MODULUS)
     assert "of which number 2 is taken" in one.provenance["note columns"]
+
+
+@pytest.mark.parametrize("again", ["Page 2 Lab report\n", "f[Hz] G'[kPa] G\"[kPa] T[C]\n", ""])
+def test_the_head_of_a_page_within_a_table_loses_nothing(tmp_path, again):
+    names, pages = "Page 1 Lab report\nf[Hz] G'[kPa] G\"[kPa] T[C]\n", "Page 2 Lab report\n"
+    first, second, third = (rows((f, f), (9, 8), (4, 3), (20, 20)) for f in (1, 2, 4))
+    text = f"{names}{first}\n{pages}{again}{second}\n{again or pages}{names}{third}\n"
+    path = put(tmp_path, text.replace(",", " "))
+    assert np.unique(open_measurement(path).frequency).tolist() == [1.0, 2.0, 4.0]
