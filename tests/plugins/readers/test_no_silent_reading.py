@@ -79,6 +79,13 @@ def test_a_second_sensor_is_told(tmp_path):
     assert told == "storage is 'G' [Pa]', not 'G' [Pa]'"
 
 
+def test_a_modulus_beside_a_stiffness_is_told(tmp_path):
+    names = "f [Hz],K' [N/mm],K'' [N/mm],E' [MPa],E'' [MPa],K' [N/m]"
+    path = put(tmp_path, names, TIME, MODULUS, PULLED, MOVED, MOVED, TIME)
+    told = open_measurement(path).provenance["note spare columns"]
+    assert told == "storage is 'K' [N/mm]', not 'E' [MPa]'; loss is 'K'' [N/mm]', not 'E'' [MPa]'"
+
+
 def test_one_row_of_numbers_is_not_both_hertz_and_radians(tmp_path):
     path = put(tmp_path, "f [Hz],omega [rad/s],G' [Pa],G'' [Pa]", TIME, TIME, MODULUS, PULLED)
     says, hints = asked(path, open_measurement)
