@@ -197,3 +197,13 @@ def test_the_head_of_a_page_within_a_table_loses_nothing(tmp_path, again):
     text = f"{names}{first}\n{pages}{again}{second}\n{again or pages}{names}{third}\n"
     path = put(tmp_path, text.replace(",", " "))
     assert np.unique(open_measurement(path).frequency).tolist() == [1.0, 2.0, 4.0]
+
+
+def test_frequency_and_temperature_by_their_letters_are_no_channels_of_a_record(tmp_path):
+    names = "f(Hz),T(°C),Ddyn(m),Fdyn(N),K(N/m),phase(°)"
+    path = put(tmp_path, names, TIME, PULLED, MOVED, MODULUS, MODULUS, PULLED)
+    found = open_measurement(path)
+    np.testing.assert_allclose(np.abs(found.stiffness), np.divide(MODULUS, MOVED))
+    assert found.conditions["amplitude"].tolist() == list(MOVED)
+    said = open_measurement(f"{path}?K=magnitude")
+    np.testing.assert_allclose(np.abs(said.stiffness), MODULUS)
