@@ -364,7 +364,7 @@ FACTS = {
     "testing/optimisers.py": "TRUTH",
     "testreport/code.py": "_KINDS MEANS",
     "testreport/quantities.py": "QUANTITIES",
-    "timetests/scatter.py": "EFFICIENT",
+    "misfit/residual_scatter.py": "EFFICIENT",
 }
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,
 numbers of a source, signs and positions, ends of what a floating-point number can be or tell.

@@ -20,6 +20,7 @@ from springpot.measurement.opening import together
 from springpot.misfit.error import Error
 from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.material import any_material, effects_of, material_floors
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.plain_data import alive
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
@@ -32,7 +33,6 @@ from .fitting import identify
 from .floor import TimeFloor, material_floor
 from .left import Left, delta_bic, gain_of, independent
 from .residuals_of_tests import Test, TestPart, parts_of_specimen
-from .scatter import ResidualScatter
 from .verdict import TimeCase, error_of
 
 
