@@ -18,7 +18,7 @@ from springpot.errors import DataError, SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import together
 from springpot.misfit.error import Error
-from springpot.misfit.frame import chance_of_squares
+from springpot.misfit.frame import is_beyond_noise
 from springpot.misfit.material import any_material, effects_of, material_floors
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.plain_data import alive
@@ -129,9 +129,7 @@ class RankedInTime:
 
         Of few samples no test of their own sees it: they may be noise with any memory.
         """
-        ratio, dof = self.error.over_floor, max(self.dof, 1.0)
-        chance = chance_of_squares(ratio**2 * dof, dof, self.noise_dof)
-        return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
+        return is_beyond_noise(self.error.over_floor, max(self.dof, 1.0), self.noise_dof)
 
     @property
     def hardly_known(self) -> bool:
