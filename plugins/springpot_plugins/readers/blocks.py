@@ -241,12 +241,12 @@ def _goes_on(
 ) -> bool:
     """Whether a row of numbers belongs to the names of the last table.
 
-    Lines of one cell, one or two, may stand between.
+    One or two lines of words may stand between, such as a temperature or the head of a page.
     """
     return (
         bool(blocks)
         and 0 < len(above) <= _STACKED
-        and all(sum(map(bool, line)) == 1 for line in above)
+        and not any(map(is_data, above))
         and is_data(rows[i])
         and len(rows[i]) == len(blocks[-1].rows[0])
         and not rows[i][0].strip().startswith(COMMENT)
@@ -305,6 +305,8 @@ def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -
             len(row) == width
             and width > 1
             and any(holds_number(cell) for cell in row)
+            # Words where the numbers began are a line of a report, such as the head of a page.
+            and (holds_number(row[key]) or row[key].strip() in MISSING)
             and not _ends(row)
         ):
             continue

@@ -32,6 +32,8 @@ from .titles import (
     apart_from_sign,
     is_unit,
     require_word,
+    title_again,
+    to_type,
 )
 from .written import OPPOSITE
 
@@ -105,7 +107,7 @@ def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary =
         for place, each in enumerate(columns)
         if place not in named and _same(str(each.role), meant)
     ]
-    differences = [_difference(headings[place], columns[place]) for place in sorted(named)]
+    differences = [_difference(headings, place, columns[place]) for place in sorted(named)]
     overruled = [note for note in differences if note]
     overruled += [
         f"'{headings[place].title}' is not used as {headings[place].role}, as you said"
@@ -129,8 +131,13 @@ def _same(role: str, meant: set[str]) -> bool:
     return role in meant or (role in FREQUENCIES and bool(meant & FREQUENCIES))
 
 
-def _difference(before: Heading, after: Heading) -> str:
+def _difference(headings: Sequence[Heading], place: int, after: Heading) -> str:
     """What the file says of a column that the user reads otherwise; empty where it is silent."""
+    before = headings[place]
+    if before.role is None and after.role is not None and title_again(headings, before.title):
+        return (
+            f"'{before.title}' stands above several columns, of which number {place + 1} is taken"
+        )
     if before.role is not None and after.role != before.role:
         return (
             f"'{before.title}' is {after.role or 'ignored'} as you said; its name says"
@@ -165,7 +172,7 @@ def _place(headings: Sequence[Heading], name: str, meaning: str, words: Vocabula
     # The exact word first: titles that differ in case alone, such as g' and G', are told apart by
     # it.
     tests: tuple[Callable[[Heading], bool], ...] = (
-        lambda h: h.title == name or h.name == name,
+        lambda h: h.title == name or h.name == name or words.heading(h.title).name == name,
         lambda h: fold(h.title) == fold(name) or fold(h.name) == fold(name),
         lambda h: (
             role is not None and h.role == role and (symbol or with_numbers_of(name, h.title))
@@ -345,9 +352,7 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
         spec = f"{moved}=amplitude[{unit}]"
         says = f"{says}; if {title} is it, counted from the middle, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("amplitude", "column", {title: spec})])
-    unknown = {
-        i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None
-    }
+    unknown = {key: title for key, title in unknown_in(headings).items() if title}
     if not unknown and block_lacks.endswith(ANGLE):
         return DataError(f"{says}; {_how_to_add(block_lacks)}")
     if not block_lacks.startswith("missing") or not unknown:
@@ -385,7 +390,7 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
         says = f"{says}; if {title} is it, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
     same = Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})
-    unknown = {i: h.title for i, h in enumerate(headings, 1) if h.title and h.role is None}
+    unknown = {key: title for key, title in unknown_in(headings).items() if title}
     # A constant is the nearest answer only where something else is swept: a column that nobody
     # knows may be the frequency, and a constant in its place would be wrong without a word.
     if not unknown or any(each.role in _SWEPT for each in headings):
@@ -452,21 +457,26 @@ def ask_columns(count: int, is_loop: bool = False) -> OpenQuestion:
     else:
         message += OR_IN_TIME.replace("FIRST", "1").replace("SECOND", "2")
     return OpenQuestion(
-        message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS)
+        message, ask_each({str(i): f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS)
     )
 
 
-def ask_each(columns: Mapping[int, str], usual: Sequence[str] = ()) -> list[Question]:
-    """What each of these columns is, by its number.
+def unknown_in(headings: Sequence[Heading]) -> dict[str, str]:
+    """The titles of the columns that nobody knows, by what is typed for them."""
+    return {to_type(headings, i): h.title for i, h in enumerate(headings, 1) if h.role is None}
+
+
+def ask_each(columns: Mapping[str, str], usual: Sequence[str] = ()) -> list[Question]:
+    """What each of these columns is, by what is typed for it.
 
     Without a usual meaning it is left out unless somebody says.
     """
     questions = []
     # Left out unless somebody says what it is: a guess would become data.
     first_answers = [*usual, *["ignore"] * len(columns)]
-    for (number, name), first in zip(columns.items(), first_answers, strict=False):
+    for (typed, name), first in zip(columns.items(), first_answers, strict=False):
         questions.append(
-            Question(name, "meaning", {each: f"{number}={each}" for each in [first, *MEANINGS]})
+            Question(name, "meaning", {each: f"{typed}={each}" for each in [first, *MEANINGS]})
         )
     return questions
 

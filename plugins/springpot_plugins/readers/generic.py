@@ -18,7 +18,7 @@ from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reade
 
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS, found_in
-from .choices import ask_clock, ask_columns, ask_each, numbered, with_choice
+from .choices import ask_clock, ask_columns, ask_each, numbered, unknown_in, with_choice
 from .conditions_above import with_conditions_above
 from .dynamic import columns_of, measurement_from, parts_from
 from .grid import COMMENT, MISSING, Grid, grid_of, head_grid, holds_number, is_number
@@ -245,8 +245,7 @@ def _ask_which(headings: Sequence[Heading]) -> OpenQuestion:
     if roles:
         lacks = lacking(roles)
     says = f"{lacks} among the columns {shown:.120}; {hint}"
-    unknown = {i: each.title for i, each in enumerate(headings, 1) if each.role is None}
-    return OpenQuestion(says, ask_each(unknown))
+    return OpenQuestion(says, ask_each(unknown_in(headings)))
 
 
 READER = Reader(

@@ -21,7 +21,7 @@ from springpot.rheology import KELVIN, Real
 
 from .names import FREQUENCIES, fold
 from .peaks import without_peak, without_swing
-from .titles import UNITS, USUAL, Heading
+from .titles import UNITS, USUAL, Heading, to_type
 
 COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE = (
     "note column of amplitude",
@@ -200,7 +200,7 @@ def proposal(headings: Sequence[Heading]) -> str:
         if role == "storage":
             given = unit
         assumed.append(f"'{each.title}' is {role} [{unit}]")
-        said.append(f"{place}={role}[{unit}]")
+        said.append(f"{to_type(headings, place)}={role}[{unit}]")
     if not said:
         return ""
     other_unit = ""

@@ -22,7 +22,7 @@ from .choices import CURVES, WHOLE, as_said
 from .curve_names import CurveName, curve_in_cell, curve_of_number
 from .grid import is_number
 from .names import FREQUENCIES, fold
-from .titles import UNITS, Heading, Vocabulary, heading
+from .titles import UNITS, Heading, Vocabulary, heading, title_again
 
 _COPY = re.compile(r"\.(\d{1,3})\Z")
 """What programs put behind a title that comes again."""
@@ -51,8 +51,8 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
     title = given.get(CURVES, "")
     parts: list[Block] = []
     for block in blocks:
-        named = [each.title for each in block.headings]
-        shared = {key: meaning for key, meaning in given.items() if named.count(key) > 1}
+        shared = {each: title_again(block.headings, each) for each in given}
+        shared = {key: title for key, title in shared.items() if title}
         # Numbers and titles are those of the file: in the parts the columns stand elsewhere. But a
         # title that stands above a column of each curve means all of them.
         if any(key not in (*block.words.said, *WHOLE, *shared) for key in given):
@@ -60,8 +60,9 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
             continue
         headings = list(block.headings)
         for i, each in enumerate(headings):
-            if each.title in shared:
-                headings[i] = as_said(each, shared[each.title], block.words)
+            for key, title in shared.items():
+                if each.title == title:
+                    headings[i] = as_said(each, given[key], block.words)
         for segment in _segments(replace(block, headings=tuple(headings))):
             parts += _apart(segment, title)
     return parts

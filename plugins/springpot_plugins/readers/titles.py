@@ -6,7 +6,7 @@ Its role, its name, and its unit in any of the ways in which units are written.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -170,6 +170,18 @@ class Heading:
     joined: bool = False
     written: str = ""
     curve: CurveName | None = None
+
+
+def title_again(headings: Sequence[Heading], name: str) -> str:
+    """The one title of that name that stands above several columns; empty where there is none."""
+    titles = [each.title for each in headings if name in (each.title, each.name)]
+    return titles[0] if len(titles) > 1 and len(set(titles)) == 1 else ""
+
+
+def to_type(headings: Sequence[Heading], place: int) -> str:
+    """What to type for a column: its title where that means it in each curve, else its number."""
+    title = title_again(headings, headings[place - 1].title)
+    return title if title and not set(title) & set(",=?'") else str(place)
 
 
 def is_unit(text: str) -> bool:

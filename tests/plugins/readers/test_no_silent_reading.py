@@ -79,6 +79,13 @@ def test_a_second_sensor_is_told(tmp_path):
     assert told == "storage is 'G' [Pa]', not 'G' [Pa]'"
 
 
+def test_a_modulus_beside_a_stiffness_is_told(tmp_path):
+    names = "f [Hz],K' [N/mm],K'' [N/mm],E' [MPa],E'' [MPa],K' [N/m]"
+    path = put(tmp_path, names, TIME, MODULUS, PULLED, MOVED, MOVED, TIME)
+    told = open_measurement(path).provenance["note spare columns"]
+    assert told == "storage is 'K' [N/mm]', not 'E' [MPa]'; loss is 'K'' [N/mm]', not 'E'' [MPa]'"
+
+
 def test_one_row_of_numbers_is_not_both_hertz_and_radians(tmp_path):
     path = put(tmp_path, "f [Hz],omega [rad/s],G' [Pa],G'' [Pa]", TIME, TIME, MODULUS, PULLED)
     says, hints = asked(path, open_measurement)
@@ -168,3 +175,25 @@ def test_an_unknown_unit_of_a_record_is_named(tmp_path, unit, near):
     names = f"time [s],displacement [mm],force [{unit}]"
     says, _ = asked(put(tmp_path, names, TIME, MOVED, PULLED))
     assert f"unknown unit [{unit}] for force: did you mean [{near}]" in says
+
+
+def test_what_is_offered_for_curves_side_by_side_opens_all_of_them(tmp_path):
+    names = "20 °C,,,40 °C,,\nf [Hz],E1 [MPa],E2 [MPa],f [Hz],E1 [MPa],E2 [MPa]"
+    path = put(tmp_path, names, TIME, MODULUS, PULLED, TIME, PULLED, MOVED)
+    _, [hint] = asked(path, open_measurement)
+    for each in (hint, f"{path}?E1=storage[MPa],E2=loss[MPa]"):
+        opened = open_measurement(each)
+        assert opened.conditions["temperature"].tolist() == [20.0] * 5 + [40.0] * 5
+        assert opened.stiffness.real.tolist() == [*MODULUS, *PULLED]
+    one = open_measurement(f"{path}?2=storage[MPa],3=loss[MPa]")
+    assert one.stiffness.real.tolist() == list(MODULUS)
+    assert "of which number 2 is taken" in one.provenance["note columns"]
+
+
+@pytest.mark.parametrize("again", ["Page 2 Lab report\n", "f[Hz] G'[kPa] G\"[kPa] T[C]\n", ""])
+def test_the_head_of_a_page_within_a_table_loses_nothing(tmp_path, again):
+    names, pages = "Page 1 Lab report\nf[Hz] G'[kPa] G\"[kPa] T[C]\n", "Page 2 Lab report\n"
+    first, second, third = (rows((f, f), (9, 8), (4, 3), (20, 20)) for f in (1, 2, 4))
+    text = f"{names}{first}\n{pages}{again}{second}\n{again or pages}{names}{third}\n"
+    path = put(tmp_path, text.replace(",", " "))
+    assert np.unique(open_measurement(path).frequency).tolist() == [1.0, 2.0, 4.0]
