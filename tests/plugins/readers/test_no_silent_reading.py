@@ -207,3 +207,16 @@ def test_frequency_and_temperature_by_their_letters_are_no_channels_of_a_record(
     assert found.conditions["amplitude"].tolist() == list(MOVED)
     said = open_measurement(f"{path}?K=magnitude")
     np.testing.assert_allclose(np.abs(said.stiffness), MODULUS)
+
+
+def test_units_behind_each_number_of_a_record_are_read(tmp_path):
+    moved, pulled = ([f"{x} {unit}" for x in xs] for xs, unit in ((MOVED, "mm"), (PULLED, "N")))
+    path = put(tmp_path, "Time [s],Disp,Force", TIME, moved, pulled)
+    [test] = open_in_time(path)
+    assert test.response.tolist() == list(PULLED)
+    swept = put(tmp_path, "f,G',G''", [f"{f} Hz" for f in TIME], pulled, pulled)
+    swept.write_text(swept.read_text(encoding="utf-8").replace(" N", " kPa"), encoding="utf-8")
+    assert open_measurement(swept).frequency.tolist() == list(TIME)
+    mixed = put(tmp_path, "Time [s],Disp,Force [kN]", TIME, moved, pulled)
+    with pytest.raises(DataError, match=r"'30.0 N' is no number"):
+        open_in_time(mixed)
