@@ -220,3 +220,9 @@ def test_units_behind_each_number_of_a_record_are_read(tmp_path):
     mixed = put(tmp_path, "Time [s],Disp,Force [kN]", TIME, moved, pulled)
     with pytest.raises(DataError, match=r"'30.0 N' is no number"):
         open_in_time(mixed)
+
+
+def test_a_title_with_single_blanks_between_blanks_is_one(tmp_path):
+    names = "f/Hz   |K|/dB(re 1 N/m)   phi/deg"
+    path = put(tmp_path, f"{names}\n 1  40  45\n 2  60  45")
+    np.testing.assert_allclose(np.abs(open_measurement(path).stiffness), [100.0, 1000.0])
