@@ -34,8 +34,8 @@ from ..numerics import SMALLEST, rms
 from .convex import lines_of
 from .exponentials import quick_parts
 from .floor import coordinates_around
+from .hypotheses import FitResiduals
 from .intervals import with_intervals
-from .left import Left
 from .material import FoundLines, UntoldError, spectral
 from .native import DOUBTFUL, Minimum, TimeSearch
 from .residuals_of_tests import (
@@ -247,7 +247,7 @@ def identify(
     if objective is not None:
         result = replace(result, objective=objective.name)
     parts = parts_of_specimen(given, noise)
-    left = Left.of(result, parts)
+    left = FitResiduals.of(result, parts)
     # One noise in all answers: that about the model, and not what the signal alone tells.
     return _told(replace(result, parts=left.rows(parts, left.noise, result.tests)))
 
@@ -447,16 +447,16 @@ def _scanned(
     last = effects[-1]
     try:
         base = identify(given, model - last, noise=noise)
-        promises = TimeScan(base, quick_parts(parts)).promises([last])
+        entries = TimeScan(base, quick_parts(parts)).entries([last])
     except SpringpotError:
         # It has no law in such a test, or nothing is left to fit: natural sizes are left.
         return []
-    best = promises.get(last.name, [])[:STARTS]
+    best = entries.get(last.name, [])[:STARTS]
     starts = []
-    for promise in best:
+    for entry in best:
         # With the model's own parameters made way for the force, and as they were: the linear step
         # may lead astray.
-        starts += [promise.start(base, model, moved=True), promise.start(base, model, moved=False)]
+        starts += [entry.start(base, model, moved=True), entry.start(base, model, moved=False)]
     return starts
 
 
