@@ -59,13 +59,13 @@ def test_what_is_unexplained_is_as_unknown_as_its_chance_of_noise_says():
     weights, chance = [0.3, 0.5, 0.2], 1e-4
     odds = unknown_odds(chance)
     assert odds / (1.0 + odds) > 0.2
-    nothing, first, unknown = verdict._agreeing_with_verdict(weights, "unexplained", chance)
+    nothing, first, unknown = verdict._posterior(weights, "unexplained", chance)
     assert unknown == pytest.approx(odds / (1.0 + odds))
     assert first / nothing == pytest.approx(5.0 / 3.0)
     assert nothing + first + unknown == pytest.approx(1.0)
     # Already as unknown as that, or not at all unexplained: as the evidence has it.
-    assert verdict._agreeing_with_verdict([0.0, 1e-9, 1.0 - 1e-9], "unexplained", 0.9)[-1] > 0.99
-    assert verdict._agreeing_with_verdict(weights, "cannot-tell", chance) == pytest.approx(weights)
+    assert verdict._posterior([0.0, 1e-9, 1.0 - 1e-9], "unexplained", 0.9)[-1] > 0.99
+    assert verdict._posterior(weights, "cannot-tell", chance) == pytest.approx(weights)
 
 
 def noise_of(size, memory=0.0):

@@ -30,7 +30,6 @@ from springpot.thresholds import VERDICT
 from .fitting import identify
 from .floor import TimeFloor, material_floor
 from .hypotheses import FitResiduals, bic_of, delta_bic, independent_samples
-from .native import DOUBTFUL
 from .residuals_of_tests import (
     Test,
     parts_of_specimen,
@@ -218,7 +217,7 @@ def _of_sweep(identified: Identification) -> Standing | None:
     best = max(error.relative_rms, error.noise_floor)
     # Searches that ended at the best agree to several digits. Where the model itself fails, a
     # longer one mends nothing.
-    if good and alike and identified.relative_rms > DOUBTFUL * best:
+    if good and alike and identified.relative_rms > VERDICT.agrees * best:
         good = False
         says = (
             f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on"

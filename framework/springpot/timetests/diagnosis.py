@@ -54,7 +54,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
-from springpot.thresholds import EXPERIMENT, SEARCH
+from springpot.thresholds import EXPERIMENT, SEARCH, VERDICT
 
 from ..numerics import SMALLEST, evenly, rms
 from .disturbances import slip_beside
@@ -98,7 +98,6 @@ from .screening import (
 )
 from .specimen import at_rigs, at_tests
 from .verdict import TimeCase, answer_of, misfit_of, worst_of
-from .where import NOTABLE
 
 SAMPLES = 200
 """Of a planned record, which moves all the time."""
@@ -478,13 +477,13 @@ def _better_noise(part: TestPart, fit: Identification) -> Real | None:
         return None
     # Only the shape of the noise weighs samples against one another: its size is read from what is
     # left anyway.
-    if part.sd.max() < NOTABLE * part.sd.min():
+    if part.sd.max() < VERDICT.agrees * part.sd.min():
         return None
     over_noise = part.residual(fit.model, fit.theta, fit.reference).value
     all_noise = not scatter_of(over_noise).doubtful
     better = noise_of(part.test, over_noise * part.sd, all_noise=all_noise).sd
     share = better / part.sd
-    if share.max() > NOTABLE * share.min():
+    if share.max() > VERDICT.agrees * share.min():
         return better
     return None
 

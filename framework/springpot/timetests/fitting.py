@@ -29,6 +29,7 @@ from springpot.misfit.error import times
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
+from springpot.thresholds import VERDICT
 
 from ..numerics import SMALLEST, rms
 from .convex import lines_of
@@ -37,7 +38,7 @@ from .floor import coordinates_around
 from .hypotheses import FitResiduals
 from .intervals import with_intervals
 from .material import FoundLines, UntoldError, spectral
-from .native import DOUBTFUL, Minimum, TimeSearch
+from .native import Minimum, TimeSearch
 from .residuals_of_tests import (
     Test,
     TestPart,
@@ -280,10 +281,10 @@ def _at_best_rig(
     except ModelError:
         # No test in time can have such an effect: what is left is that the sweeps alone do.
         return fitted(apart)
-    if max(test.over_floor for test in one.tests) <= DOUBTFUL:
+    if max(test.over_floor for test in one.tests) <= VERDICT.agrees:
         return one
     other = fitted(apart)
-    if one.cost < DOUBTFUL * other.cost:
+    if one.cost < VERDICT.agrees * other.cost:
         return one
     return other
 

@@ -226,9 +226,7 @@ def answer_of(
     verdict = rule_for(facts_of(before.beside(noise), tried, slipped)).verdict
     noise = before.all_noise if verdict == "adequate" else noise
     best = next((each.left for each in tried), before)
-    nothing, *chances, unknown = _agreeing_with_verdict(
-        _beside_narrow(weights, tried), verdict, best.chance
-    )
+    nothing, *chances, unknown = _posterior(_beside_narrow(weights, tried), verdict, best.chance)
     alike = without_nested(_class(tried, entries, noise), tried, parts, base.reference)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
@@ -455,9 +453,7 @@ def _classes(
     return tuple(classes)
 
 
-def _agreeing_with_verdict(
-    weights: Sequence[float], verdict: Verdict, chance: float
-) -> list[float]:
+def _posterior(weights: Sequence[float], verdict: Verdict, chance: float) -> list[float]:
     """The same in agreement with the verdict, which rests on more than the evidence."""
     unknown = weights[-1]
     if verdict == "unexplained":
