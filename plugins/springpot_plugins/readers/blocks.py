@@ -10,6 +10,7 @@ from functools import cached_property
 from springpot.errors import DataError
 from springpot.measurement import FORCE_UNITS, LENGTH_UNITS, MOST_TABLES, normal_unit
 
+from .cleaning import unit_behind
 from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI, names_a_modulus
@@ -281,9 +282,16 @@ def is_data(row: Sequence[str]) -> bool:
     return words <= numbers
 
 
+def _with_units(row: Sequence[str]) -> bool:
+    """Whether all cells are numbers with their units, ``1.5 mm``, or without any."""
+    filled = [cell for cell in row if cell.strip() not in MISSING]
+    return len(filled) > 1 and all(holds_number(cell) or unit_behind(cell) for cell in filled)
+
+
 def _first_row(rows: Sequence[Sequence[str]], i: int, words: Vocabulary) -> int | None:
     for j in range(i + 1, min(i + 2 + _UNITS_WITHIN, len(rows))):
-        if is_data(rows[j]) and not rows[j][0].strip().startswith(COMMENT):
+        measured = is_data(rows[j]) or _with_units(rows[j])
+        if measured and not rows[j][0].strip().startswith(COMMENT):
             return j
         if is_header(rows[j], words) and not units_in(rows[j]):
             return None
@@ -293,13 +301,13 @@ def _first_row(rows: Sequence[Sequence[str]], i: int, words: Vocabulary) -> int 
 def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -> int:
     """Behind the last row of a table: rows of one width whose first number is one go quickly."""
     width = len(rows[start])
-    key = next(k for k, cell in enumerate(rows[start]) if holds_number(cell))
+    key = next((k for k, cell in enumerate(rows[start]) if holds_number(cell)), 0)
     for j in range(start + 1, len(rows)):
         row = rows[j]
         # Nearly all rows go by this quick test; those that it does not know are looked at closely.
         if len(row) == width and row[0][-1:] != ":" and _is_plain(row[key]):
             continue
-        if is_data(row) and not _ends(row):
+        if (is_data(row) or _with_units(row)) and not _ends(row):
             continue
         if (
             len(row) == width
@@ -350,9 +358,10 @@ def _name(above: list[list[str]]) -> str:
         filled = [cell for cell in row if cell]
         if len(filled) != 1:
             continue
-        # Brackets open a section of a report, a colon waits for a value, a tab in a cell has one.
+        # Brackets open a section of a report, a colon waits for a value, a tab in a cell has one,
+        # and asterisks frame what a program says to itself.
         is_name = not filled[0].startswith("[") and not filled[0].endswith(":")
-        is_name = is_name and "\t" not in filled[0]
+        is_name = is_name and "\t" not in filled[0] and not filled[0][0] == filled[0][-1] == "*"
         if is_name and len(filled[0]) < _SENTENCE:
             return filled[0].lstrip("#% ")
     return ""

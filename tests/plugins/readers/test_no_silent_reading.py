@@ -197,3 +197,53 @@ def test_the_head_of_a_page_within_a_table_loses_nothing(tmp_path, again):
     text = f"{names}{first}\n{pages}{again}{second}\n{again or pages}{names}{third}\n"
     path = put(tmp_path, text.replace(",", " "))
     assert np.unique(open_measurement(path).frequency).tolist() == [1.0, 2.0, 4.0]
+
+
+def test_frequency_and_temperature_by_their_letters_are_no_channels_of_a_record(tmp_path):
+    names = "f(Hz),T(°C),Ddyn(m),Fdyn(N),K(N/m),phase(°)"
+    path = put(tmp_path, names, TIME, PULLED, MOVED, MODULUS, MODULUS, PULLED)
+    found = open_measurement(path)
+    np.testing.assert_allclose(np.abs(found.stiffness), np.divide(MODULUS, MOVED))
+    assert found.conditions["amplitude"].tolist() == list(MOVED)
+    said = open_measurement(f"{path}?K=magnitude")
+    np.testing.assert_allclose(np.abs(said.stiffness), MODULUS)
+
+
+def test_units_behind_each_number_of_a_record_are_read(tmp_path):
+    moved, pulled = ([f"{x} {unit}" for x in xs] for xs, unit in ((MOVED, "mm"), (PULLED, "N")))
+    path = put(tmp_path, "Time [s],Disp,Force", TIME, moved, pulled)
+    [test] = open_in_time(path)
+    assert test.response.tolist() == list(PULLED)
+    swept = put(tmp_path, "f,G',G''", [f"{f} Hz" for f in TIME], pulled, pulled)
+    swept.write_text(swept.read_text(encoding="utf-8").replace(" N", " kPa"), encoding="utf-8")
+    assert open_measurement(swept).frequency.tolist() == list(TIME)
+    mixed = put(tmp_path, "Time [s],Disp,Force [kN]", TIME, moved, pulled)
+    with pytest.raises(DataError, match=r"'30.0 N' is no number"):
+        open_in_time(mixed)
+
+
+def test_a_title_with_single_blanks_between_blanks_is_one(tmp_path):
+    names = "f/Hz   |K|/dB(re 1 N/m)   phi/deg"
+    path = put(tmp_path, f"{names}\n 1  40  45\n 2  60  45")
+    np.testing.assert_allclose(np.abs(open_measurement(path).stiffness), [100.0, 1000.0])
+
+
+def test_a_compliance_is_among_what_a_column_may_be(tmp_path):
+    path = put(tmp_path, "t [s],J_1_MPa", TIME, PULLED)
+    says, hints = asked(path)
+    assert "of a compliance that grows" in says
+    [test] = open_in_time(hints[-1].replace("NAME", "J_1_MPa"))
+    assert test.kind == "creep"
+
+
+def test_plus_and_minus_count_an_amplitude_from_the_middle(tmp_path):
+    names = "f [Hz],Amplitude ± [mm],Keff [N/mm],xi_eff [%]"
+    found = open_measurement(put(tmp_path, names, TIME, MOVED, MODULUS, PULLED))
+    assert found.conditions["amplitude"].tolist() == list(MOVED)
+    np.testing.assert_allclose(found.loss / found.storage, np.multiply(PULLED, 0.02))
+
+
+def test_what_a_program_says_to_itself_is_no_name_of_a_test(tmp_path):
+    names = "***End_of_Header***\nt [s],x [mm],F [N]"
+    [test] = open_in_time(put(tmp_path, names, TIME, MOVED, PULLED))
+    assert "part" not in test.provenance
