@@ -271,8 +271,13 @@ class SweepRungs(Rungs[Refit]):
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
         """The rungs that explain something, each the likeliest beside all others."""
-        explained = _explained(steps, [len(found.effects) for found in self.sets])
-        return super().settled(explained, progress)
+        explained = self._explained(steps)
+        settled = super().settled(explained, progress)
+        # What a set adds to them, or puts in their place, is asked for the same proof.
+        return settled if len(self._explained(settled)) == len(settled) else explained
+
+    def _explained(self, steps: list[Step]) -> list[Step]:
+        return _explained(steps, [len(found.effects) for found in self.sets])
 
 
 def _found(evidence: Evidence) -> FoundSet[Refit]:
