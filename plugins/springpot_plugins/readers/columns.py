@@ -5,6 +5,7 @@ Which column is what, units, and the checks that a user's slip runs into.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -56,6 +57,9 @@ Other names for them are in `names`.
 """
 TEXT = "text"
 """Unit that marks a column of words, so that a word that looks like a number stays a word."""
+HARMONIC_UNITS = {None: 1.0, "": 1.0, "-": 1.0, "%": 0.01}
+_SIZE = re.compile(r"([fiσ])([2-9]) ?/ ?(?:\1_?)?1|h([2-9])", re.IGNORECASE)
+"""|H_n| by the names of force and of stress harmonics: F3/F1, I3/I1, I3/1, h3."""
 
 
 def assign(columns: tuple[Column, ...]) -> tuple[dict[str, Column], list[Column]]:
@@ -457,7 +461,11 @@ def _further(
     for column in others:
         if column.is_empty:
             continue
-        if column.unit != TEXT and column.is_numeric():
+        size = _SIZE.fullmatch(column.name)
+        if size and column.unit in HARMONIC_UNITS and column.is_numeric():
+            share = column.numbers(gaps=True) * HARMONIC_UNITS[column.unit]
+            numbers[f"h{size[2] or size[3]}"] = share
+        elif column.unit != TEXT and column.is_numeric():
             numbers[column.name] = column.numbers(gaps=True)
             if column.unit not in (None, "", "-"):
                 units[column.name] = str(column.unit)
