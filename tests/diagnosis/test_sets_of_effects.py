@@ -206,7 +206,23 @@ def test_what_a_set_adds_beside_the_unexplained_has_to_predict(monkeypatch, gain
     steps.append(rung_of(left.examined(model + "friction", None, None, None), steps[0], "friction"))
     monkeypatch.setattr(ladder, "alive", lambda part, kind, what: part)
     monkeypatch.setattr(discovery, "prediction_gain", lambda before, after: gain)
+    monkeypatch.setattr(discovery, "_likelier", lambda one, other: False)
     assert len(left.settled(steps, silent)) == kept
+
+
+@pytest.mark.parametrize(
+    ("chain", "kept"),
+    [(["inertia", "time-delay"], 3), (["inertia", "time-delay", "series-spring"], 3)],
+)
+def test_the_last_of_a_set_goes_where_it_does_nothing_beside_the_others(chain, kept):
+    """A spring in series with a mass and a delay, which the data do not hold."""
+    rungs, data = [], measured(SWEEP, DELAYED, level=0.002)
+    for count in range(len(chain) + 1):
+        model = sum((plugins().effect(name) for name in chain[:count]), parse_model(KELVIN.name))
+        fit = fitted_to_floor(model, data)
+        case = SimpleNamespace(search=SimpleNamespace(base=fit))
+        rungs.append(SimpleNamespace(model=model, case=case))
+    assert len(discovery._spared(rungs)) == kept
 
 
 def test_a_set_that_was_found_is_taken_to_its_end_but_for_what_was_refused():
