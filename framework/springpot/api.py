@@ -51,7 +51,7 @@ from .thresholds import INTERVAL, INTERVALS
 if TYPE_CHECKING:
     from springpot.invention.result import Invention
     from springpot.superposition.curve import MasterCurve
-    from springpot.timetests.where import TestPrediction
+    from springpot.timetests.prediction import TestPrediction
 
 Data: TypeAlias = Test | str | Path | Sequence[Test | str | Path]
 """What users give: a test, its file or name, or several of one specimen."""

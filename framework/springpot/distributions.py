@@ -80,6 +80,12 @@ def student(level: float, dof: float) -> float:
     return float(stdtrit(dof, 0.5 * (1.0 + level)))
 
 
+def ends_of_draws(drawn: NDArray[np.float64], level: float) -> NDArray[np.float64]:
+    """Two quantiles (2, p) of draws (d, p): ``level`` of them lie between, as many on each side."""
+    tail = 50.0 * (1.0 - level)
+    return np.asarray(np.percentile(drawn, [tail, 100.0 - tail], axis=0))
+
+
 def f_sum_sf(value: float, k: NDArray[np.float64], nu: NDArray[np.float64]) -> float:
     """Chance that a sum of k F(k, nu) is larger: squares, each in units of a variance of its own.
 

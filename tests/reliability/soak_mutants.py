@@ -127,7 +127,7 @@ HARMLESS = {
         "soft <= 0.0",
     ): "of none the function has ended before",
     (
-        "timetests/scatter.py",
+        "timetests/disturbances.py",
         "alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)",
         "1.0",
     ): "the last samples, among which no jump is looked for",

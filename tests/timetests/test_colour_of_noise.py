@@ -7,11 +7,10 @@ import pytest
 from scipy.signal import lfilter
 
 from springpot.measurement import TimeTest
+from springpot.misfit.coloured_noise import colour_of
+from springpot.misfit.residual_scatter import MEMORIES, ResidualScatter, period_test, scatter_of
 from springpot.registry import parse_model
 from springpot.timetests import identify
-from springpot.timetests.colour import colour_of
-from springpot.timetests.scatter import MEMORIES, ResidualScatter, scatter_of
-from springpot.timetests.traces_of_motion import repeated
 
 N = 500
 SEEDS = range(20)
@@ -84,7 +83,7 @@ def test_a_story_may_have_noise_of_its_own_for_the_price_of_a_wider_one():
 def test_noise_of_any_memory_rarely_repeats_with_a_motion(memory):
     rng = np.random.default_rng(3)
     drawn = lfilter([1.0], [1.0, -memory], rng.normal(size=(600, 700)))[:, 200:]
-    chances = np.array([repeated(each, (2, 25))[0] for each in drawn])
+    chances = np.array([period_test(each, (2, 25))[0] for each in drawn])
     assert np.mean(chances < 0.05) < 0.075
     assert np.mean(chances < 1e-3) < 0.006
 

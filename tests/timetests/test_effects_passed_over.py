@@ -10,12 +10,12 @@ import pytest
 import springpot
 from springpot import TimeTest
 from springpot.measurement import Loading
+from springpot.misfit.residual_scatter import scatter_of
 from springpot.registry import plugins
 from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Left, Tried
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scatter import scatter_of
 from springpot.timetests.score import TimeScan
 from springpot.timetests.sieve import STARTS, passed_over
 

@@ -6,9 +6,10 @@ import pytest
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
 from springpot.measurement.imposed import imposed_noise
+from springpot.misfit import residual_scatter
 from springpot.numerics import DEVIATIONS
 from springpot.registry import plugins
-from springpot.timetests import compare, diagnose, traces_of_motion
+from springpot.timetests import compare, diagnose
 
 TIME = 0.005 * np.arange(1000)
 EFFECTS = ("inertia", "time-delay", "filter-mismatch")
@@ -87,16 +88,16 @@ def test_corners_and_smooth_motion_are_no_noise():
 
 def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(monkeypatch):
     at = np.linspace(0.0, 1.0, 400)
-    monkeypatch.setattr(traces_of_motion, "imposed_noise", lambda value: 0.3)
+    monkeypatch.setattr(residual_scatter, "imposed_noise", lambda value: 0.3)
 
     def heard(sd, control="displacement", moved=0.0):
         loading = Loading(at + moved, at)
         test = TimeTest(at, at, loading, control=control)
-        return traces_of_motion.Imposed.of(test, 4.0, np.full(400, sd)).noise
+        return residual_scatter.Imposed.of(test, 4.0, np.full(400, sd)).noise
 
     # A variance is known to the root of two by their number.
-    most = 0.3 * np.sqrt(1.0 + DEVIATIONS * np.sqrt(2.0 / (traces_of_motion.WORTH * 400)))
-    least = traces_of_motion.HEARD
+    most = 0.3 * np.sqrt(1.0 + DEVIATIONS * np.sqrt(2.0 / (residual_scatter.WORTH * 400)))
+    least = residual_scatter.HEARD
     assert heard(0.99 * 1.2 / least) == pytest.approx(most)
     assert heard(1.01 * 1.2 / least) == 0.0
     assert heard(0.99 * 0.075 / least, "force") == pytest.approx(most)

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from springpot.measurement import TimeTest, noise_of
+from springpot.misfit.residual_scatter import scatter_of
 from springpot.registry import parse_model, plugins
 from springpot.timetests import compare, diagnose, discover, identify, recorded
-from springpot.timetests.scatter import scatter_of
 from springpot.timetests.where import places
 
 MODEL = parse_model("fractional-zener")

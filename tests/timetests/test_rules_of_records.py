@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Loading
+from springpot.misfit import coloured_noise as colour, residual_scatter as scatter
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.rheology.elements import Continuum
 from springpot.thresholds import EVIDENCE
 from springpot.timetests import (
-    colour,
     diagnosis,
-    scatter,
     sieve,
     start,
     temperatures,
@@ -22,7 +22,6 @@ from springpot.timetests import (
 )
 from springpot.timetests.left import Left, explains_as_well
 from springpot.timetests.material import spectrum_of
-from springpot.timetests.scatter import ResidualScatter
 
 TIME = np.linspace(0.0, 4.0, 401)
 RUN = np.sin(2.0 * np.pi * TIME)
@@ -319,26 +318,29 @@ def test_the_worst_part_of_a_residual_is_judged_by_its_size_and_by_how_it_bends(
 ):
     """Parts that bend as noise of that memory does are judged by size alone."""
     asked = []
-    monkeypatch.setattr(scatter, "_chance", lambda *given: asked.append(given) or 0.01 / len(asked))
+    monkeypatch.setattr(
+        scatter, "chance_of_squares", lambda *given: asked.append(given) or 0.01 / len(asked)
+    )
     count = 12 * scatter.PARTS
     values = np.ones(count)
     values[:12] = np.linspace(3.0, 4.0, 12)
     values[12:24] = 5.0 * (-1.0) ** np.arange(12)
     # One is the median: of normal noise the size is more.
     usual = scatter.NORMAL
-    assert scatter._worst(values, memory, 0.5) == pytest.approx(scatter.PARTS * 0.01 / len(asked))
-    assert len(asked) == scatter.PARTS + 1
-    part, whole = 6.0, 0.5 * count
-    smooth, rough, bent, *_ = asked
-    assert smooth == pytest.approx(
-        (np.mean(values[:12] ** 2) / usual**2, part, scatter.MEDIAN_WORTH * whole)
+    assert scatter._worst_part(values, memory, 0.5) == pytest.approx(
+        scatter.PARTS * 0.01 / len(asked)
     )
-    assert rough == pytest.approx((25.0 / usual**2, part, scatter.MEDIAN_WORTH * whole))
+    assert len(asked) == scatter.PARTS
+    part, whole = 6.0, 0.5 * count
+    smooth, bent, *_ = asked
+    assert smooth == pytest.approx(
+        (part * np.mean(values[:12] ** 2) / usual**2, part, scatter.MEDIAN_WORTH * whole)
+    )
     # Second differences of 20, over those of such noise: 6 - 8 r + 2 r^2.
     bends = (20.0 / usual) ** 2 / (6.0 - 8.0 * memory + 2.0 * memory**2)
-    wanted = 25.0 / usual**2 / bends, part, scatter.EFFICIENT * part
+    wanted = part * 25.0 / usual**2 / bends, part, scatter.EFFICIENT * part
     assert bent == pytest.approx(wanted)
-    assert scatter._worst(np.zeros(count), memory, 0.5) == 1.0
+    assert scatter._worst_part(np.zeros(count), memory, 0.5) == 1.0
 
 
 def test_squares_of_noise_with_a_memory_are_fewer_independent_ones():

@@ -13,11 +13,11 @@ from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import leaving_out_the_beginning
 from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import exponentials, left as trying, verdict, where
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scatter import ResidualScatter
 
 
 def tried(name="friction", evidence=0.0, delta=0.0, helps=False, prior=1.0, fit=None, left=None):

@@ -6,27 +6,25 @@ from scipy import stats
 from scipy.linalg import toeplitz
 
 from springpot.memory import spectrum_of
-from springpot.timetests.colour import of_a_ripple
-from springpot.timetests.disturbances import periodogram
-from springpot.timetests.scatter import (
+from springpot.misfit.coloured_noise import fisher_test
+from springpot.misfit.frame import chance_of_squares
+from springpot.misfit.residual_scatter import (
     FEWEST,
     LEVEL,
     LOCAL,
     PARTS,
     TENFOLD,
     ResidualScatter,
-    _chance,
-    _evened,
     _fitted,
-    _jumps,
     _log_likelihood,
-    _scattered,
-    likeliest_jump,
+    _standardised,
+    _unrepeated,
     powers,
     rougher,
     scatter_of_sweep,
     times_noise,
 )
+from springpot.timetests.disturbances import _jumps, likeliest_jump, periodogram
 
 
 def noise(rng, n, memory, size=1.0):
@@ -87,9 +85,9 @@ def test_size_and_memory_are_read_from_aspectrum_of(rng):
 
 
 def test_chances_are_those_of_f_and_chi_square():
-    assert _chance(1.7, 12.0, 30.0) == pytest.approx(stats.f.sf(1.7, 12, 30))
-    assert _chance(1.7, 12.0, np.inf) == pytest.approx(stats.chi2.sf(1.7 * 12, 12))
-    assert _chance(1.7, 12.0, 0.3) == pytest.approx(stats.f.sf(1.7, 12, 1))
+    assert chance_of_squares(1.7 * 12.0, 12.0, 30.0) == pytest.approx(stats.f.sf(1.7, 12, 30))
+    assert chance_of_squares(1.7 * 12.0, 12.0, np.inf) == pytest.approx(stats.chi2.sf(1.7 * 12, 12))
+    assert chance_of_squares(1.7 * 12.0, 12.0, 0.3) == pytest.approx(stats.f.sf(1.7, 12, 1))
 
 
 @pytest.mark.parametrize(
@@ -115,8 +113,8 @@ def test_surprise_is_chi_square_or_that_of_student():
 def test_a_sample_that_repeats_the_last_one_has_no_noise():
     moving = np.arange(FEWEST, dtype=float)
     stuck = np.append(moving, np.full(20, moving[-1]))
-    assert np.count_nonzero(_scattered(stuck)) == FEWEST
-    assert _scattered(stuck[1:]).all()
+    assert np.count_nonzero(_unrepeated(stuck)) == FEWEST
+    assert _unrepeated(stuck[1:]).all()
     wanted = np.sqrt(np.sum(stuck**2) / FEWEST) / 2.0
     assert times_noise(stuck, 2.0) == pytest.approx(wanted)
 
@@ -124,7 +122,7 @@ def test_a_sample_that_repeats_the_last_one_has_no_noise():
 def test_noise_of_a_rough_part_is_evened_to_that_of_the_rest():
     residual = np.where(np.arange(400) % 2, 1.0, -1.0)
     residual[100:140] *= 20.0
-    times, even = rougher(residual), _evened(residual)
+    times, even = rougher(residual), _standardised(residual)
     assert times[110:130] == pytest.approx(20.0)
     assert np.all(times[np.r_[:90, 150:400]] == 1.0)
     assert np.abs(even[np.r_[:90, 110:130, 150:400]]) == pytest.approx(1.0)
@@ -136,7 +134,7 @@ def test_noise_of_a_rough_part_is_evened_to_that_of_the_rest():
 def test_a_sample_far_off_is_no_larger_than_the_tails_of_its_noise(rng):
     residual = rng.normal(size=400)
     residual[7] = -1e6
-    even = _evened(residual)
+    even = _standardised(residual)
     assert even[7] == pytest.approx(-3.0, rel=0.15)
     near = (np.abs(residual) < 2.5) & (rougher(residual) == 1.0)
     assert even[near] == pytest.approx(residual[near])
@@ -154,12 +152,12 @@ def test_a_ripple_or_twice_the_noise_is_told(rng):
     n = 30
     ripple = 2.0 * np.cos(2.0 * np.pi * 6.0 * np.arange(n) / n)
     both = np.concatenate([ripple, ripple])
-    chance, omega = of_a_ripple((rng.normal(size=2 * n) + both).reshape(2, -1))
+    chance, omega = fisher_test((rng.normal(size=2 * n) + both).reshape(2, -1))
     assert chance < 1e-3
     assert omega == pytest.approx(2.0 * np.pi * 6.0 / n, abs=0.5 * np.pi / n)
-    assert of_a_ripple(np.zeros((2, n)))[0] == 1.0
-    assert of_a_ripple(both.reshape(2, -1)[:, :11])[0] == 1.0
-    chances = [of_a_ripple(rng.normal(size=(2, n)))[0] for _ in range(500)]
+    assert fisher_test(np.zeros((2, n)))[0] == 1.0
+    assert fisher_test(both.reshape(2, -1)[:, :11])[0] == 1.0
+    chances = [fisher_test(rng.normal(size=(2, n)))[0] for _ in range(500)]
     assert np.mean(np.array(chances) < 0.2) < 0.25
     assert scatter_of_sweep(2.0 * rng.normal(size=60), True).local < LOCAL
     assert scatter_of_sweep(2.0 * rng.normal(size=60), False).local >= LOCAL

@@ -12,10 +12,10 @@ from scipy.signal import lfilter
 import springpot
 from springpot import parse_model
 from springpot.measurement import noise_of
+from springpot.misfit.residual_scatter import scatter_of
 from springpot.timetests import identify
 from springpot.timetests.left import Left
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scatter import scatter_of
 
 DATA = (
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]

@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Measurement, TimeTest
-from springpot.registry import parse_model, plugins
-from springpot.timetests import diagnose
-from springpot.timetests.disturbances import Slip
-from springpot.timetests.left import Left, delta_bic
-from springpot.timetests.scatter import (
+from springpot.misfit.residual_scatter import (
     ResidualScatter,
-    likeliest_jump,
     scatter_of,
     scatter_of_sweep,
 )
+from springpot.registry import parse_model, plugins
+from springpot.timetests import diagnose
+from springpot.timetests.disturbances import Slip, likeliest_jump
+from springpot.timetests.left import Left, delta_bic
 
 TIME = np.geomspace(0.01, 100.0, 80)
 OMEGA = np.geomspace(0.1, 100.0, 17)

@@ -8,20 +8,22 @@ from scipy.signal import lfilter
 
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest, noise_of
+from springpot.misfit.residual_scatter import (
+    Imposed,
+    ResidualScatter,
+    motion_test,
+    powers_of,
+    scatter_of,
+    scatter_of_record,
+    scatter_of_sweep,
+)
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.left import Promise
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scatter import (
-    ResidualScatter,
-    scatter_of,
-    scatter_of_record,
-    scatter_of_sweep,
-)
 from springpot.timetests.score import TimeScan, _different
-from springpot.timetests.traces_of_motion import Imposed, powers_of, with_the_motion
 
 TIME = np.geomspace(0.01, 100.0, 120)
 
@@ -85,7 +87,7 @@ def test_noise_that_is_larger_where_the_motion_is_quick_is_noise(seed):
     quick = np.abs(np.gradient(moved))
     left = rng.normal(size=800) * quick / quick.max()
     spectrum = np.full(800, np.var(left))
-    assert with_the_motion(left, spectrum, powers_of(moved, False))[0] > 0.05
+    assert motion_test(left, spectrum, powers_of(moved, False))[0] > 0.05
 
 
 def test_one_sample_far_off_is_no_jump():

@@ -10,10 +10,10 @@ import pytest
 
 from springpot.errors import ModelError
 from springpot.measurement import Measurement, TimeTest
+from springpot.misfit.residual_scatter import scatter_of_sweep
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Effect
 from springpot.timetests import diagnose, examine, identify
-from springpot.timetests.scatter import scatter_of_sweep
 from springpot.timetests.specimen import at_tests
 
 NOISE = 0.006

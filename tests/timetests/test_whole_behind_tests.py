@@ -27,12 +27,12 @@ from test_whole_timetests import (
 
 from springpot.measurement import Loading, TimeTest, rounding
 from springpot.measurement.imposed import imposed_noise
+from springpot.misfit import residual_scatter as scatter
 from springpot.registry import plugins
 from springpot.timetests import (
     convex,
     exponentials,
     floor,
-    scatter,
     start,
     where,
 )

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.distributions import ends_of_draws
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.levels import Levels
@@ -273,8 +274,7 @@ def _ends(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
             drawn = bootstrap(known.fit, RESAMPLES, rng)
         else:
             drawn = over_specimens(known, RESAMPLES, rng)
-        tail = 50.0 * (1.0 - known.level)
-        low, high = np.percentile(drawn, [tail, 100.0 - tail], axis=0)
+        low, high = ends_of_draws(drawn, known.level)
         # Of a parameter as good as zero no two fits stop at the same tiny number: its interval
         # begins at the bound.
         bounds = np.array([[p.lower, p.upper] for p in known.fit.model.parameters]).T

@@ -146,6 +146,16 @@ class _Rules:
         )
 
 
+def one_by_one(evaluate: Callable[[Real], tuple[Real, Real]]) -> Evaluate:
+    """Residuals and slopes at many places from those at one, where no shape can be stacked."""
+
+    def at_all(u: Real, rows: Rows) -> tuple[Real, Real]:
+        pairs = [evaluate(one) for one in u]
+        return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
+
+    return at_all
+
+
 def levenberg_marquardt(
     evaluate: Evaluate,
     u0: Real,

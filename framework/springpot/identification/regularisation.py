@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import ends_of_draws
 from springpot.errors import ModelError
 from springpot.numerics import ALIKE, BEYOND, DECADE, non_negative
 from springpot.rheology.elements import Continuum, Probe
@@ -136,8 +137,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Smoot
     # About the smooth curve, not about the data, which hold one draw of the noise already.
     noise = np.sqrt(system.variance) * rng.standard_normal((draws, len(followed)))
     again = np.array([best, *(system.solve(smoothing, followed + each) for each in noise)])[:, 2:]
-    tail = 50.0 * (1.0 - INTERVAL)
-    low, high = np.percentile(again, [tail, 100.0 - tail], axis=0)
+    low, high = ends_of_draws(again, INTERVAL)
     # No density lies below zero: the draws may all lie to one side of the curve that the band
     # belongs to.
     low, high = np.minimum(low, best[2:]), np.maximum(high, best[2:])

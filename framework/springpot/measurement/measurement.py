@@ -19,7 +19,7 @@ from springpot.rheology.points import HELD, KELVIN, ROOM, Complex, Points, Real
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
 from .rows import Rows, digest_of_columns, rows_without
-from .units import Units
+from .units import AMPLITUDE_UNITS, Units
 
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
@@ -379,6 +379,35 @@ class Measurement(Rows, Drawn):
         from .frames import arguments_of
 
         return cls(**arguments_of(frame))
+
+    def in_units(self, units: Units) -> Measurement:
+        """The same in the units of another test; frequencies are told as in its own file.
+
+        Parameters
+        ----------
+        units : Units
+            Of stiffness and amplitude.
+
+        Raises
+        ------
+        DataError
+            If one is of a stiffness and the other of a modulus.
+        """
+        stiffer = self.units.factor_to(units, self.name, "the other test")
+        conditions = dict(self.conditions)
+        if "amplitude" in conditions:
+            longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+            conditions["amplitude"] = conditions["amplitude"] * longer
+        sd = None
+        if self.sd is not None:
+            sd = self.sd * stiffer
+        return replace(
+            self,
+            stiffness=self.stiffness * stiffer,
+            sd=sd,
+            conditions=conditions,
+            units=replace(units, clock=self.units.clock, letter=self.units.letter),
+        )
 
     def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
         """The material that a specimen or damper of this geometry is made of.

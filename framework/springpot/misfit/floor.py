@@ -38,7 +38,7 @@ from .frame import (
     LEAST_LEFT,
     LEAST_SEEN,
     NoiseFrame,
-    chance_of_squares,
+    is_beyond_noise,
     orthonormal,
     phase_of,
 )
@@ -175,12 +175,7 @@ def beyond_floor(fitted: Refit) -> bool:
     The floor of an estimated noise leaves out the few frequencies that are far off, and simulated
     noise has their long tails too: no test sees them, and yet the model does not go through them.
     """
-    ratio = _over(fitted)
-    # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is
-    # sure but small.
-    dof = fitted.error_dof
-    chance = chance_of_squares(ratio**2 * dof, dof, fitted.noise.dof)
-    return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
+    return is_beyond_noise(_over(fitted), fitted.error_dof, fitted.noise.dof)
 
 
 def below_floor(fitted: Refit, certain: bool) -> bool:

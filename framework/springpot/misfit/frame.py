@@ -221,6 +221,21 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
     return float(f_sf(value / dof, dof, max(scale_dof, 1.0)))
 
 
+def is_beyond_noise(ratio: float, dof: float, scale_dof: float) -> bool:
+    """Whether an error is so many times the noise by more than chance.
+
+    Parameters
+    ----------
+    ratio : float
+        Error over noise.
+    dof, scale_dof : float
+        Degrees of freedom of either: both are uncertain, so F and not chi-square.
+    """
+    chance = chance_of_squares(ratio**2 * dof, dof, scale_dof)
+    # Of many points a slight excess is sure but small.
+    return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
+
+
 def near_an_alarm(chance: float, draws: int) -> bool:
     """Whether so many draws leave it open on which side of an alarm a chance lies.
 

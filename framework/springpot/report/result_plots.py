@@ -23,7 +23,7 @@ from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.superposition.curve import MasterCurve
-from springpot.timetests.where import TestPrediction
+from springpot.timetests.prediction import TestPrediction
 
 from . import views
 from .answers import worth_showing

@@ -18,6 +18,7 @@ from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.numerics import ENOUGH, evenly
 from springpot.rheology.points import Real
+from springpot.timetests.prediction import TestPrediction
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import (
     InTimePart,
@@ -26,7 +27,6 @@ from springpot.timetests.residuals_of_tests import (
     TestPart,
     parts_of_specimen,
 )
-from springpot.timetests.where import TestPrediction
 from springpot.writing import FEW
 
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic

@@ -11,11 +11,10 @@ if TYPE_CHECKING:
     from .diagnosis import diagnose as diagnose, examine as examine
     from .discovery import discover as discover
     from .fitting import identify as identify, refound as refound
-    from .prediction import predict_test as predict_test
+    from .prediction import TestPrediction as TestPrediction, predict_test as predict_test
     from .ranking import rank as rank
     from .recording import predicted as predicted, recorded as recorded
     from .residuals_of_tests import Test as Test, units_of as units_of
     from .specimen import answered as answered, as_had_by as as_had_by
-    from .where import TestPrediction as TestPrediction
 
 __getattr__, __dir__ = offered(__name__)

@@ -21,6 +21,7 @@ from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
 from springpot.misfit.error import times
 from springpot.misfit.material import effects_of, lowest_error, material_floors
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
@@ -34,7 +35,6 @@ from .residuals_of_tests import (
     Test,
     parts_of_specimen,
 )
-from .scatter import ResidualScatter
 from .verdict import error_of, misfit_of, where_missed
 
 UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"

@@ -46,6 +46,9 @@ from springpot.measurement.mixed_up import turned, turned_over
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import plain
+from springpot.misfit.residual_scatter import (
+    scatter_of,
+)
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.intime import Traced
@@ -68,9 +71,6 @@ from .residuals_of_tests import (
     parts_of_specimen,
     reach_of,
     units_of,
-)
-from .scatter import (
-    scatter_of,
 )
 from .score import TimeScan
 from .sieve import (

@@ -24,6 +24,7 @@ from springpot.diagnosis.result import Fitted, Progress, silent, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
@@ -34,7 +35,6 @@ from .diagnosis import examine
 from .fitting import identify
 from .left import AskedTests, Left, Tried
 from .residuals_of_tests import Test
-from .scatter import ResidualScatter
 from .score import TimeScan
 from .sieve import EXACT, leading_of_scan, nearly_fitted, noise_of_both
 from .specimen import at_tests

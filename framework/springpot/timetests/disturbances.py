@@ -8,8 +8,9 @@ at one instant of one test.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -25,15 +26,16 @@ from springpot.measurement.hum import (
 )
 from springpot.measurement.imposed import ORDER, imposed_noise
 from springpot.measurement.rounding import is_even
+from springpot.measurement.timenoise import ORDER as ENDS
+from springpot.misfit.coloured_noise import UPPER
 from springpot.misfit.error import plain
+from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, rougher, scatter_of
 from springpot.rheology.points import Real
 
-from ..numerics import DECADE, SMALLEST, rms
-from .colour import UPPER
+from ..numerics import ALIKE, DECADE, SMALLEST, rms
 from .left import Left, delta_bic
 from .residuals_of_tests import InTimePart, Residual, TestPart
-from .scatter import TAILS, Jump, ResidualScatter, likeliest_jump, rougher, scatter_of
-from .specimen import stepped
+from .specimen import Tangent, stepped
 
 SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""
@@ -41,6 +43,133 @@ BESIDE = 3
 """Such neighbours on either side."""
 FURTHER = 24
 """Steps at most by which the model makes way for a jump in tests that it misses plainly."""
+
+
+class Jump(NamedTuple):
+    """What slips or lets go at one instant of one test, or a sample at an end that is off.
+
+    Attributes
+    ----------
+    number, row : int
+        Which test, and the first sample behind it, or the one that is off.
+    left : list of ndarray, shape (m,)
+        The residual of each test without it, the model having made way for it.
+    moved : ndarray, shape (p,)
+        By how much the parameters have.
+    places : int
+        At how many it might have been.
+    alone : bool
+        Whether only that sample is off.
+    """
+
+    number: int
+    row: int
+    left: list[Real]
+    moved: Real
+    places: int
+    alone: bool = False
+
+
+def likeliest_jump(
+    residuals: Sequence[tuple[Real, Real]],
+    weights: Sequence[Real | None],
+    noise: Sequence[ResidualScatter],
+) -> Jump:
+    """The jump beside a model that makes its tests likeliest.
+
+    Parameters
+    ----------
+    residuals : sequence of (ndarray (m,), ndarray (m, p))
+        Of each test over the noise of its signal, and their slopes by the parameters, which make
+        way for the jump.
+    weights : sequence of ndarray, shape (m,), or None
+        One over that noise; None for a test whose numbers do not follow one another in time.
+    noise : sequence of ResidualScatter
+        In the residuals.
+    """
+    # By its memory alone, which a jump at any place is brought to white by in one sweep.
+    noise = [replace(each, colour=None) for each in noise]
+    white = [each.whitened(value) for each, (value, _) in zip(noise, residuals, strict=True)]
+    slopes = [
+        np.column_stack([each.whitened(column) for column in by_theta.T])
+        for each, (_, by_theta) in zip(noise, residuals, strict=True)
+    ]
+    tangent, value = Tangent.of(np.concatenate(slopes)), np.concatenate(white)
+    missed = tangent.left(value)
+    rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
+    followed = [i for i, weight in enumerate(weights) if weight is not None]
+    places = sum(len(white[i]) for i in followed), 2 * ENDS * len(followed)
+    # None is better than one that is not there.
+    best, found, column = -np.inf, Jump(0, 0, [], np.zeros(0), places[0]), np.zeros(len(value))
+    for i, which in product(followed, (0, 1)):
+        told = np.asarray(weights[i]), noise[i], missed[rows[i]], tangent.basis[rows[i]]
+        drops, columns = (_jumps, _strays)[which](*told)
+        k = int(np.argmax(drops))
+        # The choice of its place costs as much as two numbers.
+        gain = float(drops[k]) - 2.0 * float(np.log(places[which]))
+        if drops[k] > 0.0 and gain > best:
+            best, found = gain, Jump(i, k, [], np.zeros(0), places[which], alone=which == 1)
+            column = np.zeros(len(value))
+            column[rows[i]] = columns(k)
+    alone = tangent.left(column)
+    height = float(alone @ missed) / max(float(alone @ alone), SMALLEST)
+    moved = tangent.step(value - height * column)
+    left = [value - by_theta @ moved for value, by_theta in residuals]
+    if best > -np.inf:
+        moves = slice(found.row, found.row + 1 if found.alone else None)
+        left[found.number][moves] -= height * np.asarray(weights[found.number])[moves]
+    return found._replace(left=left, moved=-moved)
+
+
+def _strays(
+    weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
+) -> tuple[Real, Callable[[int], Real]]:
+    """By how much the sum of squares of a test falls without each of the samples (m,) at its ends.
+
+    And the whitened column (m,) of one of them. Of the others their neighbours tell.
+    """
+    count, drops = len(weight), np.zeros(len(weight))
+
+    def column(k: int) -> Real:
+        return scatter.whitened(weight * (np.arange(count) == k))
+
+    for k in {*range(min(ENDS, count)), *range(max(count - ENDS, 0), count)}:
+        one = column(k)
+        left = one @ one - np.sum((basis.T @ one) ** 2)
+        if left > ALIKE * (one @ one):
+            drops[k] = (one @ missed) ** 2 / left
+    return drops, column
+
+
+def _jumps(
+    weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
+) -> tuple[Real, Callable[[int], Real]]:
+    """By how much the sum of squares of a test falls with a jump before each sample (m,).
+
+    And the whitened column (m,) of one of them.
+    """
+    # Behind a jump each sample differs from its forerunner by as much as before: only the noise's
+    # memory is left of it.
+    after, at = scatter.whitened(weight), weight / scatter.size
+    at[1:] /= np.sqrt(1.0 - scatter.memory**2)
+    fall = _from_each(at, after, missed[:, None])[:, 0]
+    taken = _from_each(at, after, basis)
+    alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
+    left = alone - np.sum(taken**2, axis=1)
+    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, SMALLEST), 0.0)
+    edge = edge_of(len(drops))
+    drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0
+
+    def column(k: int) -> Real:
+        return np.concatenate([np.zeros(k), at[k : k + 1], after[k + 1 :]])
+
+    return drops, column
+
+
+def _from_each(at: Real, after: Real, columns: Real) -> Real:
+    """Products (m, c) of a whitened jump before each sample with columns (m, c)."""
+    later = np.cumsum((after[:, None] * columns)[::-1], axis=0)[::-1]
+    return np.asarray(at[:, None] * columns + np.vstack([later[1:], 0.0 * later[:1]]), dtype=float)
 
 
 class Slip(NamedTuple):

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.distributions import student
+from springpot.distributions import ends_of_draws, student
 from springpot.identification.fitting import RESAMPLES
 from springpot.identification.intervals import Path, Profile, beside_endless
-from springpot.identification.leastsquares import Rows, levenberg_marquardt
+from springpot.identification.leastsquares import Evaluate, Rows, levenberg_marquardt, one_by_one
 from springpot.identification.result import Identification
 from springpot.identification.value import LOST
 from springpot.rheology.points import Real
@@ -104,10 +104,10 @@ class _Valley:
         value, slopes = self.search.guarded(self.parts, u, False)
         return value * self.weight, slopes * self.weight
 
-    def evaluate(self, u: Real, rows: Rows) -> tuple[Real, Real]:
-        """The same at many places (k, p)."""
-        pairs = [self.at(one) for one in u]
-        return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
+    @property
+    def evaluate(self) -> Evaluate:
+        """The same at many places."""
+        return one_by_one(self.at)
 
     @property
     def quantile(self) -> float:
@@ -125,9 +125,8 @@ class _Valley:
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
         quantile = self.quantile
-        low, high = self.search.coordinates.bounds
         # By fixed exponentials the bottom lies a little aside.
-        best = levenberg_marquardt(self.evaluate, self.u[None], low, high)
+        best = levenberg_marquardt(self.evaluate, self.u[None], *self.search.coordinates.bounds)
         u, cost = best.u[0], float(best.cost[0])
         return [
             path.profile(self._step(result, path.i, quantile), cost, quantile**2)
@@ -141,8 +140,8 @@ class _Valley:
         )[:, i]
         return float(0.5 * (high - low) / quantile)
 
-    def simulated(self, rng: np.random.Generator) -> tuple[Real, Real]:
-        """Quantiles (p,) of fits to tests as the model would have given them, with their noise."""
+    def simulated(self, rng: np.random.Generator) -> Real:
+        """Quantiles (2, p) of fits to tests that the model has given, with their noise."""
         whole, _ = self.at(self.u)
         # Of a test that the model foretells, the residual is that of its noise alone.
         drawn = rng.standard_normal((RESAMPLES, len(whole)))
@@ -151,13 +150,6 @@ class _Valley:
             value, slopes = self.evaluate(u, rows)
             return value - whole - drawn[rows], slopes
 
-        low, high = self.search.coordinates.bounds
         starts = np.tile(self.u, (RESAMPLES, 1))
-        shape = starts.shape
-        fits = levenberg_marquardt(
-            evaluate, starts, np.broadcast_to(low, shape), np.broadcast_to(high, shape)
-        )
-        theta = np.array([self.search.theta(u) for u in fits.u])
-        tail = 50.0 * (1.0 - INTERVAL)
-        below, above = np.percentile(theta, [tail, 100.0 - tail], axis=0)
-        return below, above
+        fits = levenberg_marquardt(evaluate, starts, *self.search.coordinates.bounds)
+        return ends_of_draws(np.array([self.search.theta(u) for u in fits.u]), INTERVAL)

@@ -18,6 +18,7 @@ from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
 from springpot.memory import worth_of
+from springpot.misfit.residual_scatter import ResidualScatter, times_noise
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -25,7 +26,6 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .residuals_of_tests import InTimePart, Test, TestPart
-from .scatter import ResidualScatter, times_noise
 
 APART = 16
 """Samples between two of the kicks that are tried, in turn up and down."""

@@ -13,7 +13,7 @@ import numpy as np
 from springpot.distributions import student
 from springpot.errors import SpringpotError
 from springpot.identification.intervals import FAR, inverse_of
-from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
+from springpot.identification.leastsquares import Solution, levenberg_marquardt, one_by_one
 from springpot.identification.material import is_material
 from springpot.identification.native import NEAR
 from springpot.identification.result import Identification
@@ -278,25 +278,13 @@ class TimeSearch:
     def _descend(
         self, parts: Sequence[TestPart], starts: Real, coarse: bool, iterations: int, damping: float
     ) -> Solution:
-        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
-            # One start after another: the parts of a test share no shape that could be stacked.
-            pairs = [self.guarded(parts, one, coarse) for one in u]
-            return np.stack([value for value, _ in pairs]), np.stack(
-                [slopes for _, slopes in pairs]
-            )
-
-        low, high = self.coordinates.bounds
-        shape, flat = starts.shape, FLAT_SHAPES
-        if coarse:
-            flat = ROUGHLY
         return levenberg_marquardt(
-            evaluate,
+            one_by_one(lambda u: self.guarded(parts, u, coarse)),
             starts,
-            np.broadcast_to(low, shape),
-            np.broadcast_to(high, shape),
+            *self.coordinates.bounds,
             iterations=iterations,
             damping=damping,
-            flat=flat,
+            flat=ROUGHLY if coarse else FLAT_SHAPES,
         )
 
     def guarded(self, parts: Sequence[TestPart], u: Real, coarse: bool) -> tuple[Real, Real]:

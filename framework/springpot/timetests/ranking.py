@@ -18,8 +18,9 @@ from springpot.errors import DataError, SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import together
 from springpot.misfit.error import Error
-from springpot.misfit.frame import chance_of_squares
+from springpot.misfit.frame import is_beyond_noise
 from springpot.misfit.material import any_material, effects_of, material_floors
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.plain_data import alive
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
@@ -32,7 +33,6 @@ from .fitting import identify
 from .floor import TimeFloor, material_floor
 from .left import Left, delta_bic, gain_of, independent
 from .residuals_of_tests import Test, TestPart, parts_of_specimen
-from .scatter import ResidualScatter
 from .verdict import TimeCase, error_of
 
 
@@ -129,9 +129,7 @@ class RankedInTime:
 
         Of few samples no test of their own sees it: they may be noise with any memory.
         """
-        ratio, dof = self.error.over_floor, max(self.dof, 1.0)
-        chance = chance_of_squares(ratio**2 * dof, dof, self.noise_dof)
-        return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
+        return is_beyond_noise(self.error.over_floor, max(self.dof, 1.0), self.noise_dof)
 
     @property
     def hardly_known(self) -> bool:

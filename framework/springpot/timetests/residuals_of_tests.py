@@ -1,9 +1,4 @@
-"""Tests of one specimen as residuals: each over its own noise, all with the same parameters.
-
-Where in the parameters of an effect to look.
-
-Values that the units suggest, for sizes and times of the tests.
-"""
+"""Tests of one specimen as residuals: each over its own noise, all with the same parameters."""
 
 from __future__ import annotations
 
@@ -24,8 +19,16 @@ from springpot.measurement.other_test import OtherTest
 from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
-from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
+from springpot.measurement.units import Units, one_modulus
 from springpot.memory import samples_of_one
+from springpot.misfit.residual_scatter import (
+    FEWEST,
+    Imposed,
+    ResidualScatter,
+    scatter_of,
+    scatter_of_record,
+    scatter_of_sweep,
+)
 from springpot.misfit.where import Where
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
@@ -33,9 +36,7 @@ from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .recording import recorded, spread
-from .scatter import FEWEST, ResidualScatter, scatter_of, scatter_of_record, scatter_of_sweep
 from .start import apparent
-from .traces_of_motion import Imposed
 from .where import places, places_in_sweep
 
 COARSE = 60
@@ -608,7 +609,7 @@ def parts_of_specimen(
     if noise is None:
         noise = [None] * len(tests)
     units = units_of(tests)
-    alike = [_in_units(test, units) for test in tests]
+    alike = [test.in_units(units) for test in tests]
     pairs = list(zip(alike, noise, strict=True))
     unknown = [test for test, own in pairs if own is None and isinstance(test, TimeTest)]
     together = _told_together(tuple(unknown))
@@ -656,25 +657,6 @@ def _complex(both: Real) -> Complex:
     """Real parts and then imaginary ones (2 n,) as complex numbers (n,)."""
     real, imag = np.split(both, 2)
     return np.asarray(real + 1j * imag, dtype=np.complex128)
-
-
-def _in_units(sweep: Test, units: Units) -> Test:
-    """A test in the units of another."""
-    if not isinstance(sweep, Measurement):
-        return sweep.in_units(units)
-    stiffer = sweep.units.factor_to(units, sweep.name, "the other test")
-    conditions = dict(sweep.conditions)
-    if "amplitude" in conditions:
-        longer = AMPLITUDE_UNITS[sweep.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
-        conditions["amplitude"] = conditions["amplitude"] * longer
-    sd = sweep.sd
-    if sd is not None:
-        sd = sd * stiffer
-    # Frequencies are told as the sweep's own file tells them.
-    told = replace(units, clock=sweep.units.clock, letter=sweep.units.letter)
-    return replace(
-        sweep, stiffness=sweep.stiffness * stiffer, sd=sd, conditions=conditions, units=told
-    )
 
 
 def units_of(tests: Sequence[Test]) -> Units:

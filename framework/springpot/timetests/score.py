@@ -28,12 +28,12 @@ from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.nonlinear import Law
 from springpot.rheology.points import Complex, Points, Real
 
-from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
 from .left import Atom, Promise
 from .recording import Clock, at_loading, is_eased, reached, recorded
 from .residuals_of_tests import Residual, TestPart
-from .specimen import MOST, Scales, stepped, tries_of
+from .specimen import MOST, Scales, Tangent, stepped, tries_of
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -76,13 +76,7 @@ class TimeScan:
         # A parameter that its bound holds takes nothing over: it would have to go below.
         held = (self.theta <= self.model.box[0]) & (slopes.T @ self.residual > 0.0)
         slopes = np.where(held, 0.0, slopes)
-        size = np.linalg.norm(slopes, axis=0)
-        # A parameter that changes nothing in these tests has a column of nothing.
-        self.size = np.where(size > 0.0, size, 1.0)
-        # By singular values: parameters that these tests cannot tell apart have no plain inverse.
-        u, s, v = np.linalg.svd(slopes / self.size, full_matrices=False)
-        good = s > ALIKE * s.max(initial=0.0)
-        self.taken, self._back = u[:, good], (v[good].T / s[good]) / self.size[:, None]
+        self.tangent = Tangent.of(slopes)
 
     def promises(self, effects: Iterable[Effect]) -> dict[str, list[Promise]]:
         """For each effect its promises, the best first.
@@ -113,11 +107,11 @@ class TimeScan:
         given = columns
         whole = np.linalg.norm(columns, axis=0)
         # Only what the model's own parameters cannot take over speaks for an effect.
-        columns = columns - self.taken @ (self.taken.T @ columns)
+        columns = self.tangent.left(columns)
         left = np.linalg.norm(columns, axis=0)
         # Nothing where the fit has come to rest; where it has not, what is left to its own
         # parameters is no effect's.
-        missed = self.residual - self.taken @ (self.taken.T @ self.residual)
+        missed = self.tangent.left(self.residual)
         fall, before = -columns.T @ missed, float(missed @ missed)
         promises: dict[str, list[Promise]] = {}
         for k, atom in enumerate(atoms):
@@ -146,7 +140,7 @@ class TimeScan:
 
     def _stepped(self, residual: Real) -> Real:
         """The model's own parameters after the linear step that such a residual asks for."""
-        return stepped(self.model, self.theta, -self._back @ (self.taken.T @ residual))
+        return stepped(self.model, self.theta, -self.tangent.step(residual))
 
     def _atoms(self, effect: Effect) -> list[Atom]:
         if effect.of_test:

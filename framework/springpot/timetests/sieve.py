@@ -14,6 +14,7 @@ from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.memory import worth_of
+from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
@@ -23,7 +24,6 @@ from .exponentials import UnfollowedError
 from .left import AskedTests, Left, Promise, Tried, delta_bic, independent, plain_bic
 from .material import UntoldError
 from .native import TimeSearch
-from .scatter import ResidualScatter
 from .score import TimeScan
 from .temperatures import is_law
 

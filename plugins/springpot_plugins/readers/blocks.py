@@ -10,6 +10,7 @@ from functools import cached_property
 from springpot.errors import DataError
 from springpot.measurement import FORCE_UNITS, LENGTH_UNITS, MOST_TABLES, normal_unit
 
+from .cleaning import unit_behind
 from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI, names_a_modulus
@@ -241,12 +242,12 @@ def _goes_on(
 ) -> bool:
     """Whether a row of numbers belongs to the names of the last table.
 
-    Lines of one cell, one or two, may stand between.
+    One or two lines of words may stand between, such as a temperature or the head of a page.
     """
     return (
         bool(blocks)
         and 0 < len(above) <= _STACKED
-        and all(sum(map(bool, line)) == 1 for line in above)
+        and not any(map(is_data, above))
         and is_data(rows[i])
         and len(rows[i]) == len(blocks[-1].rows[0])
         and not rows[i][0].strip().startswith(COMMENT)
@@ -281,9 +282,16 @@ def is_data(row: Sequence[str]) -> bool:
     return words <= numbers
 
 
+def _with_units(row: Sequence[str]) -> bool:
+    """Whether all cells are numbers with their units, ``1.5 mm``, or without any."""
+    filled = [cell for cell in row if cell.strip() not in MISSING]
+    return len(filled) > 1 and all(holds_number(cell) or unit_behind(cell) for cell in filled)
+
+
 def _first_row(rows: Sequence[Sequence[str]], i: int, words: Vocabulary) -> int | None:
     for j in range(i + 1, min(i + 2 + _UNITS_WITHIN, len(rows))):
-        if is_data(rows[j]) and not rows[j][0].strip().startswith(COMMENT):
+        measured = is_data(rows[j]) or _with_units(rows[j])
+        if measured and not rows[j][0].strip().startswith(COMMENT):
             return j
         if is_header(rows[j], words) and not units_in(rows[j]):
             return None
@@ -293,18 +301,20 @@ def _first_row(rows: Sequence[Sequence[str]], i: int, words: Vocabulary) -> int 
 def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -> int:
     """Behind the last row of a table: rows of one width whose first number is one go quickly."""
     width = len(rows[start])
-    key = next(k for k, cell in enumerate(rows[start]) if holds_number(cell))
+    key = next((k for k, cell in enumerate(rows[start]) if holds_number(cell)), 0)
     for j in range(start + 1, len(rows)):
         row = rows[j]
         # Nearly all rows go by this quick test; those that it does not know are looked at closely.
         if len(row) == width and row[0][-1:] != ":" and _is_plain(row[key]):
             continue
-        if is_data(row) and not _ends(row):
+        if (is_data(row) or _with_units(row)) and not _ends(row):
             continue
         if (
             len(row) == width
             and width > 1
             and any(holds_number(cell) for cell in row)
+            # Words where the numbers began are a line of a report, such as the head of a page.
+            and (holds_number(row[key]) or row[key].strip() in MISSING)
             and not _ends(row)
         ):
             continue

@@ -17,9 +17,11 @@ from springpot.errors import DataError
 from springpot.measurement import (
     ANGLE_UNITS,
     FORCE_UNITS,
+    FREQUENCY_UNITS,
     LENGTH_UNITS,
     PRESSURE_UNITS,
     STRAIN_UNITS,
+    TEMPERATURE_UNITS,
     TIME_UNITS,
     TORQUE_UNITS,
     Choice,
@@ -93,6 +95,7 @@ _FEW = {
 """Units that a page offers for a column that it asks for: those that test machines write."""
 _EXAMPLE = {"time": "s", "displacement": "mm", "force": "N"}
 _ANY = {unit for table in UNITS.values() for unit in table}
+_OF_A_SWEEP = {*FREQUENCY_UNITS, *TEMPERATURE_UNITS}
 _OF = {fold(name): channel for channel, names in reversed(NAMES.items()) for name in names}
 _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(names)}
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
@@ -193,8 +196,13 @@ def _channel(title: str) -> tuple[str | None, str | None, str]:
 
 
 def found_in(titles: Sequence[str]) -> set[str]:
-    """The channels that titles name."""
-    return {channel for title in titles if (channel := channel_of(title)[0]) is not None}
+    """The channels that titles name; ``f (Hz)`` is no force, and ``T (°C)`` no time."""
+    named = [channel_of(title)[:2] for title in titles]
+    return {
+        channel
+        for channel, unit in named
+        if channel is not None and normal_unit(unit or "") not in _OF_A_SWEEP
+    }
 
 
 @dataclass(frozen=True)

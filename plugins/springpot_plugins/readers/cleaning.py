@@ -63,10 +63,9 @@ def with_unit_of_cells(column: Column) -> Column:
     Others as they are.
     """
     first = next((cell for cell in column.cells if cell.strip() not in MISSING), "")
-    match = _WITH_UNIT.match(first)
-    if match is None or not is_unit(match[1]):
+    behind = unit_behind(first)
+    if not behind:
         return column
-    behind = match[1].strip()
     cells = [cell.strip() for cell in column.cells]
     if column.unit not in (None, normal_unit(behind)) or not all(
         cell.endswith(behind) or cell in MISSING for cell in cells
@@ -77,6 +76,12 @@ def with_unit_of_cells(column: Column) -> Column:
         unit=normal_unit(behind),
         cells=[cell.removesuffix(behind).rstrip() for cell in cells],
     )
+
+
+def unit_behind(cell: str) -> str:
+    """The unit behind a number, as in ``23 °C``; empty where there is none."""
+    match = _WITH_UNIT.match(cell)
+    return match[1].strip() if match is not None and is_unit(match[1]) else ""
 
 
 def _present(column: Column) -> NDArray[np.bool_]:

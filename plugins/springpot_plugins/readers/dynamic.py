@@ -16,6 +16,7 @@ from typing import TypeAlias
 from springpot.errors import DataError
 from springpot.measurement import (
     FILE_UNITS,
+    PRESSURE_UNITS,
     Choice,
     Measurement,
     OpenQuestion,
@@ -403,10 +404,19 @@ def _is_near(one: str, two: str) -> bool:
 def spare_note(
     used: Mapping[str, Column], columns: Sequence[Column], values: Collection[str]
 ) -> dict[str, str]:
-    """What else is there in one unit of a measured quantity of which one column is taken."""
+    """What else is there of a measured quantity of which one column is taken.
+
+    In the same unit it is another sensor's, and a modulus beside a stiffness the same of the
+    material; in another unit of one kind it is the chosen column once more.
+    """
     told = []
     for role, column in used.items():
-        alike = (each for each in columns if (each.name, each.unit) == (role, column.unit))
+        alike = (
+            each
+            for each in columns
+            if each.name == role
+            and (each.unit == column.unit or _is_pressure(each) != _is_pressure(column))
+        )
         others = [
             f"'{each.title}'" for each in alike if each.cells != column.cells and not is_blank(each)
         ]
@@ -415,6 +425,10 @@ def spare_note(
     if not told:
         return {}
     return {"note spare columns": "; ".join(told)}
+
+
+def _is_pressure(column: Column) -> bool:
+    return column.unit in PRESSURE_UNITS
 
 
 def _named(columns: Sequence[Column], name: str) -> Column | None:

@@ -164,7 +164,11 @@ def unquoted(cell: str) -> str:
 
 
 def _rejoined(titles: list[str], names: Sequence[str], width: int, words: Vocabulary) -> list[str]:
-    """Names with spaces in a file separated by spaces: joined where only the whole is known."""
+    """Names with spaces in a file separated by spaces: joined where only the whole is known.
+
+    What a bracket opens is one name in any case, if it closes.
+    """
+    titles = _bracketed(titles)
     while width < len(titles) < min(4 * width + 8, _MOST_JOINED):
         known = [bool(words.heading(title).role) for title in titles]
         pairs = [
@@ -185,6 +189,19 @@ def _rejoined(titles: list[str], names: Sequence[str], width: int, words: Vocabu
         i = pairs[0]
         titles[i : i + 2] = [" ".join(titles[i : i + 2])]
     return titles
+
+
+def _bracketed(titles: Sequence[str]) -> list[str]:
+    """The titles, those from one that opens a bracket to the one that closes it as one."""
+    made: list[str] = []
+    begun = 0
+    for i, title in enumerate(titles):
+        made.append(title)
+        whole = " ".join(titles[begun : i + 1])
+        if all(whole.count(a) == whole.count(b) for a, b in ("()", "[]")):
+            made[len(made) - (i + 1 - begun) :] = [whole]
+            begun = i + 1
+    return made
 
 
 def units_in(row: Sequence[str], width: int = 0) -> list[str]:

@@ -163,7 +163,7 @@ _WORDS = {
         strainamp amplitude amp peakamplitude amplitudepeak x0 dynamicamplitude dynamicdisplacement
         displacementamplitude dispamplitude dispamp displacementamp 両振幅 全振幅 dynamicstrain
         straindyn dynstrain shearstrain strain γ0 gamma0 γ ɣ gamma %strain strainγ ga
-        amplitudededeformation
+        amplitudededeformation ddyn xdyn
         deformationdecisaillement deformation scherdeformation deformationsamplitude dehnung
         dehnungsamplitude wegamplitude amplituddedeformacion deformaciondecizalla
         deformacionporcizalla deformacion amplitud ampiezza deformazioneditaglio deformazione

@@ -11,10 +11,11 @@ from typing import IO
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import TIME_UNITS
+from springpot.measurement import TIME_UNITS, normal_unit
 from springpot.rheology import Real
 
 from .channels import Places
+from .cleaning import unit_behind
 from .clock import seconds_of
 from .grid import MISSING, is_number
 from .signal_layout import Layout
@@ -145,7 +146,8 @@ class Rows:
             parts = bare.split()
         cells = [cell.strip().strip('"') for cell in parts]
         cells += [""] * (max(self.places.columns) + 1 - len(cells))
-        return [cells[place] for place in self.places.columns]
+        channels = zip(self.places.columns, self.places.units, strict=True)
+        return [_bare(cells[place], unit) for place, unit in channels]
 
     def _is_behind(self, cells: list[str], raw: str) -> bool:
         """Whether a line is of words: no time in it, at most one number where the channels are."""
@@ -175,3 +177,9 @@ class Rows:
             raise DataError(
                 f"line {number}, column '{self.layout.titles[place]}': '{cell:.30}' is no number"
             ) from None
+
+
+def _bare(cell: str, unit: str) -> str:
+    """A cell without the unit of its column, which may stand behind each number: ``1.5 mm``."""
+    behind = unit_behind(cell)
+    return cell.removesuffix(behind).rstrip() if normal_unit(behind) == unit else cell

@@ -20,6 +20,7 @@ from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
 
 from .channels import UNITS, Places, channel_of, found_in, places_of, signals_from
+from .cleaning import unit_behind
 from .clock import sample_rate, seconds_of
 from .signal_layout import Layout, layout_of
 from .signal_rows import Rows
@@ -89,7 +90,7 @@ def _signals_in(
 ) -> Signals:
     """The signals in a text that begins with `head`."""
     layout = layout_of(head)
-    titles, units = _with_clock(layout)
+    titles, units = _with_units_of_cells(layout)
     rate, choice = sample_rate(choice, head, titles)
     if rate is not None:
         # No column of the file: it is counted below, and stands in for one here.
@@ -110,13 +111,17 @@ def _signals_in(
     return signals_from(channels, final, path, origin)
 
 
-def _with_clock(layout: Layout) -> tuple[list[str], list[str]]:
-    """Names and units of the columns, with those of timestamps in seconds whatever they say."""
+def _with_units_of_cells(layout: Layout) -> tuple[list[str], list[str]]:
+    """Names and units of the columns, those that stand in the cells as well: ``1.5 mm``.
+
+    Timestamps are in seconds whatever their names say.
+    """
     titles = list(layout.titles)
     units = [*layout.units, *[""] * (len(titles) - len(layout.units))]
     for i, cell in enumerate(layout.first[: len(titles)]):
         if seconds_of(cell) is not None:
             titles[i], units[i] = channel_of(titles[i])[2], "s"
+        units[i] = units[i] or unit_behind(cell)
     return titles, units
 
 

@@ -377,13 +377,13 @@ def _in_parentheses(title: str) -> Heading | None:
 
 
 def _after_sign(title: str) -> Heading | None:
-    """``Storage modulus / Pa``, ``Frequenz in Hz``, ``Frequency, Hz`` and ``T °C``."""
+    """``Storage modulus / Pa``, ``Frequenz in Hz``, ``Frequency, Hz``, ``K / dB re 1 N/m``."""
     # From the right: the shortest rest that is a unit leaves the longest name.
     for place in [i for i in range(len(title) - 1, 0, -1) if title[i] in " /,"][:8]:
         stem, unit = title[:place].rstrip(" /,"), unbracketed(title[place + 1 :].strip())
         stem = re.sub(r"\s+(?:in|en)$", "", stem)
         role = role_of(stem) or _stem_role(stem)
-        if role is not None and unit and is_unit(unit):
+        if role is not None and unit and (is_unit(unit) or decibel_of(unit)):
             return Heading(title, stem, role, unit)
     return None
 

@@ -79,6 +79,13 @@ def test_a_second_sensor_is_told(tmp_path):
     assert told == "storage is 'G' [Pa]', not 'G' [Pa]'"
 
 
+def test_a_modulus_beside_a_stiffness_is_told(tmp_path):
+    names = "f [Hz],K' [N/mm],K'' [N/mm],E' [MPa],E'' [MPa],K' [N/m]"
+    path = put(tmp_path, names, TIME, MODULUS, PULLED, MOVED, MOVED, TIME)
+    told = open_measurement(path).provenance["note spare columns"]
+    assert told == "storage is 'K' [N/mm]', not 'E' [MPa]'; loss is 'K'' [N/mm]', not 'E'' [MPa]'"
+
+
 def test_one_row_of_numbers_is_not_both_hertz_and_radians(tmp_path):
     path = put(tmp_path, "f [Hz],omega [rad/s],G' [Pa],G'' [Pa]", TIME, TIME, MODULUS, PULLED)
     says, hints = asked(path, open_measurement)
@@ -181,3 +188,41 @@ def test_what_is_offered_for_curves_side_by_side_opens_all_of_them(tmp_path):
     one = open_measurement(f"{path}?2=storage[MPa],3=loss[MPa]")
     assert one.stiffness.real.tolist() == list(MODULUS)
     assert "of which number 2 is taken" in one.provenance["note columns"]
+
+
+@pytest.mark.parametrize("again", ["Page 2 Lab report\n", "f[Hz] G'[kPa] G\"[kPa] T[C]\n", ""])
+def test_the_head_of_a_page_within_a_table_loses_nothing(tmp_path, again):
+    names, pages = "Page 1 Lab report\nf[Hz] G'[kPa] G\"[kPa] T[C]\n", "Page 2 Lab report\n"
+    first, second, third = (rows((f, f), (9, 8), (4, 3), (20, 20)) for f in (1, 2, 4))
+    text = f"{names}{first}\n{pages}{again}{second}\n{again or pages}{names}{third}\n"
+    path = put(tmp_path, text.replace(",", " "))
+    assert np.unique(open_measurement(path).frequency).tolist() == [1.0, 2.0, 4.0]
+
+
+def test_frequency_and_temperature_by_their_letters_are_no_channels_of_a_record(tmp_path):
+    names = "f(Hz),T(°C),Ddyn(m),Fdyn(N),K(N/m),phase(°)"
+    path = put(tmp_path, names, TIME, PULLED, MOVED, MODULUS, MODULUS, PULLED)
+    found = open_measurement(path)
+    np.testing.assert_allclose(np.abs(found.stiffness), np.divide(MODULUS, MOVED))
+    assert found.conditions["amplitude"].tolist() == list(MOVED)
+    said = open_measurement(f"{path}?K=magnitude")
+    np.testing.assert_allclose(np.abs(said.stiffness), MODULUS)
+
+
+def test_units_behind_each_number_of_a_record_are_read(tmp_path):
+    moved, pulled = ([f"{x} {unit}" for x in xs] for xs, unit in ((MOVED, "mm"), (PULLED, "N")))
+    path = put(tmp_path, "Time [s],Disp,Force", TIME, moved, pulled)
+    [test] = open_in_time(path)
+    assert test.response.tolist() == list(PULLED)
+    swept = put(tmp_path, "f,G',G''", [f"{f} Hz" for f in TIME], pulled, pulled)
+    swept.write_text(swept.read_text(encoding="utf-8").replace(" N", " kPa"), encoding="utf-8")
+    assert open_measurement(swept).frequency.tolist() == list(TIME)
+    mixed = put(tmp_path, "Time [s],Disp,Force [kN]", TIME, moved, pulled)
+    with pytest.raises(DataError, match=r"'30.0 N' is no number"):
+        open_in_time(mixed)
+
+
+def test_a_title_with_single_blanks_between_blanks_is_one(tmp_path):
+    names = "f/Hz   |K|/dB(re 1 N/m)   phi/deg"
+    path = put(tmp_path, f"{names}\n 1  40  45\n 2  60  45")
+    np.testing.assert_allclose(np.abs(open_measurement(path).stiffness), [100.0, 1000.0])

@@ -11,31 +11,36 @@ of the cosine transform, which fades no sample: what is missed at an end counts 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import chi2_sf, f_sf, gamma_sf, normal_sf
 from springpot.measurement.hum import WIDE
+from springpot.measurement.imposed import imposed_noise
+from springpot.measurement.rounding import digit_of, is_even
+from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
+from springpot.measurement.timetest import TimeTest
 from springpot.memory import forgetting, spectrum_of, worth_of
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST
-from .colour import (
+from ..numerics import DEVIATIONS, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST, non_negative
+from .coloured_noise import (
+    FEWEST as FEWEST_OF_COLOUR,
     SLOWEST,
     UPPER,
     Colour,
     colour_of,
+    fisher_test,
     frequencies,
-    of_a_ripple,
     transformed,
 )
-from .traces_of_motion import Imposed, repeated, with_the_motion
+from .frame import chance_of_squares
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -68,6 +73,13 @@ EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 LEVEL = 4
 """Samples on either side of a jump at least: two that are off by chance are none yet."""
+WORTH = 0.15
+"""Share of the samples that the median of their differences is worth: by 600 simulated channels of
+100 to 3,000."""
+FEWEST_OF_NOISE = 100
+"""Samples below which the noise of a channel is not told."""
+HEARD = 0.05
+"""Share of the response's own noise below which nobody hears it."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +136,8 @@ class ResidualScatter:
         The size is hardly known better than from a record as long as this one.
         """
         count = min(each.independent_squares(len(residual)) for each in (self, other))
-        return _chance(times_noise(residual, self.size) ** 2, count, min(self.worth, count))
+        squares = count * times_noise(residual, self.size) ** 2
+        return chance_of_squares(squares, count, min(self.worth, count))
 
     def independent_squares(self, count: int) -> float:
         """So many of the squares of `count` samples are independent (Satterthwaite 1946)."""
@@ -186,17 +199,18 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     ResidualScatter
         Of few samples: white noise of the presumed size.
     """
-    residual = residual[_scattered(residual)]
+    residual = residual[_unrepeated(residual)]
     n = len(residual)
     if n < FEWEST:
         worth = max(0.5 * MEDIAN_WORTH * n, worth)
-        return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
+        chance = chance_of_squares(float(residual @ residual), n, worth)
+        return ResidualScatter(1.0, 0.0, 0.0, chance, worth)
     power, omega = powers(residual)
     alone, above = _fitted(power), _fitted(power, upper=True)
     # Three stories: noise alone at all frequencies, noise above and something smooth below, or
     # noise and one jump. The likeliest one is believed.
-    excess = 2.0 * max(_of_what_is_smooth(residual), _of_a_jump(residual))
-    found = ResidualScatter(*alone, excess - usual, _local(residual, above[1]))
+    excess = 2.0 * max(_gain_of_smooth_misfit(residual), _gain_of_jump(residual))
+    found = ResidualScatter(*alone, excess - usual, _chance_of_worst_part(residual, above[1]))
     if found.doubtful:
         colour = _colour_beside(residual, power, spectrum_of(omega, *above))
         # Another colour may excuse what a memory does not, and accuses of nothing.
@@ -238,9 +252,9 @@ def scatter_of_record(
     if not (imposed.coarse or found.misfit):
         found = _beside_lines(residual, found, imposed.period, worth, followed)
     if power > 0.0 and imposed.period[1]:
-        chance, rest = repeated(residual, imposed.period)
+        chance, rest = period_test(residual, imposed.period)
     elif imposed.powers and power > 0.0 and not found.misfit:
-        chance, rest = with_the_motion(residual, found.spectrum(len(residual)), imposed.powers)
+        chance, rest = motion_test(residual, found.spectrum(len(residual)), imposed.powers)
     if chance >= found.chance:
         return found
     # What goes with the motion is no noise: that is what does not.
@@ -255,8 +269,6 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     It must go on where the misfit may be, at least as well as the spectrum (n,) of a memory with
     whatever is beyond it there.
     """
-    from scipy.special import chdtr
-
     colour = colour_of(residual, MEMORIES)
     if colour is None:
         return None
@@ -266,10 +278,10 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     scale = float(np.mean(power[upper] / spectrum[upper]))
     # Where it is said to go on there is no less: but for the slowest, which a model has followed.
     below = power[SLOWEST // 4 : 2 * SLOWEST] / (scale * spectrum[SLOWEST // 4 : 2 * SLOWEST])
-    if chdtr(len(below), float(below.sum())) < HARDLY:
+    if 1.0 - chi2_sf(float(below.sum()), len(below)) < HARDLY:
         return None
     coloured, plain = (
-        _log_likelihood(power, noise) + _beyond(power / noise)
+        _log_likelihood(power, noise) + _gain_by_octaves(power / noise)
         for noise in (scale * spectrum, memory)
     )
     # What goes on where a misfit may be needs no size of its own for each octave there.
@@ -289,8 +301,8 @@ def _coloured(
     first = _log_likelihood(power, spectrum_of(omega, *_fitted(power)))
     # Where a first-order memory makes all of it likelier, that is the story without a misfit.
     alone = max(first - _log_likelihood(power, spectrum), 0.0)
-    smooth = _beyond(transformed(residual / rougher(residual)) ** 2 / spectrum)
-    excess = 2.0 * (max(smooth, _of_a_jump(white)) - alone) - usual
+    smooth = _gain_by_octaves(transformed(residual / rougher(residual)) ** 2 / spectrum)
+    excess = 2.0 * (max(smooth, _gain_of_jump(white)) - alone) - usual
     # What is missed in one part of a record is no noise of all of it.
     found = replace(plain, excess=excess, colour=colour)
     if not found.misfit:
@@ -310,8 +322,6 @@ def scatter_of_sweep(residual: Real, known: bool, followed: float = 0.0) -> Resi
     neighbours that are missed alike (Durbin & Watson 1950, doi:10.1093/biomet/37.3-4.409), and by
     one period that holds most of it.
     """
-    from scipy.special import ndtr
-
     halves, count = residual.reshape(2, -1), len(residual)
     power = float(residual @ residual) / count
     apart, worth = 1.0, 0.5 * MEDIAN_WORTH * count
@@ -322,10 +332,11 @@ def scatter_of_sweep(residual: Real, known: bool, followed: float = 0.0) -> Resi
     if known:
         worth = np.inf
     alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, SMALLEST)
-    smooth = float(ndtr(-alike * np.sqrt(count)))
+    smooth = float(normal_sf(alike * np.sqrt(count)))
     # Three chances to be missed, of which the worst one is told.
-    ripple, _ = of_a_ripple(halves, followed=followed)
-    local = min(1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, ripple))
+    ripple, _ = fisher_test(halves, followed=followed)
+    large = chance_of_squares(count * power / apart**2, count, worth)
+    local = min(1.0, 3.0 * min(large, smooth, ripple))
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
         apart, worth = max(float(np.sqrt(power)), SMALLEST), np.inf
@@ -352,7 +363,7 @@ def _beside_lines(
         sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
     for _ in range(PARTS):
         white = transformed(transformed(rest) / size, back=True)
-        chance, line = of_a_ripple(white[None], sought, followed)
+        chance, line = fisher_test(white[None], sought, followed)
         if chance >= LOCAL:
             break
         first = min(first, chance)
@@ -374,11 +385,11 @@ def _beside_lines(
 
 def times_noise(residual: Real, size: float) -> float:
     """Root mean square of a residual over noise of that size, where there is noise."""
-    power = float(np.sum(residual**2)) / np.count_nonzero(_scattered(residual))
+    power = float(np.sum(residual**2)) / np.count_nonzero(_unrepeated(residual))
     return float(np.sqrt(power)) / size
 
 
-def _scattered(residual: Real) -> NDArray[np.bool_]:
+def _unrepeated(residual: Real) -> NDArray[np.bool_]:
     """Which samples do not repeat the one before to the last bit; all, where too few would be left.
 
     A channel at its limit carries no noise, and a model that knows the limit leaves the same number
@@ -402,7 +413,7 @@ def powers(residual: Real) -> tuple[Real, Real]:
     return transformed(residual) ** 2, frequencies(len(residual))
 
 
-def _of_what_is_smooth(residual: Real) -> float:
+def _gain_of_smooth_misfit(residual: Real) -> float:
     """By how much something smooth beside the noise is likelier than noise alone.
 
     It has a size for each octave below the upper part, and must earn them.
@@ -410,11 +421,11 @@ def _of_what_is_smooth(residual: Real) -> float:
     # Where the noise is plainly larger its slow part is too.
     power, omega = powers(residual / rougher(residual))
     noise = spectrum_of(omega, *_fitted(power, upper=True))
-    likely = _beyond(power / noise) + _log_likelihood(power, noise)
+    likely = _gain_by_octaves(power / noise) + _log_likelihood(power, noise)
     return likely - _log_likelihood(power, spectrum_of(omega, *_fitted(power)))
 
 
-def _beyond(ratio: Real) -> float:
+def _gain_by_octaves(ratio: Real) -> float:
     """By how much powers (n,) over those of noise are likelier with a size for each octave.
 
     Of the octaves below the upper part.
@@ -434,7 +445,7 @@ def _beyond(ratio: Real) -> float:
     return likely
 
 
-def _of_a_jump(residual: Real) -> float:
+def _gain_of_jump(residual: Real) -> float:
     """By how much one jump beside the noise is likelier than noise alone, its place chosen from n.
 
     A jump is what the mean of some samples differs by from that of as many before them: of what
@@ -442,9 +453,9 @@ def _of_a_jump(residual: Real) -> float:
     with a memory. Such means are Haar's wavelets at every place (Percival & Walden 2000,
     doi:10.1017/CBO9780511841040).
     """
-    even, n = _evened(residual), len(residual)
+    even, n = _standardised(residual), len(residual)
     sums = np.concatenate([[0.0], np.cumsum(even)])
-    taken, plainest, edge = even, 0.0, _edge(n)
+    taken, plainest, edge = even, 0.0, edge_of(n)
     for width in LEVEL * 2 ** np.arange(int(np.log2(n / LEVEL))):
         first = max(int(width), edge)
         middle = np.arange(first, n - first + 1)
@@ -462,144 +473,12 @@ def _of_a_jump(residual: Real) -> float:
     return likely[1] - likely[0] - float(np.log(n))
 
 
-class Jump(NamedTuple):
-    """What slips or lets go at one instant of one test, or a sample at an end that is off.
-
-    Attributes
-    ----------
-    number, row : int
-        Which test, and the first sample behind it, or the one that is off.
-    left : list of ndarray, shape (m,)
-        The residual of each test without it, the model having made way for it.
-    moved : ndarray, shape (p,)
-        By how much the parameters have.
-    places : int
-        At how many it might have been.
-    alone : bool
-        Whether only that sample is off.
-    """
-
-    number: int
-    row: int
-    left: list[Real]
-    moved: Real
-    places: int
-    alone: bool = False
-
-
-def likeliest_jump(
-    residuals: Sequence[tuple[Real, Real]],
-    weights: Sequence[Real | None],
-    noise: Sequence[ResidualScatter],
-) -> Jump:
-    """The jump beside a model that makes its tests likeliest.
-
-    Parameters
-    ----------
-    residuals : sequence of (ndarray (m,), ndarray (m, p))
-        Of each test over the noise of its signal, and their slopes by the parameters, which make
-        way for the jump.
-    weights : sequence of ndarray, shape (m,), or None
-        One over that noise; None for a test whose numbers do not follow one another in time.
-    noise : sequence of ResidualScatter
-        In the residuals.
-    """
-    # By its memory alone, which a jump at any place is brought to white by in one sweep.
-    noise = [replace(each, colour=None) for each in noise]
-    white = [each.whitened(value) for each, (value, _) in zip(noise, residuals, strict=True)]
-    slopes = [
-        np.column_stack([each.whitened(column) for column in by_theta.T])
-        for each, (_, by_theta) in zip(noise, residuals, strict=True)
-    ]
-    whole, value = np.concatenate(slopes), np.concatenate(white)
-    size = np.linalg.norm(whole, axis=0)
-    size[size == 0.0] = 1.0
-    basis, values, turn = np.linalg.svd(whole / size, full_matrices=False)
-    good = values > ALIKE * values.max(initial=0.0)
-    basis, turn = basis[:, good], (turn[good].T / values[good]) / size[:, None]
-    missed = value - basis @ (basis.T @ value)
-    rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
-    followed = [i for i, weight in enumerate(weights) if weight is not None]
-    places = sum(len(white[i]) for i in followed), 2 * ORDER * len(followed)
-    # None is better than one that is not there.
-    best, found, column = -np.inf, Jump(0, 0, [], np.zeros(0), places[0]), np.zeros(len(value))
-    for i, which in product(followed, (0, 1)):
-        told = np.asarray(weights[i]), noise[i], missed[rows[i]], basis[rows[i]]
-        drops, columns = (_jumps, _strays)[which](*told)
-        k = int(np.argmax(drops))
-        # The choice of its place costs as much as two numbers.
-        gain = float(drops[k]) - 2.0 * float(np.log(places[which]))
-        if drops[k] > 0.0 and gain > best:
-            best, found = gain, Jump(i, k, [], np.zeros(0), places[which], alone=which == 1)
-            column = np.zeros(len(value))
-            column[rows[i]] = columns(k)
-    alone = column - basis @ (basis.T @ column)
-    height = float(alone @ missed) / max(float(alone @ alone), SMALLEST)
-    moved = turn @ (basis.T @ (value - height * column))
-    left = [value - by_theta @ moved for value, by_theta in residuals]
-    if best > -np.inf:
-        moves = slice(found.row, found.row + 1 if found.alone else None)
-        left[found.number][moves] -= height * np.asarray(weights[found.number])[moves]
-    return found._replace(left=left, moved=-moved)
-
-
-def _strays(
-    weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
-) -> tuple[Real, Callable[[int], Real]]:
-    """By how much the sum of squares of a test falls without each of the samples (m,) at its ends.
-
-    And the whitened column (m,) of one of them. Of the others their neighbours tell.
-    """
-    count, drops = len(weight), np.zeros(len(weight))
-
-    def column(k: int) -> Real:
-        return scatter.whitened(weight * (np.arange(count) == k))
-
-    for k in {*range(min(ORDER, count)), *range(max(count - ORDER, 0), count)}:
-        one = column(k)
-        left = one @ one - np.sum((basis.T @ one) ** 2)
-        if left > ALIKE * (one @ one):
-            drops[k] = (one @ missed) ** 2 / left
-    return drops, column
-
-
-def _jumps(
-    weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
-) -> tuple[Real, Callable[[int], Real]]:
-    """By how much the sum of squares of a test falls with a jump before each sample (m,).
-
-    And the whitened column (m,) of one of them.
-    """
-    # Behind a jump each sample differs from its forerunner by as much as before: only the noise's
-    # memory is left of it.
-    after, at = scatter.whitened(weight), weight / scatter.size
-    at[1:] /= np.sqrt(1.0 - scatter.memory**2)
-    fall = _from_each(at, after, missed[:, None])[:, 0]
-    taken = _from_each(at, after, basis)
-    alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
-    left = alone - np.sum(taken**2, axis=1)
-    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, SMALLEST), 0.0)
-    edge = _edge(len(drops))
-    drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0
-
-    def column(k: int) -> Real:
-        return np.concatenate([np.zeros(k), at[k : k + 1], after[k + 1 :]])
-
-    return drops, column
-
-
-def _edge(n: int) -> int:
+def edge_of(n: int) -> int:
     """Samples at either end of n in which no jump is looked for.
 
     How a test began and ended has other causes.
     """
     return max(LEVEL, n // PARTS)
-
-
-def _from_each(at: Real, after: Real, columns: Real) -> Real:
-    """Products (m, c) of a whitened jump before each sample with columns (m, c)."""
-    later = np.cumsum((after[:, None] * columns)[::-1], axis=0)[::-1]
-    return np.asarray(at[:, None] * columns + np.vstack([later[1:], 0.0 * later[:1]]), dtype=float)
 
 
 def rougher(residual: Real) -> Real:
@@ -619,7 +498,7 @@ def rougher(residual: Real) -> Real:
     return np.where(around > ROUGHER * usual, around / usual, 1.0)
 
 
-def _evened(residual: Real) -> Real:
+def _standardised(residual: Real) -> Real:
     """A residual without what noise of one size and normal tails cannot do.
 
     Over its own size where neighbours differ plainly more than usual, and no sample is further off
@@ -657,7 +536,7 @@ def _log_likelihood(power: Real, spectrum: Real) -> float:
     return -0.5 * float(np.sum(np.log(spectrum) + power / spectrum))
 
 
-def _local(residual: Real, memory: float) -> float:
+def _chance_of_worst_part(residual: Real, memory: float) -> float:
     """Chance that noise alone makes the worst part so large, against the usual size of all."""
     white = residual[1:] - memory * residual[:-1]
     # Squares of neighbours are correlated by the square of their memory: so many of them are
@@ -665,16 +544,17 @@ def _local(residual: Real, memory: float) -> float:
     alike = worth_of(memory**2)
     # A short bump is smooth, and hardly there in what is new with each sample: so both are looked
     # at.
-    return min(1.0, 2.0 * _worst(white, 0.0, 1.0), 2.0 * _worst(residual, memory, alike))
+    return min(1.0, 2.0 * _worst_part(white, 0.0, 1.0), 2.0 * _worst_part(residual, memory, alike))
 
 
-def _worst(values: Real, memory: float, worth: float) -> float:
+def _worst_part(values: Real, memory: float, worth: float) -> float:
     """Chance of the worst part, where each sample is worth that share of an independent one."""
     usual = NORMAL * float(np.median(np.abs(values)))
     if usual == 0.0:
         return 1.0
     # The usual size is a median, and so as uncertain as that of fewer samples.
     count = worth * len(values)
+    of_part = count / PARTS
     chances = []
     for part in np.array_split(values / usual, PARTS):
         size = float(np.mean(part**2))
@@ -682,17 +562,174 @@ def _worst(values: Real, memory: float, worth: float) -> float:
         # is larger.
         bends = np.diff(part, 2)
         rough = float(bends @ bends) / max(len(bends), 1) / (6.0 - 8.0 * memory + 2.0 * memory**2)
-        chances.append(_chance(size, count / PARTS, MEDIAN_WORTH * count))
+        usual_worth = MEDIAN_WORTH * count
         if rough > 1.0:
-            chances[-1] = _chance(size / rough, count / PARTS, EFFICIENT * count / PARTS)
+            size, usual_worth = size / rough, EFFICIENT * of_part
+        chances.append(chance_of_squares(of_part * size, of_part, usual_worth))
     return PARTS * min(chances)
 
 
-def _chance(ratio: float, above: float, below: float) -> float:
-    """Chance that a ratio of two mean squares of so many samples each is larger (F test)."""
-    from scipy.special import chdtrc, fdtrc
+class Imposed(NamedTuple):
+    """What a channel that was imposed may leave its traces by in the noise of the other.
 
-    # Of a noise that is known the size alone is uncertain.
-    if np.isinf(below):
-        return float(chdtrc(above, above * ratio))
-    return float(fdtrc(above, max(below, 1.0), ratio))
+    Attributes
+    ----------
+    period : tuple of int
+        Of the motion; see `period_test`. None of an uneven one.
+    coarse : bool
+        Whether it has few values: what a model makes of their rounding has lines.
+    noise : float
+        Of the channel, as large as it may well be; zero where the response's own drowns it.
+    powers : tuple of ndarray
+        As of `powers_of`, of an uneven one alone.
+    """
+
+    period: tuple[int, int]
+    coarse: bool
+    noise: float
+    powers: tuple[Real, Real] | None
+
+    @classmethod
+    def of(cls, test: TimeTest, stiffness: float, sd: Real) -> Imposed:
+        """What was imposed in a test, whose response has noise (n,) of its own."""
+        value, count, even = test.loading.recorded.value, len(test.time), is_even(test.time)
+        noise, powers = 0.0, None
+        if even and len(value) >= FEWEST_OF_NOISE:
+            noise = _noise_above(test, stiffness, sd)
+        if test.kind == "history" and even and FEWEST_OF_COLOUR <= len(value) == count:
+            powers = powers_of(value, noise > 0.0)
+        return cls(cycles_of(test.loading, count), digit_of(value) > 0.0, noise, powers)
+
+
+def _noise_above(test: TimeTest, stiffness: float, sd: Real) -> float:
+    """The noise of the imposed channel, as large as it may well be.
+
+    Zero where the response's own drowns it, or where they were not sampled together.
+    """
+    loading = test.loading.recorded
+    if not np.array_equal(loading.time, test.time):
+        return 0.0
+    size, factor = imposed_noise(loading.value), stiffness
+    if test.control == "force":
+        factor = 1.0 / factor
+    if size * factor < HEARD * float(np.median(sd)):
+        return 0.0
+    error = float(np.sqrt(2.0 / (WORTH * len(test.time))))
+    return size * float(np.sqrt(1.0 + DEVIATIONS * error))
+
+
+def powers_of(value: Real, noisy: bool) -> tuple[Real, Real]:
+    """What a linear model may miss of a motion (n, p), and what else goes with it (n, q).
+
+    Products of place and speed up to the third degree, by samples a little apart: of its noise a
+    model has answered to the nearest ones, too. A linear model that answers to noise of the motion
+    is fitted too soft, and misses as much of place, speed and acceleration (Fuller 1987,
+    Measurement Error Models, chapter 1).
+
+    Parameters
+    ----------
+    value : ndarray, shape (n,)
+        The motion as it was read.
+    noisy : bool
+        Whether its noise is heard in the response; else a linear model has no excuse.
+    """
+    around = np.pad(value, ORDER, mode="edge")
+    before, after = around[: -2 * ORDER], around[2 * ORDER :]
+    place, speed, turning = (
+        each / max(float(np.abs(each).max()), SMALLEST)
+        for each in (value, after - before, after - 2.0 * value + before)
+    )
+    degrees = [(i, total - i) for total in (2, 3) for i in range(total + 1)]
+    products = np.stack([place**i * speed**j for i, j in degrees], axis=1)
+    if noisy:
+        return np.stack([place, speed, turning], axis=1), products
+    return np.zeros((len(value), 0)), np.column_stack([place, speed, products])
+
+
+def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) -> tuple[float, Real]:
+    """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
+
+    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
+    speed is known by them where it varies as quickly as noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    spectrum : ndarray, shape (n,)
+        Variance of each number of the noise's cosine transform.
+    of_motion : tuple of ndarray
+        As of `powers_of`.
+    """
+    linear, powers = of_motion[0].shape[1], np.hstack(of_motion)
+    every = np.column_stack([residual, powers])
+    white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
+    basis = np.linalg.qr(white[1:].T)[0]
+    left = white[0] - basis @ (basis.T @ white[0])
+    # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
+    # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
+    # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of
+    # simulated noise that grows with place or speed four records in a hundred at most are below
+    # .01, and one below .001.
+    squares = np.column_stack([np.ones(len(left)), powers**2])
+    variance = squares @ non_negative(squares, left**2)[0]
+    uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
+    basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
+    followed = (basis.T @ value) ** 2
+    n, count = basis.shape
+    explained = float(np.sum(followed[linear:])) / (count - linear)
+    left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
+    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
+    return float(f_sf(explained / left, count - linear, n - count)), rest
+
+
+def period_test(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
+    """Chance that noise repeats with a motion as a residual does, and what does not repeat.
+
+    Whatever its colour, noise has at the harmonics of a motion what it has between them, over
+    which each of them is a variable of F; all of them together by Fisher (1925, Statistical
+    Methods for Research Workers, section 21.1).
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    period : tuple of int
+        So many periods of what was imposed, and their samples.
+
+    Returns
+    -------
+    tuple of float and ndarray, shape (m,)
+        The chance, and the rest of as many whole periods.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.misfit.residual_scatter import period_test
+    >>> noise, t = np.random.default_rng(1).normal(size=200), np.arange(200)
+    >>> wave = np.cos(0.1 * np.pi * t)
+    >>> [round(period_test(each, (1, 20))[0], 3) for each in (noise, noise + wave)]
+    [1.0, 0.0]
+    """
+    periods, lag = period
+    n = len(residual) // lag * lag
+    cycles = n // lag * periods
+    transform = np.fft.rfft(residual[:n] - np.mean(residual[:n]))
+    count = (n - 1) // 2 // cycles
+    # Of two cycles the harmonics have nothing between them.
+    beside = (cycles - 1) // 2
+    if not count * beside:
+        return 1.0, residual
+    lines = cycles * np.arange(1, count + 1)
+    away = np.concatenate([-np.arange(1, beside + 1), np.arange(1, beside + 1)])
+    power = np.abs(transform) ** 2
+    around = power[np.minimum(lines[:, None] + away, len(power) - 1)].mean(axis=1)
+    worth = float(len(away))
+    ratio = power[lines] / np.maximum(around, SMALLEST)
+    # F of 2 and 2 m numbers has a closed form.
+    logs = -worth * np.log1p(ratio / worth)
+    transform[lines] = 0.0
+    rest = np.fft.irfft(transform, n) * np.sqrt(n / (n - 2.0 * count))
+    # One of them may stand out, or all may a little.
+    chances = count * np.exp(logs.min()), gamma_sf(-np.sum(logs), count)
+    return float(min(2.0 * min(chances), 1.0)), rest

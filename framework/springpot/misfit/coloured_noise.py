@@ -195,7 +195,7 @@ def _remembers_long(past: tuple[float, ...]) -> bool:
     return bool(np.any((np.abs(np.angle(poles)) < UPPER * np.pi) & (np.abs(poles) > LONGEST)))
 
 
-def of_a_ripple(
+def fisher_test(
     rows: Real, sought: NDArray[np.bool_] | None = None, followed: float = 0.0
 ) -> tuple[float, float]:
     """Chance that of white noise (r, n) one period holds so large a share, and its frequency.
