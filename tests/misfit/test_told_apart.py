@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.numerics import TWO_DEVIATIONS
-from springpot.timetests.left import told_apart, variance_of_sum
+from springpot.timetests.hypotheses import variance_of_sum, vuong_distinguishes
 
 RECORDS, SAMPLES = 400, 120
 PHASE = 4.0 * np.pi * np.arange(SAMPLES) / SAMPLES
@@ -12,7 +12,7 @@ NOISE = np.random.default_rng(20).normal(size=(RECORDS, SAMPLES))
 
 
 def share_told_apart(one, other):
-    return np.mean([told_apart([(noise + one, noise + other)]) for noise in NOISE])
+    return np.mean([vuong_distinguishes([(noise + one, noise + other)]) for noise in NOISE])
 
 
 def test_the_variance_of_a_sum_counts_neighbours_that_are_alike():
@@ -41,5 +41,5 @@ def test_what_one_record_leaves_open_two_alike_may_tell():
     one = (np.full(SAMPLES, 2.0), np.sqrt(4.0 + terms))
     enough = TWO_DEVIATIONS * variance_of_sum(terms) / float(terms.sum()) ** 2
     assert enough > 1.0
-    assert told_apart([one] * int(np.ceil(enough)))
-    assert not told_apart([one] * int(enough))
+    assert vuong_distinguishes([one] * int(np.ceil(enough)))
+    assert not vuong_distinguishes([one] * int(enough))

@@ -75,8 +75,8 @@ def test_the_scan_looks_at_each_test_with_its_own_effects():
     assert np.allclose(
         scan.views[2].stiffness, other.stiffness(expected, scan.views[2].quick.omega)
     )
-    [promise] = scan.promises([springpot.plugins().effect("parallel-dashpot")])["parallel-dashpot"]
-    assert np.isfinite(promise.drop)
+    [entry] = scan.entries([springpot.plugins().effect("parallel-dashpot")])["parallel-dashpot"]
+    assert np.isfinite(entry.drop)
 
 
 def test_a_law_stands_at_a_stage_and_an_element_in_the_network():

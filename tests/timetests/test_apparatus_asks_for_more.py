@@ -7,19 +7,19 @@ import springpot
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE
 from springpot.timetests.diagnosis import diagnose
-from springpot.timetests.left import weight_of
+from springpot.timetests.hypotheses import prior_weight
 
 
 @pytest.mark.parametrize("name", ["time-delay", "force-drift", "force-clipping", "thermal-growth"])
 def test_what_lags_drifts_or_saturates_weighs_less(name):
     effect = plugins().effect(name)
-    assert weight_of(effect) == EVIDENCE.apparatus * effect.prior
+    assert prior_weight(effect) == EVIDENCE.apparatus * effect.prior
 
 
 @pytest.mark.parametrize("name", ["series-dashpot", "yielding", "slack", "finite-ramp"])
 def test_what_specimens_do_weighs_what_it_is(name):
     effect = plugins().effect(name)
-    assert weight_of(effect) == effect.prior
+    assert prior_weight(effect) == effect.prior
 
 
 def test_flow_is_not_drift():

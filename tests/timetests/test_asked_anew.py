@@ -12,9 +12,9 @@ import pytest
 
 from springpot.identification.result import Identification
 from springpot.registry import parse_model
-from springpot.timetests import diagnosis, sieve
+from springpot.timetests import diagnosis, screening
 from springpot.timetests.discovery import TimeSets
-from springpot.timetests.left import AskedTests
+from springpot.timetests.hypotheses import AskedTests
 
 MODEL = parse_model("maxwell")
 CAUGHT, LED = np.array([1.0, 1e9]), np.array([5.0, 7.0])
@@ -45,9 +45,9 @@ def base():
 
 @pytest.fixture(autouse=True)
 def plain_weights(monkeypatch):
-    for room in (sieve, diagnosis):
-        monkeypatch.setattr(room, "plain_bic", lambda left: left.squares_left)
-        monkeypatch.setattr(room, "noise_of_both", lambda before, best: None)
+    for room in (screening, diagnosis):
+        monkeypatch.setattr(room, "bic_of", lambda left: left.squares_left)
+        monkeypatch.setattr(room, "noise_of_best", lambda before, best: None)
         monkeypatch.setattr(
             room,
             "delta_bic",
@@ -61,16 +61,18 @@ def asked_anew(monkeypatch, base, first, better, promised=None):
     asked = []
 
     def fitted(tests, there, leading, before):
-        names = [promises[0].effect.name for promises in leading]
+        names = [entries[0].effect.name for entries in leading]
         asked.extend((name, there.theta.tolist()) for name in names)
         return [each for each in better if each.effect.name in names]
 
-    monkeypatch.setattr(sieve, "TimeScan", lambda there, quick: SimpleNamespace(promises=list))
-    monkeypatch.setattr(sieve.Left, "by", lambda *given: None)
-    monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[each] for each in scanned])
-    monkeypatch.setattr(sieve, "nearly_fitted", fitted)
+    monkeypatch.setattr(screening, "TimeScan", lambda there, quick: SimpleNamespace(entries=list))
+    monkeypatch.setattr(screening.FitResiduals, "by", lambda *given: None)
+    monkeypatch.setattr(
+        screening, "leading_of_scan", lambda found, left: [[each] for each in scanned]
+    )
+    monkeypatch.setattr(screening, "approximately_fitted", fitted)
     before = SimpleNamespace(squares_left=900.0)
-    found = sieve.from_the_best(TESTS, base, first, before, promised)
+    found = screening.from_the_best(TESTS, base, first, before, promised)
     return asked, [each.effect.name for each in found]
 
 
@@ -122,7 +124,7 @@ def test_the_model_alone_is_fitted_from_where_an_effect_led_it(monkeypatch, base
         return SimpleNamespace(squares_left=sum(squares), residuals=residuals)
 
     monkeypatch.setattr(diagnosis, "identify", identify)
-    monkeypatch.setattr(diagnosis.Left, "by", lambda *given: left(*alone))
+    monkeypatch.setattr(diagnosis.FitResiduals, "by", lambda *given: left(*alone))
     before = left(*[900.0, 200.0][: len(alone)])
     found = diagnosis._better_start(TESTS, base, before, [tried("friction", 700.0)])
     assert begun == [LED.tolist()]
@@ -153,16 +155,16 @@ def test_a_smaller_set_stands_where_the_larger_led_it_if_that_is_better(monkeypa
 def test_what_another_effect_explains_is_no_noise(monkeypatch, base, best, misfit, beside, told):
     first, second = tried("inertia", best), tried("friction", beside)
     first.left.misfit = misfit
-    monkeypatch.setattr(sieve, "TimeScan", lambda there, quick: SimpleNamespace(promises=list))
-    monkeypatch.setattr(sieve, "leading_of_scan", lambda found, left: [[second]])
-    monkeypatch.setattr(sieve, "nearly_fitted", lambda *given, starts: [second])
+    monkeypatch.setattr(screening, "TimeScan", lambda there, quick: SimpleNamespace(entries=list))
+    monkeypatch.setattr(screening, "leading_of_scan", lambda found, left: [[second]])
+    monkeypatch.setattr(screening, "approximately_fitted", lambda *given, starts: [second])
     before = SimpleNamespace(squares_left=900.0)
-    assert sieve.least_left(TESTS, base, [first], before).squares_left == told
+    assert screening.least_left(TESTS, base, [first], before).squares_left == told
 
 
 def test_without_an_effect_the_model_itself_tells_the_noise(base):
     before = SimpleNamespace(squares_left=900.0)
-    assert sieve.least_left(TESTS, base, [], before) is before
+    assert screening.least_left(TESTS, base, [], before) is before
 
 
 @pytest.mark.parametrize(
@@ -182,15 +184,17 @@ def test_what_helps_less_than_an_explanation_is_sought_from_the_data(
         starts, theta = list, staticmethod(lambda u: u)
         near = staticmethod(lambda parts, starts: (LED, 1))
 
-    monkeypatch.setattr(sieve, "TimeSearch", Search)
-    monkeypatch.setattr(sieve, "_near", lambda each, best, before, noise: each is best)
-    monkeypatch.setattr(sieve.Left, "by", lambda *given: SimpleNamespace(squares_left=310.0))
+    monkeypatch.setattr(screening, "TimeSearch", Search)
+    monkeypatch.setattr(screening, "_near", lambda each, best, before, noise: each is best)
     monkeypatch.setattr(
-        sieve, "replace", lambda each, **new: SimpleNamespace(**{**vars(each), **new})
+        screening.FitResiduals, "by", lambda *given: SimpleNamespace(squares_left=310.0)
+    )
+    monkeypatch.setattr(
+        screening, "replace", lambda each, **new: SimpleNamespace(**{**vars(each), **new})
     )
     nearly = [tried("mode", 300.0), tried("slow", 500.0), tried("absent", 899.9)]
     nearly[0].left.misfit = misfit
-    found = sieve.from_the_data(TESTS, base, nearly, SimpleNamespace(squares_left=900.0))
+    found = screening.from_the_data(TESTS, base, nearly, SimpleNamespace(squares_left=900.0))
     assert [each.left.squares_left for each in found] == told
     assert [next(name for name in one if name.endswith(".size")) for one in asked] == [
         f"{name}.size" for name in sought

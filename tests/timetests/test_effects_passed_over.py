@@ -14,10 +14,10 @@ from springpot.misfit.residual_scatter import scatter_of
 from springpot.registry import plugins
 from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
-from springpot.timetests.left import Left, Tried
+from springpot.timetests.hypotheses import FitResiduals, Hypothesis
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
-from springpot.timetests.sieve import STARTS, passed_over
+from springpot.timetests.screening import STARTS, left_by_screening
 
 MODEL = springpot.parse_model("zener")
 TIME = np.geomspace(0.01, 100.0, 60)
@@ -32,31 +32,31 @@ def missed():
     noise = np.random.default_rng(1).normal(size=len(TIME))
     test = TimeTest.of_relaxation(TIME, broad + noise, "kPa")
     base, parts = identify(test, MODEL), parts_of_specimen([test])
-    before = Left.by(base.model, base.theta, base.reference, parts)
-    return base, before, TimeScan(base, quick_parts(parts)).promises(EFFECTS)
+    before = FitResiduals.by(base.model, base.theta, base.reference, parts)
+    return base, before, TimeScan(base, quick_parts(parts)).entries(EFFECTS)
 
 
-def tried(missed, share: float) -> list[Tried]:
+def tried(missed, share: float) -> list[Hypothesis]:
     """One effect that leaves so much of what the model leaves, and noise."""
     base, before, _ = missed
     noise = np.random.default_rng(2).normal(size=len(TIME))
     residuals = tuple(share * each + noise for each in before.residuals)
     scatters = tuple(scatter_of(each) for each in residuals)
     left = replace(before, residuals=residuals, scatters=scatters)
-    return [Tried((EFFECTS[0],), base.model + EFFECTS[0], base.theta, left)]
+    return [Hypothesis((EFFECTS[0],), base.model + EFFECTS[0], base.theta, left)]
 
 
 @pytest.mark.parametrize("share", [0.9, 0.1])
 def test_what_misses_the_test_has_the_others_fitted(missed, share) -> None:
     """By far, and by a little more than the noise."""
-    _, before, promises = missed
-    others = passed_over(promises, tried(missed, share), before)
+    _, before, entries = missed
+    others = left_by_screening(entries, tried(missed, share), before)
     assert {each[0].effect.name for each in others} == {*NAMES} - {EFFECTS[0].name}
 
 
 def test_what_explains_the_test_has_no_other_fitted(missed) -> None:
-    _, before, promises = missed
-    assert passed_over(promises, tried(missed, 0.0), before) == []
+    _, before, entries = missed
+    assert left_by_screening(entries, tried(missed, 0.0), before) == []
 
 
 def test_what_does_not_go_as_its_size_is_tried_at_several() -> None:
@@ -67,6 +67,6 @@ def test_what_does_not_go_as_its_size_is_tried_at_several() -> None:
     test = TimeTest(time, answer, loading, "force")
     base = identify(test, springpot.parse_model("springpot"))
     scan = TimeScan(base, quick_parts(parts_of_specimen([test])))
-    [tried] = scan.promises([plugins().effect("bearing-friction")]).values()
+    [tried] = scan.entries([plugins().effect("bearing-friction")]).values()
     assert len(tried) >= STARTS
-    assert min(promise.values[0] for promise in tried[:STARTS]) < 0.25
+    assert min(entry.values[0] for entry in tried[:STARTS]) < 0.25

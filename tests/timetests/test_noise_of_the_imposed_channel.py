@@ -90,7 +90,7 @@ def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(
     at = np.linspace(0.0, 1.0, 400)
     monkeypatch.setattr(residual_scatter, "imposed_noise", lambda value: 0.3)
 
-    def heard(sd, control="displacement", moved=0.0):
+    def noise_with_imposed(sd, control="displacement", moved=0.0):
         loading = Loading(at + moved, at)
         test = TimeTest(at, at, loading, control=control)
         return residual_scatter.Imposed.of(test, 4.0, np.full(400, sd)).noise
@@ -98,8 +98,8 @@ def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(
     # A variance is known to the root of two by their number.
     most = 0.3 * np.sqrt(1.0 + DEVIATIONS * np.sqrt(2.0 / (residual_scatter.WORTH * 400)))
     least = residual_scatter.HEARD
-    assert heard(0.99 * 1.2 / least) == pytest.approx(most)
-    assert heard(1.01 * 1.2 / least) == 0.0
-    assert heard(0.99 * 0.075 / least, "force") == pytest.approx(most)
-    assert heard(1.01 * 0.075 / least, "force") == 0.0
-    assert heard(0.1, moved=-1e-3) == 0.0
+    assert noise_with_imposed(0.99 * 1.2 / least) == pytest.approx(most)
+    assert noise_with_imposed(1.01 * 1.2 / least) == 0.0
+    assert noise_with_imposed(0.99 * 0.075 / least, "force") == pytest.approx(most)
+    assert noise_with_imposed(1.01 * 0.075 / least, "force") == 0.0
+    assert noise_with_imposed(0.1, moved=-1e-3) == 0.0

@@ -13,14 +13,14 @@ from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.rheology.elements import Continuum
 from springpot.thresholds import EVIDENCE
 from springpot.timetests import (
-    diagnosis,
-    sieve,
+    hypotheses,
+    screening,
     start,
     temperatures,
     verdict,
     where,
 )
-from springpot.timetests.left import Left, explains_as_well
+from springpot.timetests.hypotheses import FitResiduals, explains_as_well, no_worse
 from springpot.timetests.material import spectrum_of
 
 TIME = np.linspace(0.0, 4.0, 401)
@@ -148,10 +148,10 @@ def test_a_law_of_temperature_shifts_by_it_alone(plane, needs, law):
 
 @pytest.mark.parametrize(("left", "taken"), [(0.9, True), (1.0, False), (1.2, False)])
 def test_an_effect_that_lowers_nothing_leaves_what_was_left(monkeypatch, left, taken):
-    monkeypatch.setattr(diagnosis, "power_of", lambda left: left.power)
-    monkeypatch.setattr(diagnosis, "replace", lambda each, **new: SimpleNamespace(**new))
+    monkeypatch.setattr(hypotheses, "sum_of_squares", lambda left: left.power)
+    monkeypatch.setattr(hypotheses, "replace", lambda each, **new: SimpleNamespace(**new))
     tried = SimpleNamespace(left=SimpleNamespace(power=left, count=7), fit="fit")
-    found = diagnosis._no_worse(tried, SimpleNamespace(power=1.0, count=3))
+    found = no_worse(tried, SimpleNamespace(power=1.0, count=3))
     assert (found is tried) is taken
     if not taken:
         assert (found.left.count, found.fit) == (7, None)
@@ -212,7 +212,7 @@ def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
     other = np.sqrt(1.12 + lead) * one
     best, each = (
         SimpleNamespace(
-            left=Left(1, (value,), (noise,), (np.zeros((0, 200)),), (np.zeros(200),)),
+            left=FitResiduals(1, (value,), (noise,), (np.zeros((0, 200)),), (np.zeros(200),)),
             delta=delta,
             helps=helps,
         )
@@ -246,12 +246,12 @@ def test_tests_that_agree_with_a_material_each_alone_are_of_several(alone, agree
 
 def test_a_promise_is_its_drop_less_the_price_of_its_parameters(monkeypatch):
     """Noise of two, memory 0.6: sixteen squares are one; e^3 numbers price a parameter at 3."""
-    monkeypatch.setattr(sieve, "independent", lambda residuals, scatters: np.exp(3.0))
-    monkeypatch.setattr(sieve, "_by_rig", lambda promises: list(promises.values()))
-    monkeypatch.setattr(sieve, "is_law", lambda effect: False)
+    monkeypatch.setattr(screening, "independent_samples", lambda residuals, scatters: np.exp(3.0))
+    monkeypatch.setattr(screening, "_by_rig", lambda entries: list(entries.values()))
+    monkeypatch.setattr(screening, "is_law", lambda effect: False)
     noise = SimpleNamespace(size=2.0, memory=0.6)
     before = SimpleNamespace(scatters=[noise], residuals=[None, None])
-    two = sieve.TWO_DEVIATIONS
+    two = screening.TWO_DEVIATIONS
 
     def of(units, values):
         return [
@@ -259,11 +259,11 @@ def test_a_promise_is_its_drop_less_the_price_of_its_parameters(monkeypatch):
         ]
 
     # Of ten and two parameters, of eight and one: 4 against 5.
-    promises = {"a": of(two + 6.0, 2), "b": of(two + 4.0, 1), "c": of(0.9 * two, 0)}
-    promises |= {name: of(1.1 * two, 5) for name in "defg"}
-    found = sieve.leading_of_scan(promises, before)
-    assert found[:2] == [promises["b"], promises["a"]]
-    assert promises["c"] not in found
+    entries = {"a": of(two + 6.0, 2), "b": of(two + 4.0, 1), "c": of(0.9 * two, 0)}
+    entries |= {name: of(1.1 * two, 5) for name in "defg"}
+    found = screening.leading_of_scan(entries, before)
+    assert found[:2] == [entries["b"], entries["a"]]
+    assert entries["c"] not in found
     assert len(found) == 6
 
 

@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 from springpot.errors import ModelError
 from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.registry import parse_model
-from springpot.timetests import floor, left, material, specimen
+from springpot.timetests import floor, hypotheses as left, material, specimen
 from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
@@ -29,14 +29,14 @@ def scatter(size=1.0, memory=0.0):
     )
 
 
-def of(*residuals, rounded=None, felt=0.0, lines=0, count=3):
+def of(*residuals, rounded=None, noise_answer=0.0, lines=0, count=3):
     residuals = [np.array(each, dtype=float) for each in residuals]
     none = [np.zeros((0, len(each))) for each in residuals]
     known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
     seen = {"scatters": [scatter()] * len(residuals), "lines": lines, "count": count}
     fitted = SimpleNamespace(residuals=residuals, **seen, **known)
-    fitted.squares = lambda noise: left.Left.squares(fitted, noise)
-    fitted.squares_felt = lambda noise: felt
+    fitted.squares = lambda noise: left.FitResiduals.squares(fitted, noise)
+    fitted.squares_of_imposed = lambda noise: noise_answer
     return fitted
 
 
@@ -60,8 +60,8 @@ def test_rounding_that_errs_alike_counts_a_sample_less(size, errors, alike):
 
 def test_samples_are_counted_once_whose_noise_is_alike():
     noise = [scatter(memory=0.5), scatter()]
-    assert left.independent([np.zeros(30), np.zeros(7)], noise) == pytest.approx(17.0)
-    assert left.independent([np.zeros(3)], noise[:1]) == 2.0
+    assert left.independent_samples([np.zeros(30), np.zeros(7)], noise) == pytest.approx(17.0)
+    assert left.independent_samples([np.zeros(3)], noise[:1]) == 2.0
 
 
 def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
@@ -69,12 +69,12 @@ def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
     fall = left.delta_bic(base, other, [scatter()])
     assert fall == pytest.approx(8.0 - 2.0 * np.log(3.0))
     # What the specimen never felt is no evidence; to answer more to it is no merit.
-    felt = of([3.0, 1.0, 0.0], felt=5.0)
+    noise_answer = of([3.0, 1.0, 0.0], noise_answer=5.0)
     beyond = (np.sqrt(8.0) - np.sqrt(5.0)) ** 2
-    assert left.delta_bic(felt, other, [scatter()]) == pytest.approx(fall - 8.0 + beyond)
-    all_of_it = of([3.0, 1.0, 0.0], felt=9.0)
+    assert left.delta_bic(noise_answer, other, [scatter()]) == pytest.approx(fall - 8.0 + beyond)
+    all_of_it = of([3.0, 1.0, 0.0], noise_answer=9.0)
     assert left.delta_bic(all_of_it, other, [scatter()]) == pytest.approx(fall - 8.0)
-    more = of([1.0, 1.0, 0.0], felt=5.0, count=5)
+    more = of([1.0, 1.0, 0.0], noise_answer=5.0, count=5)
     assert left.delta_bic(base, more, [scatter()]) == pytest.approx(fall)
     # A line of a free spectrum takes one from the sum of squares, where nothing is.
     lined = of([1.0, 1.0, 0.0], lines=3, count=5)
@@ -171,7 +171,7 @@ def test_a_fit_that_leaves_nothing_says_nothing_of_the_noise(missed, monkeypatch
     fitted = SimpleNamespace(residuals=[np.array([missed, -missed])])
     part = SimpleNamespace(relative_error=lambda residual: 0.01 * float(residual[0]))
     told = SimpleNamespace(over_floor=2.0, over_floor_alone=5.0)
-    [row] = left.Left.rows(fitted, [part], [scatter(1.5)], [told])
+    [row] = left.FitResiduals.rows(fitted, [part], [scatter(1.5)], [told])
     ratio = missed / 1.5
     assert row == {
         "relative_rms": pytest.approx(0.01 * missed),

@@ -16,7 +16,7 @@ from springpot.measurement import TimeTest
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
-from springpot.timetests import exponentials, left as trying, verdict, where
+from springpot.timetests import exponentials, hypotheses as trying, verdict, where
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 
@@ -59,13 +59,13 @@ def test_what_is_unexplained_is_as_unknown_as_its_chance_of_noise_says():
     weights, chance = [0.3, 0.5, 0.2], 1e-4
     odds = unknown_odds(chance)
     assert odds / (1.0 + odds) > 0.2
-    nothing, first, unknown = verdict._agreeing(weights, "unexplained", chance)
+    nothing, first, unknown = verdict._posterior(weights, "unexplained", chance)
     assert unknown == pytest.approx(odds / (1.0 + odds))
     assert first / nothing == pytest.approx(5.0 / 3.0)
     assert nothing + first + unknown == pytest.approx(1.0)
     # Already as unknown as that, or not at all unexplained: as the evidence has it.
-    assert verdict._agreeing([0.0, 1e-9, 1.0 - 1e-9], "unexplained", 0.9)[-1] > 0.99
-    assert verdict._agreeing(weights, "cannot-tell", chance) == pytest.approx(weights)
+    assert verdict._posterior([0.0, 1e-9, 1.0 - 1e-9], "unexplained", 0.9)[-1] > 0.99
+    assert verdict._posterior(weights, "cannot-tell", chance) == pytest.approx(weights)
 
 
 def noise_of(size, memory=0.0):
@@ -145,8 +145,8 @@ def test_what_each_test_by_itself_is_followed_better_by_is_not_all_that_is_missi
     assert verdict.facts_of(before, [joined(0.7)], False).left
     # Five parameters more follow that much of what is noise.
     assert not verdict.facts_of(before, [joined(0.95)], False).left
-    assert not trying.parted(joined(0.7, tests=1))
-    assert not trying.parted(joined(0.7, count=5))
+    assert not trying.chow_rejects(joined(0.7, tests=1))
+    assert not trying.chow_rejects(joined(0.7, count=5))
 
 
 def test_a_fault_of_the_apparatus_casts_no_doubt_by_what_a_specimen_would_need():
@@ -222,9 +222,7 @@ def left(squares):
 
 def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():
     shapes = {"friction": [1.0, 0.0], "play": [1.0, 0.0], "creep": [0.0, 1.0], "slip": [-1.0, 0.0]}
-    promises = {
-        name: [SimpleNamespace(direction=np.array(shape))] for name, shape in shapes.items()
-    }
+    entries = {name: [SimpleNamespace(direction=np.array(shape))] for name, shape in shapes.items()}
     near, far = EVIDENCE.rivals - 0.5, EVIDENCE.rivals + 0.5
     first = tried("friction", delta=99.0, helps=True, left=left(10.0))
     as_well = tried("inertia", delta=99.0 - near, left=left(99.0))
@@ -232,15 +230,15 @@ def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():
     worse = tried("clock", delta=99.0 - far, helps=True, left=left(10.0 + far))
     unsure = tried("offset", delta=99.0 - far, left=left(10.0))
     each = [first, as_well, dearer, worse, unsure]
-    found = verdict._class(each, promises, [])
+    found = verdict._class(each, entries, [])
     assert found == ["friction", "inertia", "filter", "play", "slip"]
-    assert verdict._class([tried(delta=99.0)], promises, []) == []
+    assert verdict._class([tried(delta=99.0)], entries, []) == []
     # By odds another may come first: it is of its own class, however far it is off.
-    assert verdict._class([worse, first], promises, [])[:2] == ["clock", "friction"]
-    assert verdict._twins("unknown", promises) == []
-    classes = verdict._classes(promises, [first, tried("creep"), tried("play")], ["friction"])
+    assert verdict._class([worse, first], entries, [])[:2] == ["clock", "friction"]
+    assert trying.collinear_with("unknown", entries) == []
+    classes = verdict._classes(entries, [first, tried("creep"), tried("play")], ["friction"])
     assert classes == (("play", "slip"),)
-    assert verdict._classes(promises, [first], ["friction", "play"]) == (("friction", "play"),)
+    assert verdict._classes(entries, [first], ["friction", "play"]) == (("friction", "play"),)
 
 
 def test_the_test_that_is_missed_most_is_what_an_error_is_of():
@@ -282,9 +280,9 @@ def test_another_test_that_the_best_effect_leaves_missed_most_is_told():
 def test_an_effect_of_the_rig_is_as_much_commoner_as_the_rigs_are():
     effect = SimpleNamespace(prior=0.5, of_apparatus=False)
     rig = SimpleNamespace(prior=0.5, of_apparatus=True)
-    assert trying.weight_of(effect) == 0.5
-    assert trying.weight_of(rig) == 0.5 * EVIDENCE.apparatus
-    each = trying.Tried((rig,), None, np.zeros(0), None, delta=12.0)
+    assert trying.prior_weight(effect) == 0.5
+    assert trying.prior_weight(rig) == 0.5 * EVIDENCE.apparatus
+    each = trying.Hypothesis((rig,), None, np.zeros(0), None, delta=12.0)
     assert each.evidence == pytest.approx(12.0 + 2.0 * np.log(0.5 * EVIDENCE.apparatus))
 
 
@@ -371,5 +369,5 @@ def test_a_slider_without_give_is_friction_by_another_name(stiffness, named):
     )
     dry = SimpleNamespace(effect=plugins().effect("friction"), left=SimpleNamespace(count=3))
     both, parts = ["friction", "elasto-sliding"], parts_of_specimen([test])
-    assert trying.without_limits(both, [dry, slider], parts, 293.15) == named
-    assert trying.without_limits(both, [slider, dry], parts, 293.15) == both
+    assert trying.without_nested(both, [dry, slider], parts, 293.15) == named
+    assert trying.without_nested(both, [slider, dry], parts, 293.15) == both

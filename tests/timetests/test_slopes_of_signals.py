@@ -29,6 +29,6 @@ def test_a_small_lag_is_foretold(start):
     test = TimeTest.of_history(t, x, force, "mm", "N", control="displacement")
     base = identify(test, springpot.parse_model("zener"))
     scan = TimeScan(base, quick_parts(parts_of_specimen([test])))
-    [promise] = scan.promises([plugins().effect("time-delay")])["time-delay"]
-    assert promise.values[0] == pytest.approx(LATE, rel=0.1)
-    assert promise.leaves < 1.3 * len(t)
+    [entry] = scan.entries([plugins().effect("time-delay")])["time-delay"]
+    assert entry.values[0] == pytest.approx(LATE, rel=0.1)
+    assert entry.leaves < 1.3 * len(t)

@@ -8,7 +8,7 @@ from springpot.registry import parse_model, plugins
 from springpot.timetests import fitting, identify
 from springpot.timetests.material import spectral, with_rates
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.temperatures import Together, is_material_alone
+from springpot.timetests.temperatures import StackedResiduals, is_material_alone
 
 REFERENCE = 293.15
 RATES = np.geomspace(1e-3, 1e3, 7)
@@ -46,7 +46,7 @@ def test_all_at_once_is_as_one_by_one(laws, tests):
     model = with_rates(parse_model("material" + laws), RATES.tolist())
     theta = np.concatenate([[4.0, 0.0 if tests is relaxations else 2.0], np.linspace(1.0, 3.0, 7)])
     theta = np.append(theta, np.linspace(0.5, 2.0, len(model.names) - 9) * 30.0)
-    together = Together(model, parts, REFERENCE)
+    together = StackedResiduals(model, parts, REFERENCE)
     assert (len(together.steps), together.others) == (1, [])
     value, by_theta = together.residuals(theta)
     apart = [part.residual(model, theta, REFERENCE) for part in parts]
@@ -61,7 +61,7 @@ def test_what_one_test_alone_has_is_worked_out_for_it_alone():
     parts = parts_of_specimen(tests)
     model = with_rates(parse_model("material + wlf-shift + force-drift"), RATES.tolist())
     assert not any(is_material_alone(model, part) for part in parts)
-    together = Together(model, parts, REFERENCE)
+    together = StackedResiduals(model, parts, REFERENCE)
     assert (together.steps, len(together.others)) == ([], 3)
 
 

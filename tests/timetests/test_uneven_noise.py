@@ -14,7 +14,7 @@ from springpot import parse_model
 from springpot.measurement import noise_of
 from springpot.misfit.residual_scatter import scatter_of
 from springpot.timetests import identify
-from springpot.timetests.left import Left
+from springpot.timetests.hypotheses import FitResiduals
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (
@@ -55,7 +55,7 @@ def test_noise_is_what_it_is_found_to_be_at_each_size_of_the_signal(seed):
     missed = exact * (1.0 + share * rng.normal(size=300)) + 0.1 * exact * np.sin(2.0 * np.log(t))
     waved = springpot.TimeTest.of_relaxation(t, missed, "Pa")
     fit = identify(waved, parse_model("fractional-maxwell"))
-    assert Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([waved])).misfit
+    assert FitResiduals.by(fit.model, fit.theta, fit.reference, parts_of_specimen([waved])).misfit
 
 
 def test_noise_of_either_kind_is_told_as_before():
@@ -73,7 +73,7 @@ def test_noise_of_either_kind_is_told_as_before():
 def test_a_model_is_not_adequate_where_a_material_is_plainly_nearer():
     [test] = springpot.open_in_time(f"{UNSEEN}/C0224_NVT_450K_1atm.gt")
     fit = identify(test, parse_model("prony-3"))
-    assert Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([test])).misfit
+    assert FitResiduals.by(fit.model, fit.theta, fit.reference, parts_of_specimen([test])).misfit
 
 
 @pytest.mark.soak_cases("C0224_NVT_450K_1atm.gt")
@@ -84,7 +84,9 @@ def test_a_model_is_not_adequate_where_a_material_is_plainly_nearer():
 def test_at_the_noise_nothing_is_missing_from_a_real_relaxation(spec):
     [test] = springpot.open_in_time(f"{UNSEEN}/{spec}")
     fit = identify(test, parse_model("material"))
-    assert not Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([test])).misfit
+    assert not FitResiduals.by(
+        fit.model, fit.theta, fit.reference, parts_of_specimen([test])
+    ).misfit
     assert "a jump in" not in springpot.diagnose(test).says
 
 

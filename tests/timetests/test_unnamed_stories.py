@@ -16,7 +16,7 @@ from springpot.misfit.residual_scatter import (
 from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose
 from springpot.timetests.disturbances import Slip, likeliest_jump
-from springpot.timetests.left import Left, delta_bic
+from springpot.timetests.hypotheses import FitResiduals, delta_bic
 
 TIME = np.geomspace(0.01, 100.0, 80)
 OMEGA = np.geomspace(0.1, 100.0, 17)
@@ -156,7 +156,9 @@ def test_a_last_sample_that_is_off_is_set_aside_and_told():
 
 def left_of(value, count):
     scatter = scatter_of(value)
-    return Left(count, (value,), (scatter,), (np.zeros((0, len(value))),), (np.zeros(len(value)),))
+    return FitResiduals(
+        count, (value,), (scatter,), (np.zeros((0, len(value))),), (np.zeros(len(value)),)
+    )
 
 
 @pytest.mark.parametrize(("seed", "late"), [(1, 1.0), (6, 1.0), (7, 1.0), (5, 3.0)])

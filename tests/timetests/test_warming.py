@@ -211,10 +211,10 @@ def test_a_law_of_temperature_is_foretold_while_it_warms():
     base = identify(test, MODEL - "arrhenius-shift")
     scan = TimeScan(base, quick_parts(parts_of_specimen([test])))
     effects = [plugins().effect(name) for name in ("arrhenius-shift", "force-drift")]
-    promises = scan.promises(effects)
-    [best] = promises["arrhenius-shift"]
+    entries = scan.entries(effects)
+    [best] = entries["arrhenius-shift"]
     assert best.values[0] == pytest.approx(80.0, rel=0.15)
-    assert best.drop > 10.0 * promises["force-drift"][0].drop
+    assert best.drop > 10.0 * entries["force-drift"][0].drop
 
 
 @pytest.mark.soak

@@ -21,7 +21,7 @@ from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
-from springpot.timetests.left import Promise
+from springpot.timetests.hypotheses import ScanEntry
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan, _different
 
@@ -161,20 +161,20 @@ def test_what_gives_in_series_promises_something_in_tests_in_time():
     ]
     fit = identify(tests, parse_model("springpot"))
     scan = TimeScan(fit, quick_parts(parts_of_specimen(tests)))
-    [promise, *_] = scan.promises([plugins().effect("series-spring")])["series-spring"]
-    assert promise.drop > 0.2 * float(scan.residual @ scan.residual)
+    [entry, *_] = scan.entries([plugins().effect("series-spring")])["series-spring"]
+    assert entry.drop > 0.2 * float(scan.residual @ scan.residual)
 
 
 def test_of_two_places_of_one_effect_each_rig_keeps_its_own():
     """That of all rigs may promise as much as that of the sweeps, and cannot be fitted then."""
     effect = plugins().effect("inertia")
     sweeps, direction = replace(effect, applies_to=SWEEPS), np.array([1.0, 0.0])
-    promises = [
-        Promise(effect, (3.8,), np.ones(3), 354.0, 1.0, direction, True),
-        Promise(sweeps, (0.0017,), np.ones(3), 353.0, 1.0, direction, True),
-        Promise(sweeps, (0.0018,), np.ones(3), 350.0, 1.0, direction, True),
+    entries = [
+        ScanEntry(effect, (3.8,), np.ones(3), 354.0, 1.0, direction, True),
+        ScanEntry(sweeps, (0.0017,), np.ones(3), 353.0, 1.0, direction, True),
+        ScanEntry(sweeps, (0.0018,), np.ones(3), 350.0, 1.0, direction, True),
     ]
-    assert _different(promises) == promises[:2]
+    assert _different(entries) == entries[:2]
 
 
 @pytest.mark.soak

@@ -37,7 +37,7 @@ from springpot.timetests import (
     where,
 )
 from springpot.timetests.disturbances import lines_in
-from springpot.timetests.left import Left, felt
+from springpot.timetests.hypotheses import FitResiduals, noise_answer
 from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.specimen import Scales, runs_against, tries_of
@@ -83,7 +83,7 @@ def test_a_test_as_numbers(name, stays):
             part.places(missed), list(lines_in(part, missed)),
         ],
         "spectrum": convex.lines_of(part),
-        "felt": felt(part, model, theta, 293.15),
+        "felt": noise_answer(part, model, theta, 293.15),
         "scatter": vars(part.scatter(missed)),
     }  # fmt: skip
     if name != "swept":
@@ -140,16 +140,16 @@ def test_promises_and_what_is_left(case, stays):
     known = {effect.name: effect for effect in plugins().items("effect")}
     effects = [known[name] for name in SCANNED if name in known]
     scanned = TimeScan(fit, parts)
-    promises = scanned.promises(effects)
-    left = Left.by(fit.model, fit.theta, fit.reference, parts)
+    entries = scanned.entries(effects)
+    left = FitResiduals.by(fit.model, fit.theta, fit.reference, parts)
     stays(
         {
             "promises": {
                 name: [[one.values, one.drop, one.amount, one.theta] for one in each[:3]]
-                for name, each in promises.items()
+                for name, each in entries.items()
             },
             "left": [left.chance, left.misfit, left.doubtful, left.squares(left.noise)],
-            "felt": [left.squares_felt(left.noise), left.over(left.noise)],
+            "felt": [left.squares_of_imposed(left.noise), left.over(left.noise)],
             "floor": floor.material_floor([fit]),
             "linear": floor.is_linear(fit),
         },

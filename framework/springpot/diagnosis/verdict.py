@@ -591,16 +591,18 @@ def _named(evidence: Evidence) -> str:
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
-    if evidence.drift is not None and evidence.drift.effect in {*named, *beside}:
-        words = f"{words}, or in place of {evidence.drift.effect} {evidence.drift.says}"
-    elif evidence.untold is not None and evidence.untold.effect in {*named, *beside}:
-        words = f"{words}, or in place of {evidence.untold.effect} {evidence.untold.says}"
-    elif evidence.moved & set(named):
+    return words + _in_place_of(evidence, [*named, *beside])
+
+
+def _in_place_of(evidence: Evidence, named: Sequence[str]) -> str:
+    """What is no effect and may stand in the place of those that are named; empty without such."""
+    for other in (evidence.drift, evidence.untold):
+        if other is not None and other.effect in named:
+            return f", or in place of {other.effect} {other.says}"
+    if evidence.moved & set(evidence.classes[0]):
         moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
-        words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
-    elif evidence.other_shape > VERDICT.worth_a_word:
-        owner = "its"
-        if len([*named, *beside]) > 1:
-            owner = "their"
-        words = f"{words} (or, in {owner} place, something of another shape)"
-    return words
+        return f", or a cause along the frequency: the {moved} was not varied by itself"
+    if evidence.other_shape > VERDICT.worth_a_word:
+        owner = "their" if len(named) > 1 else "its"
+        return f" (or, in {owner} place, something of another shape)"
+    return ""

@@ -25,6 +25,7 @@ from springpot.numerics import (
     MOST_STEPS,
     NEGLIGIBLE,
     PER_DECADE,
+    PRINTED,
     ROUNDING,
     SMALLEST,
     non_negative,
@@ -54,7 +55,7 @@ A single Maxwell element lies between lines.
 """
 QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
-STILL = 1e-8
+STILL = PRINTED * PRINTED
 """Relative drop of the objective below which a step changes nothing that is printed."""
 WIDEST = 60.0 * DECADE
 """Range of reduced frequencies that no material has."""

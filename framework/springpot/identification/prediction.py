@@ -46,7 +46,7 @@ The laws of temperature hold
 for about 100 K above the glass transition (Williams, Landel and Ferry 1955,
 doi:10.1021/ja01619a008).
 """
-ENDLESS = 1e12
+UNDETERMINED = 1e12
 """Variance of a coordinate that the tests do not determine: a million natural sizes."""
 
 
@@ -274,9 +274,9 @@ class Known:
     def theta_covariance(self) -> Real:
         """Covariance (p, p) of the parameters; what the tests leave open has a huge variance."""
         if isinstance(self.spread, Bordered):
-            return np.nan_to_num(self.spread.carried(self.slopes).dense(), posinf=ENDLESS)
+            return np.nan_to_num(self.spread.carried(self.slopes).dense(), posinf=UNDETERMINED)
         # An endless variance times a slope of zero would be no number.
-        spread = np.nan_to_num(self.spread, nan=0.0, posinf=ENDLESS)
+        spread = np.nan_to_num(self.spread, nan=0.0, posinf=UNDETERMINED)
         return self.slopes @ spread @ self.slopes.T
 
     def ways(self, sd: Real, by_theta: Real) -> tuple[Real, Real]:

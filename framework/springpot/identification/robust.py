@@ -108,14 +108,14 @@ def _spread(fit: Fit, off: Real, scale: float, loss: str) -> tuple[float, float]
 
 def _told(fit: Fit, counts: Real, loss: str) -> str:
     data, half = fit.measurement, counts**2 < 0.5
-    rows = np.flatnonzero(half.reshape(2, -1).any(axis=0))
-    if not len(rows):
+    if not half.any():
         return f"{loss}: no number counts less than half"
-    least = int(np.argmin(np.min(counts.reshape(2, -1), axis=0)))
-    place = data.units.at(float(data.omega[least]) / (2.0 * np.pi))
+    of_point = counts.reshape(2, -1).min(axis=0)
+    least = int(np.argmin(of_point))
+    place, share = data.units.at(float(data.frequency[least])), 100.0 * float(of_point[least]) ** 2
     return (
         f"{loss}: {int(half.sum())} of {len(counts)} numbers count less than half,"
-        f" the least at {place} ({100.0 * float(counts.reshape(2, -1)[:, least].min()) ** 2:.2g} %)"
+        f" the least at {place} ({share:.2g} %)"
     )
 
 

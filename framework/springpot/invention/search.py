@@ -86,21 +86,35 @@ def shorter(effect: Effect, values: Values) -> Iterator[tuple[str, Values]]:
     terms = _terms(formula)
     size = effect.element.parameters[0].name
     for place, term in enumerate(terms):
+        shorter_terms: list[tuple[str, Values]] = []
         if lossy := _LOSSY.search(term):
-            bare, h = term.replace(lossy["whole"], "", 1), lossy["h"]
-            rest = {name: value for name, value in values.items() if name != h}
-            yield f"{word}: {_sum(terms, place, bare)}", rest
-            own = RATIO if place else size
-            rest = rest | {own: rest[own] * values[h]}
-            if not place and RATIO in rest:
-                rest[RATIO] /= values[h]
-            sign = "+" if bare[0] == lossy["sign"] else "-"
-            yield f"{word}: {_sum(terms, place, f'{sign}i*{bare[1:]}')}", rest
+            shorter_terms += _stiffness_and_loss(term, lossy, values, place, size)
         if grown := _GROWN.search(term):
-            power = f"{grown['of']}^{grown['power']}"
-            if grown["over"] and not grown["low"]:
-                power = f"*{grown['of']}^(-{grown['power']})"
-            yield f"{word}: {_sum(terms, place, term.replace(grown[0], power, 1))}", values
+            shorter_terms.append((term.replace(grown[0], _power_alone(grown), 1), values))
+        for other, begun in shorter_terms:
+            yield f"{word}: {_sum(terms, place, other)}", begun
+
+
+def _stiffness_and_loss(
+    term: str, lossy: re.Match[str], values: Values, place: int, size: str
+) -> list[tuple[str, Values]]:
+    """A term without its loss and one of that loss alone, with the values to start from."""
+    bare, share = term.replace(lossy["whole"], "", 1), values[lossy["h"]]
+    rest = {name: value for name, value in values.items() if name != lossy["h"]}
+    # The first term has the size of the law; the second is a ratio to it.
+    own = RATIO if place else size
+    of_loss = rest | {own: rest[own] * share}
+    if not place and RATIO in of_loss:
+        of_loss[RATIO] /= share
+    sign = "+" if bare[0] == lossy["sign"] else "-"
+    return [(bare, rest), (f"{sign}i*{bare[1:]}", of_loss)]
+
+
+def _power_alone(grown: re.Match[str]) -> str:
+    """The power in the place of what saturates, or grows from a constant."""
+    if grown["over"] and not grown["low"]:
+        return f"*{grown['of']}^(-{grown['power']})"
+    return f"{grown['of']}^{grown['power']}"
 
 
 def _terms(formula: str) -> list[str]:

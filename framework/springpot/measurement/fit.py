@@ -155,8 +155,9 @@ def _levelled(power: Real, kept: Real, ratio: Real) -> Real:
     (white noise has slope 0, a random walk 2).
     """
     levels = np.maximum(power.T @ ratio[:, None] ** SLOPES, np.finfo(float).tiny)
-    misfit = np.sum(kept) * np.log(levels) - (kept @ np.log(ratio)) * SLOPES + 0.5 * SLOPES**2
-    return np.asarray(levels[np.arange(len(levels)), np.argmin(misfit, axis=1)])
+    surprise = np.sum(kept) * np.log(levels) - (kept @ np.log(ratio)) * SLOPES
+    likeliest = np.argmin(surprise + 0.5 * SLOPES**2, axis=1)
+    return np.asarray(levels[np.arange(len(levels)), likeliest])
 
 
 GONE = 80.0

@@ -94,23 +94,8 @@ def _strongest(record: MendedSignals, basis: Basis) -> tuple[Basis, Real, Real]:
     longest = min(LONGEST * period, (basis.stop - basis.start) / 4)
     # By equal ratios: nobody knows beforehand how fast it dies.
     trials = np.exp(np.arange(np.log(period / 16), np.log(longest), np.log(STEP)))
+    normal, right, square, count = _normal_equations(record, basis, trials, GONE * longest)
     size = basis.size
-    total = size + len(trials)
-    normal, right, square, count = np.zeros((total, total)), np.zeros((total, 2)), np.zeros(2), 0
-    for time, both in record.blocks(basis.start, basis.stop):
-        if not len(time):
-            continue
-        columns = basis.columns(time)
-        # Later blocks hold nothing of it but rounding.
-        if time[0] - basis.start < GONE * longest:
-            columns = np.concatenate(
-                [columns, np.exp(-(time - basis.start)[:, None] / trials)], axis=1
-            )
-        have = columns.shape[1]
-        normal[:have, :have] += columns.T @ columns
-        right[:have] += columns.T @ both
-        square += np.sum(both**2, axis=0)
-        count += len(time)
     gain, explained = _gains(normal, right, size)
     left = np.maximum(square - explained, ROUNDING**2 * square) + np.finfo(float).tiny
     best = int(np.argmax(np.sum(gain / left, axis=1)))
@@ -119,6 +104,31 @@ def _strongest(record: MendedSignals, basis: Basis) -> tuple[Basis, Real, Real]:
     if count <= 2 * size:
         return basis, np.zeros(2), np.ones(2)
     return replace(basis, transient=float(trials[best])), gain[best], noise
+
+
+def _normal_equations(
+    record: MendedSignals, basis: Basis, trials: Real, gone: float
+) -> tuple[Real, Real, Real, int]:
+    """Those of the basis and of transients (t,) of these times, side by side, block by block.
+
+    Products (b + t, b + t) of the columns, theirs (b + t, 2) with the channels, the channels'
+    squares (2,), and the number of samples. From the time `gone` on there is no transient.
+    """
+    total = basis.size + len(trials)
+    normal, right, square, count = np.zeros((total, total)), np.zeros((total, 2)), np.zeros(2), 0
+    for time, both in record.blocks(basis.start, basis.stop):
+        if not len(time):
+            continue
+        columns, since = basis.columns(time), time - basis.start
+        # Later blocks hold nothing of it but rounding.
+        if since[0] < gone:
+            columns = np.concatenate([columns, np.exp(-since[:, None] / trials)], axis=1)
+        have = columns.shape[1]
+        normal[:have, :have] += columns.T @ columns
+        right[:have] += columns.T @ both
+        square += np.sum(both**2, axis=0)
+        count += len(time)
+    return normal, right, square, count
 
 
 def _gains(normal: Real, right: Real, size: int) -> tuple[Real, Real]:

@@ -589,21 +589,17 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]
     products : ndarray, shape (n, 2, c + 2)
         Gain and phase at each point times some columns, of which these two are the last.
     """
-    sweeps = sweeps_of(measurement)
-    n, longest = len(measurement), max(len(rows) for rows, _ in sweeps)
-    # One row more, an empty one, in which sweeps of fewer points end.
-    x, apart = np.zeros(n + 1), np.full((len(sweeps), longest), n)
-    for line, (rows, along) in zip(apart, sweeps, strict=True):
-        line[: len(rows)], x[rows] = rows, along
-    x[n] = x[:n].min()
-    x = (x - x[n]) / max(float(np.ptp(x)), SMALLEST)
+    n, together = len(measurement), np.arange(len(measurement))[None]
+    x, apart = _side_by_side(measurement)
     products = np.concatenate([products, np.zeros((1, *products.shape[1:]))])
-    together = np.arange(n)[None]
-    slow = np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T
-    for lines in (together, apart)[: len(sweeps)]:
+    slow = np.asarray(
+        np.polynomial.legendre.legvander(2.0 * x - 1.0, SMOOTH_DEGREE).T, dtype=np.float64
+    )
+    for lines in (together, apart)[: len(apart)]:
+        of_lines = products[lines]
         for degree in range(SMOOTH_DEGREE + 1):
-            yield MisfitShapes.of_sweeps(*_summed(slow[None, : degree + 1, lines], products[lines]))
-        for sums in _along(x[lines], products[lines], longest):
+            yield MisfitShapes.of_sweeps(*_summed(slow[None, : degree + 1, lines], of_lines))
+        for sums in _along(x[lines], of_lines, apart.shape[1]):
             yield MisfitShapes.of_sweeps(*sums)
     for number in settings_of(measurement).values():
         at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
@@ -611,6 +607,20 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]
         for degree in range(3):
             shapes = (slow[: degree + 1, None, :n] * at_each).reshape(1, -1, 1, n)
             yield MisfitShapes.of_sweeps(*_summed(shapes, products[together]))
+
+
+def _side_by_side(measurement: Measurement) -> tuple[Real, NDArray[np.intp]]:
+    """Place (n + 1,) of each row along its sweep, from 0 to 1, and the rows (s, m) of each sweep.
+
+    One row more, an empty one, in which sweeps of fewer points end.
+    """
+    sweeps, n = sweeps_of(measurement), len(measurement)
+    x = np.zeros(n + 1)
+    lines = np.full((len(sweeps), max(len(rows) for rows, _ in sweeps)), n)
+    for line, (rows, along) in zip(lines, sweeps, strict=True):
+        line[: len(rows)], x[rows] = rows, along
+    x[n] = x[:n].min()
+    return (x - x[n]) / max(float(np.ptp(x)), SMALLEST), lines
 
 
 def _summed(shapes: Real, products: Real) -> tuple[Real, Real]:

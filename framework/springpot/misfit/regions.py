@@ -247,7 +247,8 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
 
     def above(value: float) -> float:
         with np.errstate(over="ignore"):
-            return float(np.mean(-np.expm1(-np.exp((middle - value * divisor) / width)))) - alarm
+            mean_count = np.exp((middle - value * divisor) / width)
+        return float(np.mean(-np.expm1(-mean_count))) - alarm
 
     # Where the scale is known there is nothing between the two.
     if high - low <= ROUNDING * abs(high):

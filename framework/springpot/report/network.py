@@ -97,27 +97,37 @@ def _spring(x: float, y: float) -> list[Mark]:
     return [Stroke((*teeth, (x + 18, y), (x + 22, y)))]
 
 
+def _about(x: float, y: float, *offsets: tuple[float, float], closed: bool = False) -> Stroke:
+    """A stroke through points that lie so far to the right of and below a centre."""
+    return Stroke(tuple((x + right, y + down) for right, down in offsets), closed=closed)
+
+
+def _box_about(x: float, y: float, half: float, height: float) -> Stroke:
+    """A rectangle of half that width and half that height."""
+    corners = (-half, -height), (half, -height), (half, height), (-half, height)
+    return _about(x, y, *corners, closed=True)
+
+
+def _leads(x: float, y: float, left: float, right: float) -> list[Mark]:
+    """Wires from the ends of a symbol to what it leaves free."""
+    return [_about(x, y, (-22, 0), (left, 0)), _about(x, y, (right, 0), (22, 0))]
+
+
 def _dashpot(x: float, y: float) -> list[Mark]:
-    pot = Stroke(((x + 12, y - 11), (x - 12, y - 11), (x - 12, y + 11), (x + 12, y + 11)))
-    return [
-        pot,
-        Stroke(((x - 22, y), (x - 12, y))),
-        Stroke(((x + 2, y - 8), (x + 2, y + 8))),
-        Stroke(((x + 2, y), (x + 22, y))),
-    ]
+    into, out = _leads(x, y, -12, 2)
+    pot = _about(x, y, (12, -11), (-12, -11), (-12, 11), (12, 11))
+    piston = _about(x, y, (2, -8), (2, 8))
+    return [pot, into, piston, out]
 
 
 def _springpot(x: float, y: float) -> list[Mark]:
-    rhombus = Stroke(((x - 16, y), (x, y - 12), (x + 16, y), (x, y + 12)), closed=True)
-    return [rhombus, Stroke(((x - 22, y), (x - 16, y))), Stroke(((x + 16, y), (x + 22, y)))]
+    rhombus = _about(x, y, (-16, 0), (0, -12), (16, 0), (0, 12), closed=True)
+    return [rhombus, *_leads(x, y, -16, 16)]
 
 
 def _mass(x: float, y: float) -> list[Mark]:
-    block = Stroke(
-        ((x - 15, y - 12), (x + 15, y - 12), (x + 15, y + 12), (x - 15, y + 12)), closed=True
-    )
-    hatch = [Stroke(((x - 15 + 10 * i, y + 12), (x - 5 + 10 * i, y - 12))) for i in range(3)]
-    return [block, *hatch, Stroke(((x - 22, y), (x - 15, y))), Stroke(((x + 15, y), (x + 22, y)))]
+    hatch = [_about(x, y, (10 * i - 15, 12), (10 * i - 5, -12)) for i in range(3)]
+    return [_box_about(x, y, 15, 12), *hatch, *_leads(x, y, -15, 15)]
 
 
 SYMBOLS = {"spring": _spring, "dashpot": _dashpot, "springpot": _springpot, "mass": _mass}
@@ -141,13 +151,7 @@ def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) ->
         # An element that has no symbol is a box with its name.
         text = operation + leaf.kind
         half = (LETTER * len(text) + 16) / 2
-        corners = (
-            (centre - half, y - 13),
-            (centre + half, y - 13),
-            (centre + half, y + 13),
-            (centre - half, y + 13),
-        )
-        symbol = [Stroke(corners, closed=True), Label(centre, y, text)]
+        symbol = [_box_about(centre, y, half, 13), Label(centre, y, text)]
     leads = _wire(x, centre - half, y, bool(operation)) + _wire(
         centre + half, x + width, y, bool(operation)
     )

@@ -184,18 +184,16 @@ def first_over(reach: Any, n: Any, turn: Any) -> Any:
 
 
 def _first(cycle: Loop, reach: Any) -> Any:
-    return (
-        2.0
-        / (np.pi * reach)
-        * np.sum(cycle.share * (cycle.sine + 1j * cycle.cosine), axis=(-2, -1))
-    )
+    turned = cycle.sine + 1j * cycle.cosine
+    return 2.0 / (np.pi * reach) * np.sum(cycle.share * turned, axis=(-2, -1))
 
 
 def third_over(reach: Any, n: Any, turn: Any) -> Any:
     """Third harmonic over k X, shape (1, ...)."""
     cycle = loop(reach[..., None], n[..., None], turn[..., None])
     turned = (cycle.cosine - 1j * cycle.sine) ** 3
-    return (2j / (3.0 * np.pi * reach) * np.sum(cycle.share * turned, axis=(-2, -1)))[None]
+    third = 2j / (3.0 * np.pi * reach) * np.sum(cycle.share * turned, axis=(-2, -1))
+    return third[None]
 
 
 def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:

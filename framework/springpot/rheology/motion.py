@@ -188,9 +188,9 @@ class Between:
     @property
     def impulse(self) -> Real:
         """Integral (n,) from the first knot on of what is beyond the first value."""
-        more, step = self.value - self.value[0], np.diff(self.time)
-        area = step * (0.5 * (more[1:] + more[:-1]) - self.changes[1:, 1] / 6.0)
-        return np.concatenate([[0.0], np.cumsum(area)])
+        more = self.value - self.value[0]
+        mean = 0.5 * (more[1:] + more[:-1]) - self.changes[1:, 1] / 6.0
+        return np.concatenate([[0.0], np.cumsum(np.diff(self.time) * mean)])
 
 
 def _turning(slope: Real, speed: Real) -> NDArray[np.intp]:

@@ -96,10 +96,12 @@ def dead_zone_law(t: Real, x: Real, v: Real, k: float, b: float) -> Law:
 
 def delay(t: Real, signals: Real, tau: float) -> Law:
     """Each signal tau later; before the record begins, and after its end, it stands still."""
-    late = np.stack([np.interp(t - tau, t, column) for column in signals.T], axis=-1)
-    # The derivative by the delay is minus the rate of what is delayed, which is at rest before.
-    rate, moving = np.gradient(signals[:, 0], t), (t - tau > t[0]) & (t - tau <= t[-1])
-    return late, (np.where(moving, -np.interp(t - tau, t, rate), 0.0),)
+    before = t - tau
+    late = np.stack([np.interp(before, t, column) for column in signals.T], axis=-1)
+    # The derivative by the delay is minus the rate of what is delayed, which is at rest outside.
+    rate = np.interp(before, t, np.gradient(signals[:, 0], t))
+    moving = (before > t[0]) & (before <= t[-1])
+    return late, (np.where(moving, -rate, 0.0),)
 
 
 def gain(t: Real, signals: Real, g: float) -> Law:

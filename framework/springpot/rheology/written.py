@@ -393,22 +393,21 @@ def size_of(element: Written) -> tuple[str, float] | None:
     assert isinstance(law, TypedLaw)
     least = ALIKE if law.plane in FACTORS else 0.0
     with np.errstate(all="ignore"):
-        whole = _there(law, at, usual)
+        whole = np.max(np.abs(_there(law, at, usual)))
+        if not whole > least:
+            return None
         for place, parameter in enumerate(element.free):
             for factor, end in ((LEAST, 0.0), (MOST, inf)):
                 # An order has both its ends, and is no size; at infinity none that has one is.
                 if parameter.is_order or (end and np.isfinite(parameter.upper)):
                     continue
-                others = [value * 1.3 for value in usual]
-                for values in (list(usual), others):
+                # Whatever the others are.
+                tried = [list(usual), [value * 1.3 for value in usual]]
+                for values in tried:
                     values[place] = factor * usual[place]
-                    if not np.all(
-                        np.abs(_there(law, at, values)) < NEGLIGIBLE * np.max(np.abs(whole))
-                    ):
-                        break
-                else:
-                    if np.max(np.abs(whole)) > least:
-                        return parameter.name, end
+                left = [np.abs(_there(law, at, values)) for values in tried]
+                if np.all(np.array(left) < NEGLIGIBLE * whole):
+                    return parameter.name, end
     return None
 
 

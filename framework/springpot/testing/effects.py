@@ -19,7 +19,7 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.specimen import Scales, tries_of
 
-from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE
+from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE, PRINTED
 from .networks import (
     POINTS,
     SAMPLE,
@@ -140,20 +140,23 @@ def _pure(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
             yield "the same parameters do not give the same record"
 
 
+def _change(effect: Effect, theta: Real, test: TimeTest) -> float:
+    """Largest change of a record by an effect, over the largest number of that record."""
+    # Without the first sample, as above.
+    alone = test.response[1:]
+    grown = recorded(MODEL + effect, theta, test).value[1:]
+    return float(np.abs(grown - alone).max() / np.abs(alone).max())
+
+
 def _law_vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
+    null, first = effect.vanishes_at, len(THETA)
     for test in tests:
-        theta, n = _theta(effect, test), len(THETA)
-        # Without the first sample, as above.
-        there = test.response[1:]
-        size = float(np.abs(there).max())
-        if not np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() > 1e-4 * size:
+        theta = _theta(effect, test)
+        if not _change(effect, theta, test) > PRINTED:
             yield f"in a {test.kind} test it changes nothing at a size that is tried"
-        tried, null = abs(theta[n]), effect.vanishes_at
-        if np.isinf(null):
-            theta[n] = tried / ALIKE
-        else:
-            theta[n] = null + ALIKE * tried
-        left = np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() / size
+        tried = abs(theta[first])
+        theta[first] = tried / ALIKE if np.isinf(null) else null + ALIKE * tried
+        left = _change(effect, theta, test)
         if not left < GONE:
             yield (
                 f"in a {test.kind} test {left:.1e} of the record still changes when"

@@ -29,8 +29,7 @@ from springpot.thresholds import VERDICT
 
 from .fitting import identify
 from .floor import TimeFloor, material_floor
-from .left import Left, delta_bic, independent, plain_bic
-from .native import DOUBTFUL
+from .hypotheses import FitResiduals, bic_of, delta_bic, independent_samples
 from .residuals_of_tests import (
     Test,
     parts_of_specimen,
@@ -89,9 +88,11 @@ def compare(
     if not fits:
         raise DataError(next(iter(left_out.values()), "there is no model to compare"))
     lefts = [_left(fit) for fit in fits]
-    best = min(lefts, key=plain_bic)
+    best = min(lefts, key=bic_of)
     # One noise for all, that about the best model; by what it leaves, where that is more.
-    wider = max(1.0, best.squares(best.scatters) / independent(best.residuals, best.scatters))
+    wider = max(
+        1.0, best.squares(best.scatters) / independent_samples(best.residuals, best.scatters)
+    )
     unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
     gains = [delta_bic(best, left, unit) for left in lefts]
     floors = material_floors(fits, material_floor)
@@ -100,7 +101,7 @@ def compare(
             fit,
             max(gains) - gain,
             floors[effects_of(fit.model)],
-            left.heard(best.scatters, best),
+            left.noise_with_imposed(best.scatters, best),
             left,
         )
         for gain, fit, left in sorted(zip(gains, fits, lefts, strict=True), key=lambda row: -row[0])
@@ -109,8 +110,8 @@ def compare(
     return Comparison(names, tuple(judged), (), (), "", left_out=left_out)
 
 
-def _left(fit: Identification) -> Left:
-    return Left.of(fit, parts_of_specimen(fit.data))
+def _left(fit: Identification) -> FitResiduals:
+    return FitResiduals.of(fit, parts_of_specimen(fit.data))
 
 
 def judgement_of(
@@ -118,7 +119,7 @@ def judgement_of(
     delta: float,
     floor: TimeFloor,
     noise: Sequence[ResidualScatter] | None = None,
-    left: Left | None = None,
+    left: FitResiduals | None = None,
 ) -> Judgement:
     """One model against the tests that it was fitted to.
 
@@ -132,7 +133,7 @@ def judgement_of(
         What any material reaches with the same effects.
     noise : sequence of ResidualScatter, optional
         Of each test; by default that about this model.
-    left : Left, optional
+    left : FitResiduals, optional
         What it leaves of each test, where that is known.
     """
     parts = parts_of_specimen(fit.data)
@@ -216,7 +217,7 @@ def _of_sweep(identified: Identification) -> Standing | None:
     best = max(error.relative_rms, error.noise_floor)
     # Searches that ended at the best agree to several digits. Where the model itself fails, a
     # longer one mends nothing.
-    if good and alike and identified.relative_rms > DOUBTFUL * best:
+    if good and alike and identified.relative_rms > VERDICT.agrees * best:
         good = False
         says = (
             f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on"

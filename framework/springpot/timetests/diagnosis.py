@@ -54,15 +54,27 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
-from springpot.thresholds import EXPERIMENT, SEARCH
+from springpot.thresholds import EXPERIMENT, SEARCH, VERDICT
 
-from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from ..numerics import SMALLEST, evenly, rms
 from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify, refound
 from .floor import material_floor
+from .hypotheses import (
+    AskedTests,
+    FitResiduals,
+    Hypothesis,
+    ScanEntry,
+    bic_of,
+    delta_bic,
+    evidence_over_misfit,
+    no_worse,
+    of_what_helps,
+    one_of_each,
+    sum_of_squares,
+)
 from .intervals import beside_limits
-from .left import AskedTests, Left, Promise, Tried, delta_bic, plain_bic, power_of
 from .residuals_of_tests import (
     InTimePart,
     SweepPart,
@@ -73,7 +85,7 @@ from .residuals_of_tests import (
     units_of,
 )
 from .score import TimeScan
-from .sieve import (
+from .screening import (
     alone,
     exactly_fitted,
     from_the_best,
@@ -81,12 +93,11 @@ from .sieve import (
     leading_of_scan,
     least_left,
     nearly_all,
-    noise_of_both,
+    noise_of_best,
     of_material,
 )
 from .specimen import at_rigs, at_tests
 from .verdict import TimeCase, answer_of, misfit_of, worst_of
-from .where import NOTABLE
 
 SAMPLES = 200
 """Of a planned record, which moves all the time."""
@@ -407,7 +418,7 @@ def _turns(
     anew = [turned_over(test) if test.name in specs else test for test in tests]
     fit = identify(anew, model)
     before, after = (
-        plain_bic(Left.of(one, parts_of_specimen(given)))
+        bic_of(FitResiduals.of(one, parts_of_specimen(given)))
         for one, given in ((base, tests), (fit, anew))
     )
     if before - after < SEARCH.decisive:
@@ -466,13 +477,13 @@ def _better_noise(part: TestPart, fit: Identification) -> Real | None:
         return None
     # Only the shape of the noise weighs samples against one another: its size is read from what is
     # left anyway.
-    if part.sd.max() < NOTABLE * part.sd.min():
+    if part.sd.max() < VERDICT.agrees * part.sd.min():
         return None
     over_noise = part.residual(fit.model, fit.theta, fit.reference).value
     all_noise = not scatter_of(over_noise).doubtful
     better = noise_of(part.test, over_noise * part.sd, all_noise=all_noise).sd
     share = better / part.sd
-    if share.max() > NOTABLE * share.min():
+    if share.max() > VERDICT.agrees * share.min():
         return better
     return None
 
@@ -489,77 +500,79 @@ def _judged(
     if base is None:
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
-    before = Left.of(base, parts)
+    before = FitResiduals.of(base, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     left_out: dict[str, str] = {}
     asked = AskedTests(given, parts, quick_parts(parts), known, beside, left_out)
-    promises = TimeScan(base, asked.quick).promises(beside)
-    tried = _sieved(asked, base, promises, before, fitted)
+    entries = TimeScan(base, asked.quick).entries(beside)
+    tried = _screened(asked, base, entries, before, fitted)
     better = _better_start(asked, base, before, tried)
     if better is not None:
         return _judged(given, model, effects, better, known, fitted)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
-    tried = _one_of_each([_no_worse(each, before) for each in tried])
+    tried = one_of_each([no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     slip = slip_beside(parts, base, before)
     named = least_left(asked, base, tried, before)
-    best = min([named, slip.left], key=plain_bic)
-    noise = noise_of_both(before, best)
+    best = min([named, slip.left], key=bic_of)
+    noise = noise_of_best(before, best)
     judged = [replace(each, delta=delta_bic(before, each.left, noise)) for each in tried]
     # Where the misfit is not certain by itself, it is the noise over which an effect shows it.
     if before.misfit and best.misfit:
         # No unit but that of what the best explanation misses: over the noise alone whatever takes
         # a little more of a large misfit would be proved.
-        judged = [replace(each, delta=_over_misses(parts, before, each, best)) for each in tried]
+        judged = [
+            replace(each, delta=evidence_over_misfit(parts, before, each, best)) for each in tried
+        ]
     else:
-        judged = [_of_what_helps(parts, before, each) for each in judged]
+        judged = [of_what_helps(parts, before, each) for each in judged]
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     # Where all leave less than the noise, the one that leaves least stands first all the same.
-    ranked = sorted(judged, key=lambda each: (-round(each.evidence, 1), power_of(each.left)))
+    ranked = sorted(judged, key=lambda each: (-round(each.evidence, 1), sum_of_squares(each.left)))
     # What cannot be told from another material and helps no more than one is no candidate.
     ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
     for each in ranked:
         left_out.pop(each.effect.name, None)
-    return answer_of(asked, base, before, ranked, noise, promises, slip)
+    return answer_of(asked, base, before, ranked, noise, entries, slip)
 
 
-def _sieved(
+def _screened(
     asked: AskedTests,
     base: Identification,
-    promises: dict[str, list[Promise]],
-    before: Left,
+    entries: dict[str, list[ScanEntry]],
+    before: FitResiduals,
     fitted: Fitted,
-) -> list[Tried]:
-    """Effects that were fitted, by sieves each finer and dearer than the one before.
+) -> list[Hypothesis]:
+    """Effects that were fitted, by screening, each stage dearer than the one before.
 
     A linear scan, fits by fixed exponentials, exact fits.
     """
     if is_material(base.model):
-        return of_material(asked, base, leading_of_scan(promises, before), fitted)
-    nearly = nearly_all(asked, base, promises, before, fitted)
-    nearly += from_the_best(asked, base, nearly, before, promises)
+        return of_material(asked, base, leading_of_scan(entries, before), fitted)
+    nearly = nearly_all(asked, base, entries, before, fitted)
+    nearly += from_the_best(asked, base, nearly, before, entries)
     return exactly_fitted(asked, base, from_the_data(asked, base, nearly, before), before, fitted)
 
 
 def _better_start(
-    asked: AskedTests, base: Identification, before: Left, tried: Sequence[Tried]
+    asked: AskedTests, base: Identification, before: FitResiduals, tried: Sequence[Hypothesis]
 ) -> Identification | None:
     """The model alone, fitted from where effects have led it; None where that is no nearer.
 
     As for sweeps: what a small effect seems to explain may be a minimum that was left behind, and
     an order or a spring at the end of its range is one.
     """
-    nearest = sorted(tried, key=lambda each: plain_bic(each.left))[: SEARCH.tried_alone]
+    nearest = sorted(tried, key=lambda each: bic_of(each.left))[: SEARCH.tried_alone]
     if not tried or is_material(base.model):
         return None
-    noise = noise_of_both(before, nearest[0].left)
+    noise = noise_of_best(before, nearest[0].left)
     if delta_bic(before, nearest[0].left, noise) < SEARCH.decisive:
         return None
     seeds = [alone(each, base.model) for each in nearest]
     fit = identify(asked.tests, base.model, seeds=seeds, thorough=False, noise=asked.known)
-    left = Left.of(fit, asked.parts)
+    left = FitResiduals.of(fit, asked.parts)
     # Of several tests a fit weighs one against another: it is another minimum only if none loses.
     gains = [
         float(old @ old - new @ new)
@@ -570,57 +583,9 @@ def _better_start(
     return fit
 
 
-def _no_worse(each: Tried, before: Left) -> Tried:
-    """An effect that changes nothing, or whose fit went astray, leaves what was left without it.
-
-    It has no size.
-    """
-    if power_of(each.left) < (1.0 - NEGLIGIBLE) * power_of(before):
-        return each
-    return replace(each, left=replace(before, count=each.left.count), fit=None)
-
-
 def _within(material: Model, effect: Effect) -> bool:
     """Whether a free spectrum has an effect already.
 
     That of one rig alone the other tests are free of.
     """
     return effect.in_time and within_material(material, effect)
-
-
-def _one_of_each(tried: Sequence[Tried]) -> list[Tried]:
-    """Of an effect that all rigs or one alone may have, where it explains more."""
-    best: dict[str, Tried] = {}
-    for each in tried:
-        name = each.effect.name
-        if name not in best or plain_bic(each.left) < plain_bic(best[name].left):
-            best[name] = each
-    return list(best.values())
-
-
-def _of_what_helps(parts: Sequence[TestPart], before: Left, each: Tried) -> Tried:
-    """An effect that leaves more than noise has no evidence where it explains next to none.
-
-    It must be the better story too where what it leaves is taken for noise.
-    """
-    if not each.left.misfit:
-        return each
-    helps = _over_misses(parts, before, each, each.left)
-    if helps > 0.0:
-        return each
-    return replace(each, delta=helps)
-
-
-def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Left) -> float:
-    """The evidence for an effect in units of what a fit misses.
-
-    Samples that are missed alike count once.
-    """
-    gain, count = float(before.lines - each.left.lines), 0.0
-    for part, old, new, missed in zip(
-        parts, before.residuals, each.left.residuals, unit.residuals, strict=True
-    ):
-        of_one = max(part.sampled(missed), SMALLEST)
-        gain += float(old @ old - new @ new) / of_one
-        count += float(missed @ missed) / of_one
-    return gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))

@@ -33,10 +33,10 @@ from springpot.thresholds import EVIDENCE, SEARCH
 
 from .diagnosis import examine
 from .fitting import identify
-from .left import AskedTests, Left, Tried
+from .hypotheses import AskedTests, FitResiduals, Hypothesis
 from .residuals_of_tests import Test
 from .score import TimeScan
-from .sieve import EXACT, leading_of_scan, nearly_fitted, noise_of_both
+from .screening import EXACT, approximately_fitted, leading_of_scan, noise_of_best
 from .specimen import at_tests
 from .verdict import TimeCase
 
@@ -51,7 +51,7 @@ class TimeSets:
         The tests, and the effects of which sets are made.
     base : Identification
         The fit of the model.
-    fitted : dict of tuple of str to Tried
+    fitted : dict of tuple of str to Hypothesis
         By their names.
     given_up : set of tuple of str
         Sets that cannot be fitted exactly.
@@ -59,20 +59,20 @@ class TimeSets:
 
     asked: AskedTests
     base: Identification
-    fitted: dict[tuple[str, ...], Tried] = field(default_factory=dict)
+    fitted: dict[tuple[str, ...], Hypothesis] = field(default_factory=dict)
     given_up: set[tuple[str, ...]] = field(default_factory=set)
 
-    def add(self, one: Tried) -> None:
+    def add(self, one: Hypothesis) -> None:
         """Take a set up, where it is new or better than the fit of it there is."""
         known = self.fitted.get(one.key)
         if known is None or one.cost < known.cost:
             self.fitted[one.key] = one
 
-    def likeliest(self) -> list[Tried]:
+    def likeliest(self) -> list[Hypothesis]:
         """The likeliest first."""
         return sorted(self.fitted.values(), key=lambda one: one.cost)
 
-    def open(self, near: Sequence[Tried]) -> None:
+    def open(self, near: Sequence[Hypothesis]) -> None:
         """Fit sets with one effect more, where there is more than noise to explain."""
         # A linear step foretells little of what goes by no small one: from the likeliest set more
         # are tried.
@@ -84,12 +84,12 @@ class TimeSets:
     extend = open
     """Sets with an effect more are all the neighbours that are fitted."""
 
-    def exchange(self, best: Tried) -> None:
+    def exchange(self, best: Hypothesis) -> None:
         """Fit sets with another effect in each place of the best one."""
         for effect in best.effects:
             self._extend(self._without(best, effect), SEARCH.singles)
 
-    def _extend(self, one: Tried, most: int) -> None:
+    def _extend(self, one: Hypothesis, most: int) -> None:
         if len(one.effects) >= MOST_TOGETHER:
             return
         asked, grown = self.asked, replace(self.base, model=one.model, theta=one.theta)
@@ -99,27 +99,27 @@ class TimeSets:
             for effect in asked.effects
             if tuple(sorted([*names, effect.name])) not in self.fitted
         ]
-        promises = TimeScan(grown, asked.quick).promises(new)
-        leading = leading_of_scan(promises, one.left)[:most]
+        entries = TimeScan(grown, asked.quick).entries(new)
+        leading = leading_of_scan(entries, one.left)[:most]
         # Beside another effect the scan's first place is near enough; others were tried alone.
-        for each in nearly_fitted(asked, grown, leading, one.left, starts=1):
+        for each in approximately_fitted(asked, grown, leading, one.left, starts=1):
             self.add(replace(each, effects=(*one.effects, each.effect)))
 
-    def _without(self, best: Tried, effect: Effect) -> Tried:
+    def _without(self, best: Hypothesis, effect: Effect) -> Hypothesis:
         """The fit of the others, or where they stand in the whole set if that is better."""
         there = self._left_there(best, effect)
         # A fit that is worse was caught in another minimum, and an effect would only mend that.
         return min(self.fitted.get(there.key, there), there, key=lambda one: one.cost)
 
-    def _left_there(self, best: Tried, effect: Effect) -> Tried:
+    def _left_there(self, best: Hypothesis, effect: Effect) -> Hypothesis:
         """A set without one of its effects, the rest as it is."""
         rest = tuple(other for other in best.effects if other is not effect)
         model = best.model - effect.name
         theta = model.picked(best.model.named(best.theta))
-        left = Left.by(model, theta, self.base.reference, self.asked.parts)
-        return Tried(rest, model, theta, left)
+        left = FitResiduals.by(model, theta, self.base.reference, self.asked.parts)
+        return Hypothesis(rest, model, theta, left)
 
-    def settle(self) -> Tried:
+    def settle(self) -> Hypothesis:
         """The best set, once those near it and the best of each size are fitted exactly."""
         while True:
             best = self.likeliest()[0]
@@ -139,7 +139,7 @@ class TimeSets:
             for one in inexact.values():
                 self._fit_exactly(one)
 
-    def _fit_exactly(self, one: Tried) -> None:
+    def _fit_exactly(self, one: Hypothesis) -> None:
         self.fitted.pop(one.key, None)
         try:
             fit = identify(
@@ -151,11 +151,11 @@ class TimeSets:
         except SpringpotError:
             self.given_up.add(one.key)
             return
-        self.fitted[one.key] = Tried.exactly(one.effects, fit, self.asked.parts)
+        self.fitted[one.key] = Hypothesis.exactly(one.effects, fit, self.asked.parts)
 
 
 def best_set(
-    case: TimeCase, fewer: int, accepted: Tried | None = None
+    case: TimeCase, fewer: int, accepted: Hypothesis | None = None
 ) -> FoundSet[Identification] | None:
     """The smallest set that is as good as any, if it leaves noise alone.
 
@@ -165,18 +165,18 @@ def best_set(
         The model to which effects are added, examined.
     fewer : int
         Effects of which a set is none that is looked for.
-    accepted : Tried, optional
+    accepted : Hypothesis, optional
         A set to begin with, beside the model as it is and with each effect that was fitted.
     """
     if is_material(case.base.model):
         return None
     sets = TimeSets(case.asked._replace(left_out={}), case.base)
-    for one in (Tried.exactly((), case.base, case.asked.parts), *case.tried, accepted):
+    for one in (Hypothesis.exactly((), case.base, case.asked.parts), *case.tried, accepted):
         if one is not None:
             sets.add(one)
     go_on_to_neighbours(sets)
     first = sets.settle()
-    noise = noise_of_both(sets.fitted[()].left, first.left)
+    noise = noise_of_best(sets.fitted[()].left, first.left)
     # The smallest that is not beyond doubt worse: what more effects explain may be chance.
     tried = [one for one in sets.likeliest() if _behind(one, first, noise) < SEARCH.decisive]
     best = min(tried, key=lambda one: len(one.effects))
@@ -212,7 +212,7 @@ def places(
     return alike
 
 
-def _behind(one: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> float:
+def _behind(one: Hypothesis, best: Hypothesis, noise: Sequence[ResidualScatter]) -> float:
     """By how much a set explains the tests worse than the best one, over its noise."""
     more = one.left.squares(noise) - best.left.squares(noise)
     count = sum(len(value) for value in best.left.residuals)
@@ -322,7 +322,7 @@ class TimeRungs(Rungs[Identification]):
         if not accepted or (steps[-1].diagnosis.verdict == "adequate" and len(accepted) == 1):
             return None
         first, last = _case(steps[0]), _case(steps[-1]).base
-        return best_set(first, 0, Tried.exactly(accepted, last, first.asked.parts))
+        return best_set(first, 0, Hypothesis.exactly(accepted, last, first.asked.parts))
 
 
 def _case(step: Step) -> TimeCase:

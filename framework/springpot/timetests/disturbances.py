@@ -33,7 +33,7 @@ from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, r
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, DECADE, SMALLEST, rms
-from .left import Left, delta_bic
+from .hypotheses import FitResiduals, delta_bic
 from .residuals_of_tests import InTimePart, Residual, TestPart
 from .specimen import Tangent, stepped
 
@@ -179,7 +179,7 @@ class Slip(NamedTuple):
     ----------
     says : str
         Which.
-    left : Left
+    left : FitResiduals
         What it leaves of them.
     places : int
         At how many samples it might have been.
@@ -191,12 +191,12 @@ class Slip(NamedTuple):
     """
 
     says: str
-    left: Left
+    left: FitResiduals
     places: int
     shown: bool = True
     aside: tuple[int, int, float] | None = None
 
-    def delta(self, before: Left, noise: Sequence[ResidualScatter]) -> float:
+    def delta(self, before: FitResiduals, noise: Sequence[ResidualScatter]) -> float:
         """By how much the Bayesian information criterion falls, its place one of all samples."""
         # One that leaves more than noise is not the whole story: what has a name goes before it.
         if self.left.misfit or not self.shown:
@@ -211,8 +211,8 @@ class Slip(NamedTuple):
 
 
 def _evened(
-    before: Left, after: Left, noise: Sequence[ResidualScatter]
-) -> tuple[Left, Left, list[ResidualScatter]]:
+    before: FitResiduals, after: FitResiduals, noise: Sequence[ResidualScatter]
+) -> tuple[FitResiduals, FitResiduals, list[ResidualScatter]]:
     """What two stories leave, and its noise, over the size that this has in each part of a test.
 
     Where the noise grows on the way, its largest swings are no jumps.
@@ -225,7 +225,7 @@ def _evened(
     return _over(before, sizes), _over(after, sizes), evened
 
 
-def _over(left: Left, sizes: Sequence[Real]) -> Left:
+def _over(left: FitResiduals, sizes: Sequence[Real]) -> FitResiduals:
     """What is left of each test over the size (m,) of its noise there."""
 
     def divided(values: Sequence[Real]) -> tuple[Real, ...]:
@@ -235,11 +235,11 @@ def _over(left: Left, sizes: Sequence[Real]) -> Left:
         left,
         residuals=divided(left.residuals),
         rounded=divided(left.rounded),
-        felt=divided(left.felt),
+        noise_answer=divided(left.noise_answer),
     )
 
 
-def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -> Slip:
+def slip_beside(parts: Sequence[TestPart], base: Identification, before: FitResiduals) -> Slip:
     """What slipped or let go in one test beside the model, if that is what it was."""
     plain, theta = [part.with_scale(1.0) for part in parts], base.theta
     weights = [

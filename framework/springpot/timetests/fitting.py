@@ -29,15 +29,16 @@ from springpot.misfit.error import times
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
+from springpot.thresholds import VERDICT
 
 from ..numerics import SMALLEST, rms
 from .convex import lines_of
 from .exponentials import quick_parts
 from .floor import coordinates_around
+from .hypotheses import FitResiduals
 from .intervals import with_intervals
-from .left import Left
 from .material import FoundLines, UntoldError, spectral
-from .native import DOUBTFUL, Minimum, TimeSearch
+from .native import Minimum, TimeSearch
 from .residuals_of_tests import (
     Test,
     TestPart,
@@ -247,7 +248,7 @@ def identify(
     if objective is not None:
         result = replace(result, objective=objective.name)
     parts = parts_of_specimen(given, noise)
-    left = Left.of(result, parts)
+    left = FitResiduals.of(result, parts)
     # One noise in all answers: that about the model, and not what the signal alone tells.
     return _told(replace(result, parts=left.rows(parts, left.noise, result.tests)))
 
@@ -280,10 +281,10 @@ def _at_best_rig(
     except ModelError:
         # No test in time can have such an effect: what is left is that the sweeps alone do.
         return fitted(apart)
-    if max(test.over_floor for test in one.tests) <= DOUBTFUL:
+    if max(test.over_floor for test in one.tests) <= VERDICT.agrees:
         return one
     other = fitted(apart)
-    if one.cost < DOUBTFUL * other.cost:
+    if one.cost < VERDICT.agrees * other.cost:
         return one
     return other
 
@@ -447,16 +448,16 @@ def _scanned(
     last = effects[-1]
     try:
         base = identify(given, model - last, noise=noise)
-        promises = TimeScan(base, quick_parts(parts)).promises([last])
+        entries = TimeScan(base, quick_parts(parts)).entries([last])
     except SpringpotError:
         # It has no law in such a test, or nothing is left to fit: natural sizes are left.
         return []
-    best = promises.get(last.name, [])[:STARTS]
+    best = entries.get(last.name, [])[:STARTS]
     starts = []
-    for promise in best:
+    for entry in best:
         # With the model's own parameters made way for the force, and as they were: the linear step
         # may lead astray.
-        starts += [promise.start(base, model, moved=True), promise.start(base, model, moved=False)]
+        starts += [entry.start(base, model, moved=True), entry.start(base, model, moved=False)]
     return starts
 
 

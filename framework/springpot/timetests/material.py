@@ -41,7 +41,7 @@ from ..numerics import rms
 from .convex import SPACINGS, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
-from .temperatures import Together, is_law, lawful, seen_by
+from .temperatures import StackedResiduals, is_law, lawful, seen_by
 
 BRIEF = 3
 """Steps from each place where an effect of a test may lie.
@@ -291,7 +291,7 @@ class _Search:
         """Begin anew with the lines at `rates`."""
         self.count = 2 + len(self.rates)
         self.model = with_rates(model, self.rates.tolist())
-        self.together = Together(self.model, self.parts, self.reference)
+        self.together = StackedResiduals(self.model, self.parts, self.reference)
         self.shown = Continuum(tuple(self.rates)).basis(np.log(self.rates), False)[0]
         self.evaluations = 0
         self.last: tuple[Real, tuple[Real, Real]] | None = None

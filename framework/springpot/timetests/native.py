@@ -28,7 +28,7 @@ from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL
+from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
@@ -47,8 +47,6 @@ Real ones lie between, and from each of these the search reaches the next.
 """
 EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
-DOUBTFUL = 1.5
-"""Error over the noise from which other starts are tried too."""
 TRIED = 6
 """Places in the parameters of effects of time tests from which a search begins."""
 WRONG = 0.5
@@ -269,7 +267,8 @@ class TimeSearch:
         near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
         # A cost is a sum of squares over the noise: one for each number where the model is right.
-        if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
+        # Where it does not agree with that noise other starts are tried too.
+        if self.thorough and quick.cost.min() > VERDICT.agrees**2 * count:
             more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, AFAR)
             best = more.best
             near, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])

@@ -31,7 +31,7 @@ from .comparing import judgement_of
 from .discovery import discover
 from .fitting import identify
 from .floor import TimeFloor, material_floor
-from .left import Left, delta_bic, gain_of, independent
+from .hypotheses import FitResiduals, chi_square_gain, delta_bic, independent_samples
 from .residuals_of_tests import Test, TestPart, parts_of_specimen
 from .verdict import TimeCase, error_of
 
@@ -44,9 +44,9 @@ class RankedInTime:
     ----------
     fit : Identification
         The fit.
-    left : Left
+    left : FitResiduals
         What it leaves of each test.
-    beside : Left
+    beside : FitResiduals
         What the material leaves.
     noise : sequence of ResidualScatter
         Of each test, the same for all models.
@@ -55,8 +55,8 @@ class RankedInTime:
     """
 
     fit: Identification
-    left: Left
-    beside: Left
+    left: FitResiduals
+    beside: FitResiduals
     noise: Sequence[ResidualScatter]
     parts: Sequence[TestPart]
 
@@ -73,12 +73,12 @@ class RankedInTime:
     @cached_property
     def rss(self) -> float:
         """Sum of squares of the residual over the noise."""
-        return self.beside.squares(self.noise) - gain_of(self.beside, self.left, self.noise)
+        return self.beside.squares(self.noise) - chi_square_gain(self.beside, self.left, self.noise)
 
     @property
     def numbers(self) -> float:
         """How many samples it was judged by, those counted once whose noise is alike."""
-        return independent(self.left.residuals, self.noise)
+        return independent_samples(self.left.residuals, self.noise)
 
     @property
     def dof(self) -> float:
@@ -93,12 +93,12 @@ class RankedInTime:
     @cached_property
     def error(self) -> Error:
         """Its error beside the noise."""
-        return self._error(self.heard)
+        return self._error(self.noise_with_imposed)
 
     @property
-    def heard(self) -> list[ResidualScatter]:
+    def noise_with_imposed(self) -> list[ResidualScatter]:
         """The noise, with what it answers more to noise of imposed channels than the material."""
-        return self.left.heard(self.noise, self.beside)
+        return self.left.noise_with_imposed(self.noise, self.beside)
 
     @property
     def own_floor(self) -> float:
@@ -157,7 +157,7 @@ class _BesideMaterial:
         The examination of the material.
     parts : sequence of TestPart
         The tests.
-    left : Left
+    left : FitResiduals
         What the material leaves of them.
     noise : sequence of ResidualScatter
         Of each of them, in which all models are told.
@@ -167,7 +167,7 @@ class _BesideMaterial:
 
     case: TimeCase
     parts: Sequence[TestPart]
-    left: Left
+    left: FitResiduals
     noise: Sequence[ResidualScatter]
     skipped: list[Skipped] = field(default_factory=list)
 
@@ -192,7 +192,7 @@ class _BesideMaterial:
         except SpringpotError as error:
             self.skipped.append(Skipped(grown.name, str(error)))
             return
-        left = Left.of(fit, self.parts)
+        left = FitResiduals.of(fit, self.parts)
         yield RankedInTime(fit, left, self.left, self.noise, self.parts)
 
     def order(self, fits: Sequence[RankedInTime]) -> Order:
@@ -214,7 +214,11 @@ class _BesideMaterial:
         self, found: RankedInTime, delta: float, floors: Mapping[tuple[str, ...], TimeFloor]
     ) -> Judgement:
         judged = judgement_of(
-            found.fit, delta, floors[effects_of(found.model)], found.heard, left=found.left
+            found.fit,
+            delta,
+            floors[effects_of(found.model)],
+            found.noise_with_imposed,
+            left=found.left,
         )
         known = not (found.beyond or found.hardly_known)
         vars(judged).update(
@@ -264,7 +268,7 @@ def rank(
     ladder = discover(tests, any_material(), library, progress=progress)
     case = alive(ladder.steps[-1].examined, TimeCase, "the ladder")
     parts, base = parts_of_specimen(case.base.data), case.base
-    left = Left.of(base, parts)
+    left = FitResiduals.of(base, parts)
     beside = _BesideMaterial(case, parts, left, left.noise)
     fits = fits_of(installed, beside.material, beside.fitted, progress)
     if not fits:

@@ -30,7 +30,7 @@ from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
-from .left import Atom, Promise
+from .hypotheses import Atom, ScanEntry
 from .recording import Clock, at_loading, is_eased, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import MOST, Scales, Tangent, stepped, tries_of
@@ -78,8 +78,8 @@ class TimeScan:
         slopes = np.where(held, 0.0, slopes)
         self.tangent = Tangent.of(slopes)
 
-    def promises(self, effects: Iterable[Effect]) -> dict[str, list[Promise]]:
-        """For each effect its promises, the best first.
+    def entries(self, effects: Iterable[Effect]) -> dict[str, list[ScanEntry]]:
+        """For each effect what the scan says at each place, the best first.
 
         Those that make no sense in these tests have none.
         """
@@ -100,7 +100,7 @@ class TimeScan:
                 continue
         return [atom for atom in atoms if np.all(np.isfinite(atom.column))]
 
-    def _scored(self, atoms: Sequence[Atom]) -> dict[str, list[Promise]]:
+    def _scored(self, atoms: Sequence[Atom]) -> dict[str, list[ScanEntry]]:
         if not atoms:
             return {}
         columns = np.column_stack([atom.column for atom in atoms])
@@ -113,7 +113,7 @@ class TimeScan:
         # parameters is no effect's.
         missed = self.tangent.left(self.residual)
         fall, before = -columns.T @ missed, float(missed @ missed)
-        promises: dict[str, list[Promise]] = {}
+        entries: dict[str, list[ScanEntry]] = {}
         for k, atom in enumerate(atoms):
             if not left[k] > NEGLIGIBLE * whole[k]:
                 continue
@@ -125,7 +125,7 @@ class TimeScan:
                 drop = amount * float(fall[k])
             # The model makes way for the effect: its fit then begins where both together lead.
             theta = self._stepped(self.residual + amount * given[:, k])
-            promise = Promise(
+            entry = ScanEntry(
                 atom.effect,
                 atom.at(amount),
                 theta,
@@ -135,8 +135,8 @@ class TimeScan:
                 bool(atom.powers.any()),
                 before - drop,
             )
-            promises.setdefault(atom.effect.name, []).append(promise)
-        return {name: _different(each) for name, each in promises.items()}
+            entries.setdefault(atom.effect.name, []).append(entry)
+        return {name: _different(each) for name, each in entries.items()}
 
     def _stepped(self, residual: Real) -> Real:
         """The model's own parameters after the linear step that such a residual asks for."""
@@ -324,25 +324,25 @@ def _as_tried(atom: Atom, amount: float) -> float:
     return abs(amount)
 
 
-def _rating(promise: Promise) -> tuple[float, float]:
+def _rating(entry: ScanEntry) -> tuple[float, float]:
     """The largest drop first, to three digits, and of those the one tried as it is wanted."""
-    drop = float(f"{promise.drop:.3g}")
-    return -drop, abs(float(np.log(max(promise.amount, SMALLEST))))
+    drop = float(f"{entry.drop:.3g}")
+    return -drop, abs(float(np.log(max(entry.amount, SMALLEST))))
 
 
-def _different(promises: list[Promise]) -> list[Promise]:
+def _different(entries: list[ScanEntry]) -> list[ScanEntry]:
     """The best first, those behind that are another of the same rigs once more.
 
     Of what goes as its size they are left out: a fit from any of them is the same.
     """
-    kept: list[Promise] = []
-    again: list[Promise] = []
-    for promise in sorted(promises, key=_rating):
-        alike = [other.direction for other in kept if other.effect is promise.effect]
-        if all(abs(float(promise.direction @ direction)) < PARALLEL for direction in alike):
-            kept.append(promise)
-        elif not promise.as_its_size:
-            again.append(promise)
+    kept: list[ScanEntry] = []
+    again: list[ScanEntry] = []
+    for entry in sorted(entries, key=_rating):
+        alike = [other.direction for other in kept if other.effect is entry.effect]
+        if all(abs(float(entry.direction @ direction)) < PARALLEL for direction in alike):
+            kept.append(entry)
+        elif not entry.as_its_size:
+            again.append(entry)
     return kept + again
 
 

@@ -33,7 +33,7 @@ from .residuals_of_tests import InTimePart, TestPart
 
 
 @dataclass(frozen=True)
-class Creeping(Continuum):
+class CreepKernel(Continuum):
     """What a material shows at the time t = 1 / omega after a step of the force: 1 / J(t), real."""
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
@@ -52,7 +52,7 @@ class Creeping(Continuum):
         )
 
 
-WITH: dict[str, type[Continuum]] = {"relaxation": Relaxation, "creep": Creeping}
+WITH: dict[str, type[Continuum]] = {"relaxation": Relaxation, "creep": CreepKernel}
 """What a material shows after the step of a kind of test."""
 
 
@@ -90,7 +90,7 @@ class Steps(NamedTuple):
         return value, by_theta
 
 
-class Together:
+class StackedResiduals:
     """Residuals of tests by the parameters of a model, those alike worked out at once.
 
     Parameters

@@ -42,15 +42,15 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
 from .floor import TimeFloor
-from .left import (
-    TWINS,
+from .hypotheses import (
     AskedTests,
-    Left,
-    Promise,
-    Tried,
+    FitResiduals,
+    Hypothesis,
+    ScanEntry,
+    chow_rejects,
+    collinear_with,
     explains_as_well,
-    parted,
-    without_limits,
+    without_nested,
 )
 from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 
@@ -165,7 +165,7 @@ class TimeCase(NamedTuple):
         The model that was judged.
     best_fit : Identification
         The model with the best effect, where one is missing; else the base.
-    tried : tuple of Tried
+    tried : tuple of Hypothesis
         The model grown by each effect that was fitted.
     asked : AskedTests
         The tests and effects behind it.
@@ -176,7 +176,7 @@ class TimeCase(NamedTuple):
     diagnosis: Diagnosis
     base: Identification
     best_fit: Identification
-    tried: tuple[Tried, ...]
+    tried: tuple[Hypothesis, ...]
     asked: AskedTests
     aside: tuple[int, int, float] | None = None
 
@@ -211,23 +211,23 @@ class TimeCase(NamedTuple):
 def answer_of(
     asked: AskedTests,
     base: Identification,
-    before: Left,
-    tried: Sequence[Tried],
+    before: FitResiduals,
+    tried: Sequence[Hypothesis],
     noise: Sequence[ResidualScatter],
-    promises: dict[str, list[Promise]],
+    entries: dict[str, list[ScanEntry]],
     slip: Slip,
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
     parts, of_slip = asked.parts, slip.delta(before, noise)
     noise, tried = _over_one_noise(before, tried, noise, of_slip)
-    weights = _weights(tried, promises, of_slip)
+    weights = _weights(tried, entries, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
     verdict = rule_for(facts_of(before.beside(noise), tried, slipped)).verdict
     noise = before.all_noise if verdict == "adequate" else noise
     best = next((each.left for each in tried), before)
-    nothing, *chances, unknown = _agreeing(_beside_narrow(weights, tried), verdict, best.chance)
-    alike = without_limits(_class(tried, promises, noise), tried, parts, base.reference)
+    nothing, *chances, unknown = _posterior(_beside_narrow(weights, tried), verdict, best.chance)
+    alike = without_nested(_class(tried, entries, noise), tried, parts, base.reference)
     tests = before.rows(parts, noise, base.tests)
     after, beside = _after(tried, parts, noise, tests)
     error, jump = error_of(tests, noise), slip.says if slipped else ""
@@ -246,7 +246,7 @@ def answer_of(
         split="",
         where=where,
         candidates=tuple(candidates),
-        classes=_classes(promises, tried, alike),
+        classes=_classes(entries, tried, alike),
         notes=tuple(_notes_on(parts, best)),
         parameters=base.parameters,
         leading=leading_of(named),
@@ -262,8 +262,11 @@ def answer_of(
 
 
 def _over_one_noise(
-    before: Left, tried: Sequence[Tried], noise: Sequence[ResidualScatter], of_slip: float
-) -> tuple[Sequence[ResidualScatter], list[Tried]]:
+    before: FitResiduals,
+    tried: Sequence[Hypothesis],
+    noise: Sequence[ResidualScatter],
+    of_slip: float,
+) -> tuple[Sequence[ResidualScatter], list[Hypothesis]]:
     """The noise that errors are told in, and what was tried as it is judged over that noise."""
     # What no story is likelier than is noise itself, however little a story would leave.
     if not before.doubtful and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
@@ -274,7 +277,7 @@ def _over_one_noise(
 
 
 def _going_on_from(
-    base: Identification, tried: Sequence[Tried], best: Sequence[str]
+    base: Identification, tried: Sequence[Hypothesis], best: Sequence[str]
 ) -> Identification:
     """The best fit that there is: from it the next round of a discovery goes on."""
     fits = (each.fit for each in tried if each.effect.name in best and each.fit is not None)
@@ -282,7 +285,7 @@ def _going_on_from(
 
 
 def _after(
-    tried: Sequence[Tried],
+    tried: Sequence[Hypothesis],
     parts: Sequence[TestPart],
     noise: Sequence[ResidualScatter],
     tests: Sequence[PartResult],
@@ -348,7 +351,7 @@ def _steps(parts: Sequence[TestPart], verdict: Verdict, where: Sequence[Where]) 
         yield leaving_out_the_beginning(until, int(later[0]))
 
 
-def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
+def _notes_on(parts: Sequence[TestPart], best: FitResiduals) -> Iterator[str]:
     """What one should know of the tests beside the verdict."""
     for part in parts:
         yield from said_of_sign(part.test.provenance)
@@ -368,12 +371,12 @@ def misfit_of(part: TestPart, base: Identification) -> Misfit:
     return Misfit.of_stiffness(part.test.stiffness + storage + 1j * loss, part.test.stiffness)
 
 
-def _is_plain(tried: Sequence[Tried]) -> bool:
+def _is_plain(tried: Sequence[Hypothesis]) -> bool:
     """Whether the evidence for the best effect is beyond doubt."""
     return bool(tried) and tried[0].helps
 
 
-def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
+def facts_of(before: FitResiduals, tried: Sequence[Hypothesis], unknown: bool) -> Facts:
     """What the tests say of the model, `tried` best first.
 
     Whether something `unknown` may be it as well, beyond doubt that something is.
@@ -392,12 +395,12 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
         # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
         named=plain,
         # An effect that helps and leaves more than noise is not all that is missing.
-        left=plain and (tried[0].left.misfit or parted(tried[0])),
+        left=plain and (tried[0].left.misfit or chow_rejects(tried[0])),
     )
 
 
 def where_missed(
-    parts: Sequence[TestPart], before: Left, noise: Sequence[ResidualScatter]
+    parts: Sequence[TestPart], before: FitResiduals, noise: Sequence[ResidualScatter]
 ) -> tuple[Where, ...]:
     """Where the model fails: first in the test that it misses most, the worst place first."""
     located = [
@@ -409,7 +412,9 @@ def where_missed(
 
 
 def _class(
-    tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[ResidualScatter]
+    tried: Sequence[Hypothesis],
+    entries: dict[str, list[ScanEntry]],
+    noise: Sequence[ResidualScatter],
 ) -> list[str]:
     """The best effect, if one helps, and those that these tests cannot tell from it."""
     if not _is_plain(tried):
@@ -421,25 +426,12 @@ def _class(
     alike = [each for each in tried if each is tried[0] or explains_as_well(each, best, noise)]
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
-    return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
-
-
-def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
-    """Effects that add the same to a record as one does."""
-    # What the model's own parameters could take over is out of these directions: only what is seen
-    # is compared.
-    if name not in promises:
-        return []
-    own = promises[name][0].direction
-    twins = []
-    for other, others in promises.items():
-        if other != name and abs(float(own @ others[0].direction)) > TWINS:
-            twins.append(other)
-    return twins
+    others = collinear_with(best.effect.name, entries)
+    return names + [name for name in others if name not in fitted]
 
 
 def _classes(
-    promises: dict[str, list[Promise]], tried: Sequence[Tried], alike: Sequence[str]
+    entries: dict[str, list[ScanEntry]], tried: Sequence[Hypothesis], alike: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     """Effects that are one to these tests.
 
@@ -454,14 +446,14 @@ def _classes(
         if name in taken:
             continue
         # Each effect in one class alone: the first that claims it is the better one.
-        twins = [other for other in _twins(name, promises) if other not in taken]
+        twins = [other for other in collinear_with(name, entries) if other not in taken]
         if twins:
             classes.append((name, *twins))
             taken |= {name, *twins}
     return tuple(classes)
 
 
-def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list[float]:
+def _posterior(weights: Sequence[float], verdict: Verdict, chance: float) -> list[float]:
     """The same in agreement with the verdict, which rests on more than the evidence."""
     unknown = weights[-1]
     if verdict == "unexplained":
@@ -472,10 +464,10 @@ def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list
 
 
 def _weights(
-    tried: Sequence[Tried], promises: Mapping[str, Sequence[Promise]], slip: float
+    tried: Sequence[Hypothesis], entries: Mapping[str, Sequence[ScanEntry]], slip: float
 ) -> list[float]:
     """Chances of nothing, of each effect, and of a jump that is in no library; see `Evidence`."""
-    prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in promises.values()))
+    prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in entries.values()))
     # What slips or lets go is one more fault of the apparatus, as common as any other of them.
     unnamed = prior + np.log(EVIDENCE.apparatus) + 0.5 * slip
     # Nothing missing is a candidate too.
@@ -488,7 +480,7 @@ def _weights(
     return list(weights.tolist())
 
 
-def _beside_narrow(weights: Sequence[float], tried: Sequence[Tried]) -> list[float]:
+def _beside_narrow(weights: Sequence[float], tried: Sequence[Hypothesis]) -> list[float]:
     """The same, where other narrow features look like an effect as narrow, as for sweeps."""
     shares = [EVIDENCE.other_shape * each.effect.narrow for each in tried]
     taken = [weight * share for weight, share in zip(weights[1:-1], shares, strict=True)]
@@ -496,7 +488,7 @@ def _beside_narrow(weights: Sequence[float], tried: Sequence[Tried]) -> list[flo
     return [weights[0], *left, weights[-1] + sum(taken)]
 
 
-def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
+def _open(each: Hypothesis, alike: Sequence[str]) -> EffectVerdict:
     """Of an effect that is not plainly missing: absent only where nothing speaks for it.
 
     One that helps, and less than a rival, may be there beside the rival, or only resemble it: that
@@ -508,7 +500,7 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
 
 
 def _candidates(
-    tried: Sequence[Tried],
+    tried: Sequence[Hypothesis],
     chances: Sequence[float],
     alike: Sequence[str],
     after: Sequence[Error],
@@ -529,7 +521,7 @@ def _candidates(
     return rows
 
 
-def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:
+def _candidate(each: Hypothesis, chance: float, alike: Sequence[str], after: Error) -> Candidate:
     name = each.effect.name
     parameters: dict[str, Value] = {}
     # Nearly fitted it is foretold: what acceptance gives is known of an exact fit alone.
@@ -537,9 +529,7 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
     if each.fit is not None:
         predicted, reached = NAN, after.relative_rms
         parameters = each.effect.own_of(each.fit.parameters)
-    others: tuple[str, ...] = ()
-    if name in alike:
-        others = tuple(other for other in alike if other != name)
+    others = [other for other in alike if other != name and name in alike]
     return Candidate(
         physics=each.effect,
         alike=(name, *others),

@@ -13,15 +13,12 @@ from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import plain, times
 from springpot.misfit.where import Where
 from springpot.rheology.points import Real
+from springpot.thresholds import VERDICT
 
 from ..numerics import rms
 
 PIECES = 12
 """Parts of a record among which the place of the largest misfit is sought."""
-NOTABLE = 1.5
-"""Times the noise, or the misfit or the noise elsewhere, from which a part of a record is worth a
-word.
-"""
 EDGES = (-1.001, -0.8, -0.3, 0.3, 0.8, 1.001)
 """Of what was imposed over its largest size: two ends, two flanks and the middle of a loop."""
 ENDS = (
@@ -65,7 +62,7 @@ def places(test: TimeTest, residual: Real) -> list[Where]:
     candidates = [_in_time(test, residual)]
     if test.kind in ("history", "recovery") and _goes_back(test):
         candidates.append(_in_loop(test, residual))
-    return [place for place in candidates if place is not None and place.size > NOTABLE]
+    return [place for place in candidates if place is not None and place.size > VERDICT.agrees]
 
 
 def _in_time(test: TimeTest, residual: Real) -> Where | None:
@@ -114,7 +111,7 @@ def places_in_sweep(sweep: Measurement, residual: Real) -> list[Where]:
     rows = np.array_split(order, min(PIECES, max(len(order) // FEWEST, 1)))
     worst = max(rows, key=lambda piece: rms(both[:, piece]))
     size = rms(both[:, worst])
-    if not size > NOTABLE:
+    if not size > VERDICT.agrees:
         return []
     part = int(rms(both[1, worst]) > rms(both[0, worst]))
     measured = (sweep.storage, sweep.loss)[part][worst]
@@ -154,9 +151,9 @@ def _manner(test: TimeTest, residual: Real) -> str:
     if not (slow & told).any() or not (~slow & told).any():
         return ""
     turning, moving = (float(np.mean(residual[rows & told] ** 2)) for rows in (slow, ~slow))
-    if turning > NOTABLE**2 * moving:
+    if turning > VERDICT.agrees**2 * moving:
         return f"; all along, where the motion {'turns' if _goes_back(test) else 'is slow'}"
-    if moving > NOTABLE**2 * turning:
+    if moving > VERDICT.agrees**2 * turning:
         return "; all along, where the motion is fast"
     return ""
 
@@ -205,7 +202,7 @@ def _after_turn(imposed: Real, residual: Real) -> str:
     told = np.isfinite(residual)
     if not (fresh & told).any() or not (~fresh & told).any():
         return ""
-    if rms(residual[fresh & told]) > NOTABLE * rms(residual[~fresh & told]):
+    if rms(residual[fresh & told]) > VERDICT.agrees * rms(residual[~fresh & told]):
         return "; just after each turn"
     return ""
 

@@ -358,9 +358,10 @@ def _name(above: list[list[str]]) -> str:
         filled = [cell for cell in row if cell]
         if len(filled) != 1:
             continue
-        # Brackets open a section of a report, a colon waits for a value, a tab in a cell has one.
+        # Brackets open a section of a report, a colon waits for a value, a tab in a cell has one,
+        # and asterisks frame what a program says to itself.
         is_name = not filled[0].startswith("[") and not filled[0].endswith(":")
-        is_name = is_name and "\t" not in filled[0]
+        is_name = is_name and "\t" not in filled[0] and not filled[0][0] == filled[0][-1] == "*"
         if is_name and len(filled[0]) < _SENTENCE:
             return filled[0].lstrip("#% ")
     return ""

@@ -118,7 +118,8 @@ _WORDS = {
     """,
     "damping_ratio": """
         dampingratio equivalentdampingratio equivalentviscousdampingratio effectivedampingratio heq
-        ξ ζ βeff betaeff βeq betaeq xi zeta ξeq ξeff zetaeq xieq effectivedamping dampfungsgrad
+        ξ ζ βeff betaeff βeq betaeq xi zeta ξeq ξeff zetaeq xieq xieff zetaeff heff
+        effectivedamping dampfungsgrad
         dampfungsmass lehrschesdampfungsmass aquivalentedampfung tauxdamortissement
         razondeamortiguamiento aquivalentesdampfungsmass aquivalenterdampfungsgrad
         effektivesdampfungsmass effektivedampfung tauxdamortissementequivalent

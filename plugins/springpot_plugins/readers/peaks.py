@@ -16,7 +16,7 @@ _WHOLE_SWING = re.compile(
     re.IGNORECASE,
 )
 _FROM_ZERO = re.compile(
-    r"(?<![^\W_])(?:0|zero)[\s_-]*(?:to)?[\s_-]*(?:pk|peak|p)(?![^\W_])", re.IGNORECASE
+    r"(?<![^\W_])(?:0|zero)[\s_-]*(?:to)?[\s_-]*(?:pk|peak|p)(?![^\W_])|±|\+/-", re.IGNORECASE
 )
 _PEAK = re.compile(r"\b(?:pk|peak)\b(?![\s-]*(?:to|pk|peak))", re.IGNORECASE)
 _LEFT = re.compile(r"[\[(]\s*[\])]")

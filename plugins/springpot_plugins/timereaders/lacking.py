@@ -62,7 +62,10 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
         says = f"a {has} without a {lacks[0]} is no test"
     # No column is proposed: read as another quantity its numbers would be wrong without a word.
     spec = ",".join(f"NAME={role}[{EXAMPLES[role]}]" for role in lacks)
-    others = ", or, of a modulus that relaxes, 'FILE?NAME=relaxation[Pa]'"
+    others = (
+        ", or, of a modulus that relaxes, 'FILE?NAME=relaxation[Pa]', of a compliance that grows,"
+        " 'FILE?NAME=compliance[1/Pa]'"
+    )
     if len(lacks) > 1:
         others = f", 'FILE?NAME=strain[-],NAME=stress[Pa]'{others}"
     return DataError(

@@ -226,3 +226,24 @@ def test_a_title_with_single_blanks_between_blanks_is_one(tmp_path):
     names = "f/Hz   |K|/dB(re 1 N/m)   phi/deg"
     path = put(tmp_path, f"{names}\n 1  40  45\n 2  60  45")
     np.testing.assert_allclose(np.abs(open_measurement(path).stiffness), [100.0, 1000.0])
+
+
+def test_a_compliance_is_among_what_a_column_may_be(tmp_path):
+    path = put(tmp_path, "t [s],J_1_MPa", TIME, PULLED)
+    says, hints = asked(path)
+    assert "of a compliance that grows" in says
+    [test] = open_in_time(hints[-1].replace("NAME", "J_1_MPa"))
+    assert test.kind == "creep"
+
+
+def test_plus_and_minus_count_an_amplitude_from_the_middle(tmp_path):
+    names = "f [Hz],Amplitude ± [mm],Keff [N/mm],xi_eff [%]"
+    found = open_measurement(put(tmp_path, names, TIME, MOVED, MODULUS, PULLED))
+    assert found.conditions["amplitude"].tolist() == list(MOVED)
+    np.testing.assert_allclose(found.loss / found.storage, np.multiply(PULLED, 0.02))
+
+
+def test_what_a_program_says_to_itself_is_no_name_of_a_test(tmp_path):
+    names = "***End_of_Header***\nt [s],x [mm],F [N]"
+    [test] = open_in_time(put(tmp_path, names, TIME, MOVED, PULLED))
+    assert "part" not in test.provenance

@@ -1,6 +1,6 @@
-"""The sieves through which the effects of tests in time go, each finer and dearer.
+"""Screening of the effects that may be missing, each stage finer and dearer than the one before.
 
-What a linear scan promises, fits by fixed exponentials, exact fits.
+What a linearised scan foretells, fits by fixed exponentials, exact fits.
 """
 
 from __future__ import annotations
@@ -21,7 +21,15 @@ from springpot.thresholds import EVIDENCE, SEARCH
 
 from ..numerics import SMALLEST, TWO_DEVIATIONS
 from .exponentials import UnfollowedError
-from .left import AskedTests, Left, Promise, Tried, delta_bic, independent, plain_bic
+from .hypotheses import (
+    AskedTests,
+    FitResiduals,
+    Hypothesis,
+    ScanEntry,
+    bic_of,
+    delta_bic,
+    independent_samples,
+)
 from .material import UntoldError
 from .native import TimeSearch
 from .score import TimeScan
@@ -30,7 +38,7 @@ from .temperatures import is_law
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
 FEWEST = 3
-"""Effects that are fitted even where nothing promises much.
+"""Effects that are fitted even where the scan foretells little.
 
 So that the answer says how little they would help.
 """
@@ -42,25 +50,27 @@ EXACT = 5
 The rest can be no more than absent.
 """
 COSTLY = 0.05
-"""Share of the best promise that makes an effect by which the specimen swings worth its fit."""
+"""Share of the best drop that makes an effect by which the specimen swings worth its fit."""
 ASTRAY = 3.0
 """Error over the noise of the best effect from which its fit is not believed to be at its minimum.
 """
 
 
-def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
-    """The promises of the effects that are worth a fit."""
+def leading_of_scan(
+    entries: dict[str, list[ScanEntry]], before: FitResiduals
+) -> list[list[ScanEntry]]:
+    """Scan entries of the effects that are worth a fit."""
     scatter = before.scatters[0]
     # Of noise whose neighbours are alike so many samples are one independent number.
     unit = scatter.size**2 / worth_of(scatter.memory)
-    count = np.log(independent(before.residuals, before.scatters))
+    count = np.log(independent_samples(before.residuals, before.scatters))
 
-    def hope(of_effect: list[Promise]) -> float:
+    def hope(of_effect: list[ScanEntry]) -> float:
         return float(of_effect[0].drop / unit - len(of_effect[0].values) * count)
 
     # Hope is the drop less what its parameters cost: else the effect with most parameters would
     # lead.
-    ranked = sorted(_by_rig(promises), key=hope, reverse=True)
+    ranked = sorted(_by_rig(entries), key=hope, reverse=True)
     worth = [
         of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > TWO_DEVIATIONS
     ]
@@ -75,94 +85,94 @@ def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[li
     return worth
 
 
-def passed_over(
-    promises: dict[str, list[Promise]], nearly: Sequence[Tried], before: Left
-) -> list[list[Promise]]:
-    """The promises of the other effects, where all that were fitted miss the tests.
+def left_by_screening(
+    entries: dict[str, list[ScanEntry]], nearly: Sequence[Hypothesis], before: FitResiduals
+) -> list[list[ScanEntry]]:
+    """Scan entries of the other effects, where all that were fitted miss the tests.
 
     A linear step foretells little: what an effect does the model may do in its stead, as at one
     frequency any mass is a spring, and at corners no delay is small. That none explains the tests
     is said of those alone that were fitted.
     """
-    best = min([before, *(each.left for each in nearly)], key=plain_bic)
+    best = min([before, *(each.left for each in nearly)], key=bic_of)
     if not best.misfit:
         return []
     fitted = {each.effect.name for each in nearly}
-    return [each for each in _by_rig(promises) if each[0].effect.name not in fitted]
+    return [each for each in _by_rig(entries) if each[0].effect.name not in fitted]
 
 
-def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
-    """The promises of each effect at one place: of all rigs, or of one alone."""
-    apart: dict[tuple[str, bool], list[Promise]] = {}
-    for name, of_effect in promises.items():
-        for promise in of_effect:
-            apart.setdefault((name, promise.effect.in_time), []).append(promise)
+def _by_rig(entries: dict[str, list[ScanEntry]]) -> list[list[ScanEntry]]:
+    """Scan entries of each effect at one place: of all rigs, or of one alone."""
+    apart: dict[tuple[str, bool], list[ScanEntry]] = {}
+    for name, of_effect in entries.items():
+        for entry in of_effect:
+            apart.setdefault((name, entry.effect.in_time), []).append(entry)
     return list(apart.values())
 
 
 def of_material(
     asked: AskedTests,
     base: Identification,
-    leading: Sequence[list[Promise]],
+    leading: Sequence[list[ScanEntry]],
     fitted: Fitted = unseen,
-) -> list[Tried]:
+) -> list[Hypothesis]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
     from .fitting import identify
 
     tried = []
-    for promises in leading:
-        effect = promises[0].effect
+    for entries in leading:
+        effect = entries[0].effect
         model = base.model + effect
         try:
-            seeds = [promise.start(base, model) for promise in _first(promises, STARTS)]
+            seeds = [entry.start(base, model) for entry in _first(entries, STARTS)]
             fit = identify(asked.tests, model, seeds=seeds, thorough=False, noise=asked.known)
         except UntoldError as error:
             # Of no known size, it may explain the tests all the same.
             asked.left_out[effect.name] = str(error)
-            left = Left.by(error.model, error.theta, base.reference, asked.parts)
-            tried.append(Tried((effect,), error.model, error.theta, left))
+            left = FitResiduals.by(error.model, error.theta, base.reference, asked.parts)
+            tried.append(Hypothesis((effect,), error.model, error.theta, left))
             continue
         except SpringpotError as error:
             asked.left_out[effect.name] = str(error)
             continue
-        tried.append(Tried.exactly((effect,), fit, asked.parts))
+        tried.append(Hypothesis.exactly((effect,), fit, asked.parts))
         fitted(TriedEffect(effect, fit.model, fit.theta))
     return tried
 
 
-def _first(promises: Sequence[Promise], count: int) -> list[Promise]:
-    """The first promises of an effect, and the first of the other sign where they have one.
+def _first(entries: Sequence[ScanEntry], count: int) -> list[ScanEntry]:
+    """The first scan entries of an effect, and the first of the other sign where they have one.
 
     Of an effect that is large a linear step may not even tell whether it adds or takes away.
     """
-    best = list(promises[:count])
-    turned = (each for each in promises if each.values[0] * best[0].values[0] < 0.0 < each.drop)
+    best = list(entries[:count])
+    turned = (each for each in entries if each.values[0] * best[0].values[0] < 0.0 < each.drop)
     other = next(turned, None)
     if other is not None and other not in best:
         best.append(other)
     return best
 
 
-def nearly_fitted(
+def approximately_fitted(
     asked: AskedTests,
     base: Identification,
-    leading: Sequence[list[Promise]],
-    before: Left,
+    leading: Sequence[list[ScanEntry]],
+    before: FitResiduals,
     starts: int = STARTS,
     fitted: Fitted = unseen,
-) -> list[Tried]:
+) -> list[Hypothesis]:
     """The leading effects fitted by fixed exponentials, and what is left of the exact response.
 
     Those that swing by the exact response, if they lead; each from so many `starts`. `fitted` is
     given each as it comes.
     """
     tried = []
-    best = max((promises[0].drop for promises in leading), default=0.0)
-    for promises in leading:
-        effect = promises[0].effect
+    best = max((entries[0].drop for entries in leading), default=0.0)
+    for entries in leading:
+        effect = entries[0].effect
         model = base.model + effect
-        seeds = [promise.start(base, model, moved=True) for promise in _first(promises, starts)]
-        seeds.append(promises[0].start(base, model))
+        seeds = [entry.start(base, model, moved=True) for entry in _first(entries, starts)]
+        seeds.append(entries[0].start(base, model))
         # The model's own fit with a trace of the effect is the last seed: an effect that does
         # nothing ends there.
         search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
@@ -172,16 +182,16 @@ def nearly_fitted(
             u, _ = search.near(asked.quick, begun)
             # Not of the exponentials: by the part in a thousand that they are off, the right effect
             # could fall behind.
-            left = Left.by(model, search.theta(u), base.reference, asked.parts)
+            left = FitResiduals.by(model, search.theta(u), base.reference, asked.parts)
         except UnfollowedError:
             # The exact response takes long: it is spent only where more than noise is left to
             # explain, or where most of what passes for noise would go.
-            worth = before.misfit or _foretold(promises[0]) >= SEARCH.decisive
-            if promises[0].drop < COSTLY * best or not worth:
+            worth = before.misfit or _predicted_gain(entries[0]) >= SEARCH.decisive
+            if entries[0].drop < COSTLY * best or not worth:
                 continue
             try:
                 u, _ = search.near(asked.parts, begun[:starts])
-                left = Left.by(model, search.theta(u), base.reference, asked.parts)
+                left = FitResiduals.by(model, search.theta(u), base.reference, asked.parts)
             except SpringpotError as error:
                 asked.left_out[effect.name] = str(error)
                 continue
@@ -189,39 +199,39 @@ def nearly_fitted(
             # It has no law in time for such a test.
             asked.left_out[effect.name] = str(error)
             continue
-        tried.append(Tried((effect,), model, search.theta(u), left))
+        tried.append(Hypothesis((effect,), model, search.theta(u), left))
         fitted(TriedEffect(effect, model, search.theta(u)))
     return tried
 
 
-def _foretold(promise: Promise) -> float:
+def _predicted_gain(entry: ScanEntry) -> float:
     """By how much the Bayesian information criterion would fall as a linear step foretells it."""
-    count, left = len(promise.direction), max(promise.leaves, SMALLEST)
-    fall = count * float(np.log1p(promise.drop / left))
-    return fall - len(promise.values) * float(np.log(count))
+    count, left = len(entry.direction), max(entry.leaves, SMALLEST)
+    fall = count * float(np.log1p(entry.drop / left))
+    return fall - len(entry.values) * float(np.log(count))
 
 
 def nearly_all(
     asked: AskedTests,
     base: Identification,
-    promises: dict[str, list[Promise]],
-    before: Left,
+    entries: dict[str, list[ScanEntry]],
+    before: FitResiduals,
     fitted: Fitted = unseen,
-) -> list[Tried]:
+) -> list[Hypothesis]:
     """The leading effects nearly fitted, and the others where those miss the tests."""
-    leading = leading_of_scan(promises, before)
-    nearly = nearly_fitted(asked, base, leading, before, fitted=fitted)
-    others = passed_over(promises, nearly, before)
-    return nearly + nearly_fitted(asked, base, others, before, fitted=fitted)
+    leading = leading_of_scan(entries, before)
+    nearly = approximately_fitted(asked, base, leading, before, fitted=fitted)
+    others = left_by_screening(entries, nearly, before)
+    return nearly + approximately_fitted(asked, base, others, before, fitted=fitted)
 
 
 def from_the_best(
     asked: AskedTests,
     base: Identification,
-    nearly: Sequence[Tried],
-    before: Left,
-    promised: Mapping[str, Sequence[Promise]] | None = None,
-) -> list[Tried]:
+    nearly: Sequence[Hypothesis],
+    before: FitResiduals,
+    promised: Mapping[str, Sequence[ScanEntry]] | None = None,
+) -> list[Hypothesis]:
     """Effects anew from where the best one has led the model's own parameters.
 
     From a fit that misses the tests a linear step leads astray, the more so where a parameter has
@@ -229,32 +239,32 @@ def from_the_best(
     one was found to be, or a drift that a slow mode was. What was fitted already, and had
     `promised` to leave no more than it does from there, is not fitted again.
     """
-    found: list[Tried] = []
-    known = _as_promised(nearly, promised or {})
+    found: list[Hypothesis] = []
+    known = _as_predicted(nearly, promised or {})
     while tried := [*nearly, *found]:
-        best = min(tried, key=lambda each: plain_bic(each.left))
+        best = min(tried, key=lambda each: bic_of(each.left))
         # By the noise that the best one leaves: what is missing may look like noise without it.
-        if delta_bic(before, best.left, noise_of_both(before, best.left)) < SEARCH.decisive:
+        if delta_bic(before, best.left, noise_of_best(before, best.left)) < SEARCH.decisive:
             break
         near = {each.effect.name for each in tried if _as_near(each, best)}
         there = replace(base, theta=alone(best, base.model))
-        promises = TimeScan(there, asked.quick).promises(asked.effects)
-        left = Left.of(there, asked.parts)
+        entries = TimeScan(there, asked.quick).entries(asked.effects)
+        left = FitResiduals.of(there, asked.parts)
         leading = [
             each
-            for each in leading_of_scan(promises, left)
+            for each in leading_of_scan(entries, left)
             if each[0].effect.name not in near
             and each[0].leaves < known.get(each[0].effect.name, np.inf)
         ]
         if not leading:
             break
         known |= {each[0].effect.name: -np.inf for each in leading}
-        found += nearly_fitted(asked, there, leading, before)
+        found += approximately_fitted(asked, there, leading, before)
     return found
 
 
-def _as_promised(
-    nearly: Sequence[Tried], promised: Mapping[str, Sequence[Promise]]
+def _as_predicted(
+    nearly: Sequence[Hypothesis], promised: Mapping[str, Sequence[ScanEntry]]
 ) -> dict[str, float]:
     """What each effect that was fitted had promised to leave."""
     names = {each.effect.name for each in nearly}
@@ -262,8 +272,8 @@ def _as_promised(
 
 
 def least_left(
-    asked: AskedTests, base: Identification, tried: Sequence[Tried], before: Left
-) -> Left:
+    asked: AskedTests, base: Identification, tried: Sequence[Hypothesis], before: FitResiduals
+) -> FitResiduals:
     """What tells the noise: what the best effect leaves, or that with another effect beside it.
 
     Noise that another effect explains is none, however well it passes for noise with a memory, as
@@ -271,43 +281,43 @@ def least_left(
     """
     if not tried:
         return before
-    best = min(tried, key=lambda each: plain_bic(each.left))
-    noise = noise_of_both(before, best.left)
+    best = min(tried, key=lambda each: bic_of(each.left))
+    noise = noise_of_best(before, best.left)
     # Of a misfit that is seen the noise is told already.
     if best.left.misfit or delta_bic(before, best.left, noise) < SEARCH.decisive:
         return best.left
     grown = replace(base, model=best.model, theta=best.theta)
-    promises = TimeScan(grown, asked.quick).promises(asked.effects)
-    leading = leading_of_scan(promises, best.left)[:FEWEST]
+    entries = TimeScan(grown, asked.quick).entries(asked.effects)
+    leading = leading_of_scan(entries, best.left)[:FEWEST]
     quietly = asked._replace(left_out={})
-    both = nearly_fitted(quietly, grown, leading, best.left, starts=1)
+    both = approximately_fitted(quietly, grown, leading, best.left, starts=1)
     # By the noise of the best alone, which is the wider one.
     beside = [each for each in both if delta_bic(best.left, each.left, noise) >= SEARCH.decisive]
-    return min([best.left, *(each.left for each in beside)], key=plain_bic)
+    return min([best.left, *(each.left for each in beside)], key=bic_of)
 
 
-def alone(each: Tried, model: Model) -> Real:
+def alone(each: Hypothesis, model: Model) -> Real:
     """A model's own parameters (p,) where an effect has led them."""
     return model.picked(each.model.named(each.theta))
 
 
-def _as_near(each: Tried, best: Tried) -> bool:
+def _as_near(each: Hypothesis, best: Hypothesis) -> bool:
     """Whether a fit is so near the best that a better start would change nothing."""
-    return plain_bic(each.left) - plain_bic(best.left) <= 2.0 * EVIDENCE.rivals
+    return bic_of(each.left) - bic_of(best.left) <= 2.0 * EVIDENCE.rivals
 
 
 def from_the_data(
-    asked: AskedTests, base: Identification, nearly: Sequence[Tried], before: Left
-) -> list[Tried]:
+    asked: AskedTests, base: Identification, nearly: Sequence[Hypothesis], before: FitResiduals
+) -> list[Hypothesis]:
     """The same, those that help less than one that explains the tests sought as a first fit is.
 
     What it makes of the model's own parameters another effect may ask otherwise: of a mode in the
     relaxation and of one in the retardation each leads away from the other.
     """
-    best = min(nearly, key=lambda each: plain_bic(each.left), default=None)
+    best = min(nearly, key=lambda each: bic_of(each.left), default=None)
     if best is None or best.left.misfit:
         return list(nearly)
-    noise = noise_of_both(before, best.left)
+    noise = noise_of_best(before, best.left)
     gains = [delta_bic(before, each.left, noise) for each in nearly]
     helps = [i for i in np.argsort(gains)[::-1].tolist() if gains[i] >= SEARCH.decisive]
     behind = [i for i in helps if not _near(nearly[i], best, before, noise)][:EXACT]
@@ -317,10 +327,10 @@ def from_the_data(
         search = TimeSearch(each.model, asked.quick, base.reference, [each.theta])
         try:
             u, _ = search.near(asked.quick, search.starts())
-            left = Left.by(each.model, search.theta(u), base.reference, asked.parts)
+            left = FitResiduals.by(each.model, search.theta(u), base.reference, asked.parts)
         except SpringpotError:
             continue
-        if plain_bic(left) < plain_bic(each.left):
+        if bic_of(left) < bic_of(each.left):
             found[i] = replace(each, theta=search.theta(u), left=left)
     return found
 
@@ -328,16 +338,16 @@ def from_the_data(
 def exactly_fitted(
     asked: AskedTests,
     base: Identification,
-    nearly: Sequence[Tried],
-    before: Left,
+    nearly: Sequence[Hypothesis],
+    before: FitResiduals,
     fitted: Fitted = unseen,
-) -> list[Tried]:
+) -> list[Hypothesis]:
     """The best of them fitted exactly, and the others as they are."""
     from .fitting import identify
 
     # The noise is read where the least is left, and the effects are then rated by that one noise.
-    least = min((each.left for each in nearly), key=plain_bic, default=before)
-    noise = noise_of_both(before, least)
+    least = min((each.left for each in nearly), key=bic_of, default=before)
+    noise = noise_of_best(before, least)
     rated = sorted(nearly, key=lambda each: -delta_bic(before, each.left, noise))
     if not rated:
         return []
@@ -366,12 +376,14 @@ def exactly_fitted(
         except SpringpotError as error:
             asked.left_out[each.effect.name] = str(error)
             continue
-        tried.append(Tried.exactly(each.effects, fit, asked.parts))
+        tried.append(Hypothesis.exactly(each.effects, fit, asked.parts))
         fitted(TriedEffect(each.effect, fit.model, fit.theta))
     return tried
 
 
-def _near(each: Tried, best: Tried, before: Left, noise: Sequence[ResidualScatter]) -> bool:
+def _near(
+    each: Hypothesis, best: Hypothesis, before: FitResiduals, noise: Sequence[ResidualScatter]
+) -> bool:
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
     apart = delta_bic(before, best.left, noise) - delta_bic(before, each.left, noise)
@@ -379,7 +391,7 @@ def _near(each: Tried, best: Tried, before: Left, noise: Sequence[ResidualScatte
     return min(worse, apart) <= 2.0 * EVIDENCE.rivals
 
 
-def noise_of_both(before: Left, best: Left) -> list[ResidualScatter]:
+def noise_of_best(before: FitResiduals, best: FitResiduals) -> list[ResidualScatter]:
     """The noise of each test: read where the least else is left."""
     noise = list(before.scatters)
     for i, (old, new) in enumerate(zip(before.residuals, best.residuals, strict=True)):

@@ -1,12 +1,11 @@
-"""What a fit leaves of each test, how likely that makes it, and what effects were tried.
+"""Hypotheses of what is missing: effects, what a fit with them leaves, and how likely that is.
 
-The size of the noise may be unknown, and neighbours may be alike. An effect that is tried has what
-is left with it.
+The size of the noise may be unknown, and neighbours may be alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -24,7 +23,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from ..numerics import SMALLEST, TWO_DEVIATIONS
+from ..numerics import NEGLIGIBLE, SMALLEST, TWO_DEVIATIONS
 from .residuals_of_tests import InTimePart, Test, TestPart
 
 APART = 16
@@ -32,7 +31,7 @@ APART = 16
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
+class FitResiduals:
     """What a fit leaves of each test.
 
     Attributes
@@ -46,7 +45,7 @@ class Left:
     rounded : tuple of ndarray
         Of each test the errors that its digits may make of what the fit says, in the units of its
         residual (k, m); no rows where they are fine.
-    felt : tuple of ndarray
+    noise_answer : tuple of ndarray
         Of each test what the fit answers to noise of the imposed channel, likewise (m,).
     lines : int
         Weights of a free spectrum that are above zero. How many there are is chance, and that all
@@ -58,17 +57,19 @@ class Left:
     residuals: tuple[Real, ...]
     scatters: tuple[ResidualScatter, ...]
     rounded: tuple[Real, ...]
-    felt: tuple[Real, ...]
+    noise_answer: tuple[Real, ...]
     lines: int = 0
 
     @classmethod
-    def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]) -> Left:
+    def by(
+        cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]
+    ) -> FitResiduals:
         """What a model with these parameters leaves of these tests."""
         # By its noise alone, whatever the test weighed in a fit.
         plain = [part.with_scale(1.0) for part in parts]
         residuals = [part.residual(model, theta, reference).value for part in plain]
         rounded = [part.rounded(value) for part, value in zip(plain, residuals, strict=True)]
-        heard = [felt(part, model, theta, reference) for part in plain]
+        answers = [noise_answer(part, model, theta, reference) for part in plain]
         lines = 0
         if is_material(model):
             lines = int(np.count_nonzero(theta[: len(model.material.parameters)]))
@@ -79,11 +80,11 @@ class Left:
             part.scatter(value, share * len(value))
             for part, value in zip(parts, residuals, strict=True)
         ]
-        told = tuple(residuals), tuple(scatters), tuple(rounded), tuple(heard)
+        told = tuple(residuals), tuple(scatters), tuple(rounded), tuple(answers)
         return cls(len(theta), *told, lines)
 
     @classmethod
-    def of(cls, fit: Identification, parts: Sequence[TestPart]) -> Left:
+    def of(cls, fit: Identification, parts: Sequence[TestPart]) -> FitResiduals:
         """What a fit leaves of these tests."""
         return cls.by(fit.model, fit.theta, fit.reference, parts)
 
@@ -124,7 +125,7 @@ class Left:
         """Whether some test may well be missed by more than noise."""
         return any(scatter.doubtful for scatter in self.scatters)
 
-    def beside(self, noise: Sequence[ResidualScatter]) -> Left:
+    def beside(self, noise: Sequence[ResidualScatter]) -> FitResiduals:
         """The same, judged over that noise too: the one that its error is told in."""
         told = [
             replace(own, local=min(own.local, other.chance_of(value, own)))
@@ -168,18 +169,20 @@ class Left:
         """The residuals over that noise, free of its memory."""
         return [each.whitened(value) for each, value in zip(noise, self.residuals, strict=True)]
 
-    def squares_felt(self, noise: Sequence[ResidualScatter]) -> float:
+    def squares_of_imposed(self, noise: Sequence[ResidualScatter]) -> float:
         """The same that noise of the imposed channels is to be expected to leave."""
-        pairs = zip(self.felt, noise, strict=True)
+        pairs = zip(self.noise_answer, noise, strict=True)
         return sum(float(np.sum(scatter.whitened(value) ** 2)) for value, scatter in pairs)
 
-    def heard(self, noise: Sequence[ResidualScatter], best: Left) -> list[ResidualScatter]:
+    def noise_with_imposed(
+        self, noise: Sequence[ResidualScatter], best: FitResiduals
+    ) -> list[ResidualScatter]:
         """The noise that the best fit tells, by what this one answers to noise of imposed channels.
 
         The specimen never felt it, and a fit that answers more to it, or less, leaves as much more.
         """
         told = []
-        for each, own, other in zip(noise, self.felt, best.felt, strict=True):
+        for each, own, other in zip(noise, self.noise_answer, best.noise_answer, strict=True):
             square = each.size**2 + float(np.mean(own**2) - np.mean(other**2))
             # No less than what the signal itself says.
             least = min(each.size, 1.0)
@@ -192,7 +195,7 @@ class Left:
         return max(times_noise(value, scatter.size) for value, scatter in pairs)
 
 
-def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> float:
+def independent_samples(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> float:
     """Number of samples, counting once those whose noise is alike.
 
     Bayley & Hammersley (1946, doi:10.2307/2983560).
@@ -203,7 +206,7 @@ def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> 
     return max(float(sum(counts)), 2.0)
 
 
-def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
+def _alike(base: FitResiduals, other: FitResiduals, noise: Sequence[ResidualScatter]) -> float:
     """By how much rounding varies more than noise along what another fit changes; at least 1.
 
     Rounding to a coarse digit errs alike wherever the signal comes by again, so that as many
@@ -223,7 +226,7 @@ def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
     return max(varied / max(size, SMALLEST), 1.0)
 
 
-def told_apart(residuals: Iterable[tuple[Real, Real]]) -> bool:
+def vuong_distinguishes(residuals: Iterable[tuple[Real, Real]]) -> bool:
     """Whether one explanation is better than another beyond the scatter of its lead.
 
     A sum of log-likelihoods grows with every sample, so that of two laws, neither of them exact,
@@ -243,10 +246,10 @@ def told_apart(residuals: Iterable[tuple[Real, Real]]) -> bool:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.timetests.left import told_apart
+    >>> from springpot.timetests.hypotheses import vuong_distinguishes
     >>> noise, wave = np.random.default_rng(1).normal(size=200), np.sin(0.1 * np.arange(200))
-    >>> told_apart([(noise, noise + wave)]), told_apart([(noise, noise + 0.2 * wave)])
-    (True, False)
+    >>> [vuong_distinguishes([(noise, noise + share * wave)]) for share in (1.0, 0.2)]
+    [True, False]
     """
     lead = varied = 0.0
     for one, other in residuals:
@@ -269,45 +272,50 @@ def variance_of_sum(terms: Real) -> float:
     return variance
 
 
-def plain_bic(left: Left) -> float:
+def bic_of(left: FitResiduals) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    power = power_of(left)
+    power = sum_of_squares(left)
     # What the fit answers to noise of the imposed channel is no misfit: a story that answers less
     # to it is no better, as long as more than the signal's own noise is left.
-    power = max(power - sum(float(np.sum(value**2)) for value in left.felt), min(power, points))
+    power = max(
+        power - sum(float(np.sum(value**2)) for value in left.noise_answer),
+        min(power, points),
+    )
     variance = max(power, SMALLEST) / max(points - left.lines, 1)
     return float(points * np.log(variance) + left.count * np.log(points))
 
 
-def power_of(left: Left) -> float:
+def sum_of_squares(left: FitResiduals) -> float:
     """Sum of squares of all that is left."""
     return sum(float(np.sum(value**2)) for value in left.residuals)
 
 
-def gain_of(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
+def chi_square_gain(
+    base: FitResiduals, other: FitResiduals, noise: Sequence[ResidualScatter]
+) -> float:
     """By how much less another fit leaves, but for what is to be expected of imposed noise.
 
     To answer less to what the specimen never felt is no evidence, nor is it to answer more: so much
     is expected, and the root of such a change, noncentral chi-square, varies by one.
     """
     gain = base.squares(noise) - other.squares(noise)
-    spared = base.squares_felt(noise) - other.squares_felt(noise)
+    spared = base.squares_of_imposed(noise) - other.squares_of_imposed(noise)
     if gain * spared <= 0.0:
         return gain
     left = max(float(np.sqrt(abs(gain)) - np.sqrt(abs(spared))), 0.0)
     return float(np.copysign(left**2, gain))
 
 
-def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
+def delta_bic(base: FitResiduals, other: FitResiduals, noise: Sequence[ResidualScatter]) -> float:
     """By how much the Bayesian information criterion falls with another fit, over a noise."""
-    gain = gain_of(base, other, noise) / _alike(base, other, noise)
+    gain = chi_square_gain(base, other, noise) / _alike(base, other, noise)
     gain += base.lines - other.lines
     more = other.count - base.count
-    return float(gain - more * np.log(independent(base.residuals, noise)))
+    return float(gain - more * np.log(independent_samples(base.residuals, noise)))
 
 
-def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
+def noise_answer(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
     """What a model answers to noise of the imposed channel, over the standard deviations.
 
     The specimen never felt that noise, and what an effect makes of the answer, as a mass that
@@ -350,8 +358,8 @@ def felt(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
 
 
 @dataclass(frozen=True, eq=False)
-class Promise:
-    """One effect at one place of its parameters.
+class ScanEntry:
+    """What a linearised scan says of one effect at one place of its parameters.
 
     Attributes
     ----------
@@ -385,7 +393,7 @@ class Promise:
     def start(self, base: Identification, model: Model, *, moved: bool = False) -> Real:
         """A start (p,) for the model with the effect.
 
-        What it promises beside the parameters of the fit.
+        What the scan says beside the parameters of the fit.
 
         Parameters
         ----------
@@ -464,13 +472,13 @@ class AskedTests(NamedTuple):
     left_out: dict[str, str]
 
 
-TWINS = 0.995
+COLLINEAR = 0.995
 """Cosine between what two effects leave in a record from which they are one to it, whatever the
 fits say: told apart they would need a hundred times the evidence that finds them."""
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class Hypothesis:
     """Effects, what is left with them, and how much likelier they make the tests.
 
     Attributes
@@ -481,7 +489,7 @@ class Tried:
         The model with them.
     theta : ndarray, shape (p,)
         Its parameters.
-    left : Left
+    left : FitResiduals
         What is left of the tests.
     fit : Identification or None
         The exact fit, where there is one.
@@ -492,16 +500,16 @@ class Tried:
     effects: tuple[Effect, ...]
     model: Model
     theta: Real
-    left: Left
+    left: FitResiduals
     fit: Identification | None = None
     delta: float = 0.0
 
     @classmethod
     def exactly(
         cls, effects: tuple[Effect, ...], fit: Identification, parts: Sequence[TestPart]
-    ) -> Tried:
+    ) -> Hypothesis:
         """Effects that were fitted exactly."""
-        return cls(effects, fit.model, fit.theta, Left.of(fit, parts), fit)
+        return cls(effects, fit.model, fit.theta, FitResiduals.of(fit, parts), fit)
 
     @property
     def effect(self) -> Effect:
@@ -526,14 +534,14 @@ class Tried:
     @property
     def cost(self) -> float:
         """Information criterion, whatever the noise, with how common they are."""
-        return plain_bic(self.left) - self._common
+        return bic_of(self.left) - self._common
 
     @property
     def _common(self) -> float:
-        return 2.0 * sum(float(np.log(weight_of(effect))) for effect in self.effects)
+        return 2.0 * sum(float(np.log(prior_weight(effect))) for effect in self.effects)
 
 
-def parted(each: Tried) -> bool:
+def chow_rejects(each: Hypothesis) -> bool:
     """Whether several tests, each by itself, are followed better than one specimen's chance lets.
 
     One fit to all against one for each (Chow 1960, doi:10.2307/1910133): what bends the common
@@ -557,15 +565,15 @@ def parted(each: Tried) -> bool:
     return bool(f_sf(ratio, more, free) < VERDICT.structure_alarm)
 
 
-def weight_of(effect: Effect) -> float:
+def prior_weight(effect: Effect) -> float:
     """How common an effect is in tests in time, before any data are seen."""
     if effect.of_apparatus:
         return effect.prior * EVIDENCE.apparatus
     return effect.prior
 
 
-def without_limits(
-    names: Sequence[str], tried: Sequence[Tried], parts: Sequence[TestPart], reference: float
+def without_nested(
+    names: Sequence[str], tried: Sequence[Hypothesis], parts: Sequence[TestPart], reference: float
 ) -> list[str]:
     """Names but those of effects that have become a simpler one, the first by another name.
 
@@ -588,7 +596,7 @@ def without_limits(
     return [name for name in names if name not in limits]
 
 
-def explains_as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
+def explains_as_well(each: Hypothesis, best: Hypothesis, noise: Sequence[ResidualScatter]) -> bool:
     """Whether an effect explains the tests as well as the best one.
 
     More parameters do not exclude one that helps beyond doubt, nor does a lead that is no more than
@@ -603,4 +611,70 @@ def explains_as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter])
         return True
     if any(one.left.beside(noise).misfit for one in (best, each)):
         return False
-    return not told_apart(zip(best.left.whitened(noise), each.left.whitened(noise), strict=True))
+    return not vuong_distinguishes(
+        zip(best.left.whitened(noise), each.left.whitened(noise), strict=True)
+    )
+
+
+def no_worse(each: Hypothesis, before: FitResiduals) -> Hypothesis:
+    """An effect that changes nothing, or whose fit went astray, leaves what was left without it.
+
+    It has no size.
+    """
+    if sum_of_squares(each.left) < (1.0 - NEGLIGIBLE) * sum_of_squares(before):
+        return each
+    return replace(each, left=replace(before, count=each.left.count), fit=None)
+
+
+def one_of_each(tried: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Of an effect that all rigs or one alone may have, where it explains more."""
+    best: dict[str, Hypothesis] = {}
+    for each in tried:
+        name = each.effect.name
+        if name not in best or bic_of(each.left) < bic_of(best[name].left):
+            best[name] = each
+    return list(best.values())
+
+
+def of_what_helps(parts: Sequence[TestPart], before: FitResiduals, each: Hypothesis) -> Hypothesis:
+    """An effect that leaves more than noise has no evidence where it explains next to none.
+
+    It must be the better story too where what it leaves is taken for noise.
+    """
+    if not each.left.misfit:
+        return each
+    helps = evidence_over_misfit(parts, before, each, each.left)
+    if helps > 0.0:
+        return each
+    return replace(each, delta=helps)
+
+
+def evidence_over_misfit(
+    parts: Sequence[TestPart], before: FitResiduals, each: Hypothesis, unit: FitResiduals
+) -> float:
+    """The evidence for an effect in units of what a fit misses.
+
+    Samples that are missed alike count once.
+    """
+    gain, count = float(before.lines - each.left.lines), 0.0
+    for part, old, new, missed in zip(
+        parts, before.residuals, each.left.residuals, unit.residuals, strict=True
+    ):
+        of_one = max(part.sampled(missed), SMALLEST)
+        gain += float(old @ old - new @ new) / of_one
+        count += float(missed @ missed) / of_one
+    return gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))
+
+
+def collinear_with(name: str, entries: Mapping[str, Sequence[ScanEntry]]) -> list[str]:
+    """Effects that add the same to a record as one does."""
+    # What the model's own parameters could take over is out of these directions: only what is seen
+    # is compared.
+    if name not in entries:
+        return []
+    own = entries[name][0].direction
+    twins = []
+    for other, others in entries.items():
+        if other != name and abs(float(own @ others[0].direction)) > COLLINEAR:
+            twins.append(other)
+    return twins
