@@ -276,20 +276,11 @@ class Scales:
 
     def typical(self, parameter: Parameter) -> float:
         """The natural size of a parameter here."""
-        unit = parameter.unit
-        # A power of s that another parameter tells is not known here.
-        time = 0.0
-        if not isinstance(unit.time, str):
-            time = float(unit.time)
         # Times go by factors: their middle is that of the logarithms.
         middle = float(np.sqrt(self.shortest * self.longest))
-        size = (
-            parameter.typical
-            * self.stiffness**unit.stiffness
-            * self.reach**unit.amplitude
-            * middle**time
-        )
-        return float(np.clip(size, parameter.lower, parameter.upper))
+        # A power of s that another parameter tells is not known here.
+        size = parameter.unit.size(self.stiffness, middle, self.reach, 0.0)
+        return float(np.clip(parameter.typical * size, parameter.lower, parameter.upper))
 
     def values(self, parameter: Parameter) -> list[float]:
         """Values worth trying."""
