@@ -22,7 +22,7 @@ from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, real_form
 from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
@@ -207,9 +207,7 @@ def is_relaxing(model: Model) -> bool:
         np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
     )
     target = stiffness / np.abs(stiffness)
-    _, left = non_negative(
-        np.concatenate([columns.real, columns.imag]), np.concatenate([target.real, target.imag])
-    )
+    _, left = non_negative(real_form(columns), real_form(target))
     return left < REFUSED**2 * len(OMEGA)
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
 from springpot.numerics import HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
 IN_VAIN = 6
@@ -252,7 +252,7 @@ def _fitted(
         def off(u: Real, share: Real = share) -> Real:
             amounts = _weights(s, u, target, share, dashpot)
             missed = share * (_columns(s, u, dashpot) @ amounts - target)
-            return np.concatenate([missed.real, missed.imag])
+            return real_form(missed)
 
         reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
         u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x

@@ -18,7 +18,7 @@ import numpy as np
 
 from springpot.identification.material import CLOSER
 from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, evenly, non_negative
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, real_form
 
 from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
@@ -187,7 +187,7 @@ def _columns_of_sweep(part: TestPart, logs: Real) -> tuple[Real, Real]:
     s = 1j * np.split(part.rate, 2)[0][:, None]
     turned = s * np.exp(logs)
     shown = np.hstack([np.ones_like(s), s, turned / (1.0 + turned)])
-    columns = np.concatenate([shown.real, shown.imag]) / part.sd[:, None]
+    columns = real_form(shown) / part.sd[:, None]
     return columns, part.measured / part.sd
 
 
