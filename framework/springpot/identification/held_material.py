@@ -1,6 +1,4 @@
-"""Intervals of effects around any material.
-
-The spectrum is solved anew wherever the effect is held.
+"""Intervals of effects around any material: the spectrum is solved anew where an effect is held.
 
 The weights of a spectrum may not fall below zero, and lines that carry nothing at the best fit may
 carry something beside another size of the effect. Neither shows in the slopes at the best fit.

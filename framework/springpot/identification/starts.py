@@ -1,14 +1,9 @@
-"""Starts read off the data, for any network.
-
-A scan of its shapes, the gains of its branches projected out.
-
-Variable projection.
-
-The gains of a network's branches are linear, so only the shapes need a search.
+"""Starts read off the data, for any network: a scan of its shapes by variable projection.
 
 A network is linear in the gain of each branch of its outermost composition: stiffnesses of parallel
-branches add, compliances of branches in series add (G. H. Golub and V. Pereyra, 1973,
-doi:10.1137/0710036; the Jacobian is that of L. Kaufman, 1975, doi:10.1007/BF01932995).
+branches add, compliances of branches in series add. So only the shapes need a search, the gains
+being projected out (G. H. Golub and V. Pereyra, 1973, doi:10.1137/0710036; the Jacobian is that of
+L. Kaufman, 1975, doi:10.1007/BF01932995).
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
-"""The linear geometry of a fit.
+"""The linear geometry of a fit: what slow structure is, and what fitted parameters can absorb.
 
-What slow structure is, what fitted parameters can absorb, and what they cannot.
-
-Shapes along sweeps and rows that a residual is held against.
-
-Slow ones, shared ones, waves and drifts.
+With the shapes along sweeps and rows that a residual is held against: slow ones, those that sweeps
+share, waves and drifts.
 """
 
 from __future__ import annotations

@@ -1,15 +1,10 @@
-"""A Prony series of as few terms as a tolerance on a band needs.
+"""A Prony series of as few terms as a tolerance on a band needs, and an isotropic solid from it.
 
-What solvers take instead of a fractional model.
-
-An isotropic solid from the one modulus that was measured.
-
-Shear and bulk modulus, each as a Prony series.
-
-One measured modulus leaves a second one open. Either Poisson's ratio stays constant, and all moduli
-relax in proportion, or the bulk modulus does, as that of rubber nearly does (Tschoegl, Knauss &
-Emri 2002, doi:10.1023/A:1014411503170). With a constant bulk modulus the shear modulus of a tensile
-test follows from 1 / E(s) = 1 / (3 G(s)) + 1 / (9 K) at every s.
+Solvers take such a series instead of a fractional model. One measured modulus leaves a second one
+open. Either Poisson's ratio stays constant, and all moduli relax in proportion, or the bulk modulus
+does, as that of rubber nearly does (Tschoegl, Knauss & Emri 2002, doi:10.1023/A:1014411503170).
+With a constant bulk modulus the shear modulus of a tensile test follows from 1 / E(s) = 1 / (3
+G(s)) + 1 / (9 K) at every s.
 """
 
 from __future__ import annotations

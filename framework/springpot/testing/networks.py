@@ -1,8 +1,7 @@
 """What models and effects have in common: exact derivatives, finite values, units, shapes.
 
-A contract is a set of aspects, functions that yield sentences; running it never raises.
-
-Random lawful parameters, and derivatives to be compared with the exact ones.
+A contract is a set of aspects, functions that yield sentences; running it never raises. Parameters
+are random lawful ones, and derivatives are compared with exact differences.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""A test as exponentials of amounts that are not negative.
-
-For these a convex problem, with one solution.
+"""A test as a sum of exponentials with weights >= 0, a convex problem with one solution.
 
 After a step of displacement, and under any history of it, the force is linear in the weights of
 relaxation; under a force the displacement is linear in those of retardation, J_g + t/eta + sum of

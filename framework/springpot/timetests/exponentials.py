@@ -1,6 +1,4 @@
-"""A test in time through the eyes of a fixed set of exponentials.
-
-What a search needs a thousand times.
+"""A test in time followed by a fixed set of exponentials, as a search needs it a thousand times.
 
 The exact response reads the spectrum of the network anew for each parameter vector. Here the
 exponentials stay where they are; what each answers to the loading is worked out once, and a model

@@ -1,6 +1,4 @@
-"""Any linear passive material from tests in time.
-
-Its spectrum by non-negative least squares, what surrounds it too.
+"""Any linear passive material from tests in time, with what surrounds it.
 
 A relaxation is linear in the weights of the lines, a creep is not: Gauss-Newton steps serve both,
 whose weights come from non-negative least squares and the parameters of effects from what these
