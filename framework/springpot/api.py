@@ -174,8 +174,7 @@ def identify(
     array([400. , 150. ,   0.6])
     """
     # Before the data are opened: a mistyped word is told at once.
-    if intervals not in INTERVALS:
-        raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
+    _check_search(intervals, budget, optimiser)
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
     units = timetests.units_of(tests)
@@ -720,6 +719,17 @@ def _objective(objective: Objective | str | None) -> Objective | None:
         return objective
     by_name: Objective = plugins().find("objective", objective)
     return by_name
+
+
+def _check_search(intervals: str, budget: int | None, optimiser: Optimiser | str | None) -> None:
+    """Refuse what is no kind of interval, and a budget of nobody."""
+    if intervals not in INTERVALS:
+        raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
+    if budget is not None and optimiser is None:
+        raise OptionError(
+            "a budget is an optimiser's: name one, or leave the budget out; the native solver ends"
+            " by itself"
+        )
 
 
 def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:

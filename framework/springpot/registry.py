@@ -36,7 +36,7 @@ from springpot.rheology.effect import Effect, use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
 from springpot.surroundings import kept_surroundings
-from springpot.writing import suggested
+from springpot.writing import near_names, suggested
 
 from .catalogue import KINDS, Kind, Owner, Shelf
 from .measurement import opening
@@ -301,8 +301,7 @@ def _foreign(owner: Owner | None) -> str:
 
 def _proposal(name: str, known: Iterable[str], listed: str) -> str:
     """The nearest known names, or else the command that lists them all."""
-    near = get_close_matches(name, known, n=3, cutoff=0.5)
-    if near:
+    if near := near_names(name, known):
         return f"did you mean {', '.join(near)}?"
     return f"see '{suggested(f'list {listed}')}'"
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from html import escape
 from io import StringIO
 from math import floor, isfinite, log10
@@ -39,6 +40,29 @@ PLAIN = 4
 
 ``0.00`` beside ``0.12`` says how nearly it is known, a row of them nothing.
 """
+
+
+def near_names(typed: str, known: Iterable[str]) -> list[str]:
+    """The known names that may have been meant.
+
+    Those whose words begin with the typed ones, in the order of `known`, then the most alike.
+
+    Examples
+    --------
+    >>> near_names("frac-maxwell", ["kelvin", "fractional-maxwell", "maxwell"])
+    ['fractional-maxwell', 'maxwell']
+    >>> near_names("bananas", ["backlash"])
+    []
+    """
+    names = list(known)
+    parts = typed.lower().split("-")
+    begun = [name for name in names if all(_begins(part, name) for part in parts)]
+    return list(dict.fromkeys([*begun, *get_close_matches(typed, names, NAMED)]))[:NAMED]
+
+
+def _begins(part: str, name: str) -> bool:
+    """Whether a word of a name begins so."""
+    return bool(part) and any(word.startswith(part) for word in re.split(r"[-/]", name.lower()))
 
 
 def number(value: float | None, digits: int = DIGITS) -> str:

@@ -61,7 +61,8 @@ NOTE = (
     " force harmonics that the model does not make. Judged by a rule: confidently wrong, where an"
     " effect is accepted or called missing and none of its class is true of the set; right, where"
     " one that is true is accepted or called missing, or the headline says so; defensible, where a"
-    " note names it; else hedged."
+    " note names it, or where the headline begins with it and names an effect that is not behind"
+    " it; else hedged."
 )
 
 
@@ -136,6 +137,8 @@ def judged(one: dict[str, Any]) -> str:
     """Right, defensible, hedged or confidently wrong; see `NOTE`."""
     true = set(known(one).true)
     named = [{step["accepted"], *step["class"]} for step in one["steps"] if step["accepted"]]
+    if not named and one["last"]["missing"] and one["last"]["says"].startswith(tuple(true)):
+        return "right" if set(one["last"]["missing"]) & true else "defensible"
     if one["last"]["missing"]:
         named.append(set(one["last"]["missing"]))
     if not all(group & true for group in named):

@@ -41,7 +41,7 @@ def test_what_cannot_be_seen_is_said():
     assert least_rise(np.ones(3), SHARE) == inf
     assert least_rise(np.full(20, 25.0), SHARE) == pytest.approx(1.1)
     words = smallest_seen([np.ones(3)], [Successes(3, 3)], Successes(3, 3), SHARE, 1.1)
-    assert words == "costs by no factor; success 100 % by no fall on one problem"
+    assert words == "costs no rise; success no fall from 100 % on one problem"
     twenty = [Successes(20, 20)] * 2
     words = smallest_seen([np.full(20, 25.0)] * 2, twenty, Successes(40, 40), SHARE, 1.1)
     assert words == "costs x1.1; success 100 -> 58 % on one problem, 100 -> 75 % over its 2"

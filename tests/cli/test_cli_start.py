@@ -59,6 +59,31 @@ def test_without_a_package_the_gate_installs_springpot_itself(springpot, tmp_pat
     assert "python -m pip install springpot" in workflow
 
 
+def test_the_gate_races_the_study_that_is_there(springpot, tmp_path):
+    (tmp_path / "race.py").write_text("mine")
+    told = springpot("init", "ci", "--folder", tmp_path).out.splitlines()
+    assert told[1] == f"kept:    {tmp_path / 'race.py'}, which was there"
+    assert (tmp_path / "race.py").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("identify", ".", "--model", "zener"), "this is a folder"),
+        (("identify", "nist-srm2491", "-m", "zener", "--budget", "9"), "ends by itself"),
+        (("identify", "nist-srm2491", "-m", "zener", "--optimiser", "pso"), "pso-paper"),
+        (("diagnose", "nist-srm2491", "-m", "zener", "--effects", "bananas"), "list effects"),
+        (("run", "X.zip"), "Give --optimiser NAME"),
+        (("run", "race.py", "--optimiser", "native"), "a study names its own"),
+    ],
+)
+def test_what_a_newcomer_types_is_answered_in_one_line(springpot, tmp_path, arguments, says):
+    for name in ("X.zip", "race.py"):
+        (tmp_path / name).write_text("anything")
+    given = [tmp_path / each if "." in each[1:] else each for each in arguments]
+    assert springpot(*given).is_one_line(says)
+
+
 @pytest.mark.parametrize(
     ("origin", "installed"),
     [

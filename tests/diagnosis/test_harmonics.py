@@ -5,7 +5,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis import notes
-from springpot.diagnosis.marginal import _open_harmonic, _price_of_a_bound
+from springpot.diagnosis.marginal import _open_harmonic, _price_of_a_bound, harmonic_evidence
 from springpot.misfit.floor import fitted_to_floor
 from springpot.registry import parse_model
 from springpot.thresholds import EVIDENCE
@@ -61,6 +61,30 @@ def test_friction_and_a_hysteretic_loss_are_told_apart_at_one_amplitude(third, e
     assert diagnosis.verdict == "effect-missing"
     assert diagnosis.best.effect == effect
     assert other not in diagnosis.best.alike
+
+
+def sizes_alone(data):
+    """The same data as most tables have them: the share of a harmonic without its phase."""
+    share = np.abs(data.harmonic(3))
+    return springpot.Measurement(
+        data.omega, data.stiffness, conditions={**data.conditions, "h3": share}
+    )
+
+
+@pytest.mark.parametrize("third", [LOSS / 3.0 / (SOLID + LOSS), 0.0], ids=["with", "without"])
+def test_the_size_of_a_harmonic_tells_friction_from_a_hysteretic_loss(third):
+    evidence = {
+        (effect, phase): harmonic_evidence(fitted_to_floor(parse_model(f"kelvin + {effect}"), data))
+        for phase, data in (("phase", measured(third)), ("size", sizes_alone(measured(third))))
+        for effect in ("friction", "hysteretic-loss")
+    }
+    true, false = (
+        ("friction", "hysteretic-loss") if np.any(third) else ("hysteretic-loss", "friction")
+    )
+    for phase in ("phase", "size"):
+        assert evidence[true, phase] > evidence[false, phase] + 2.0 * EVIDENCE.as_good
+    # What the phase says is only added to it.
+    assert evidence[true, "size"] >= evidence[true, "phase"]
 
 
 @pytest.mark.parametrize(("effect", "open_to"), [("friction", 0.01), ("elasto-sliding", 0.1)])

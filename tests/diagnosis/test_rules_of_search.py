@@ -210,7 +210,7 @@ def test_a_draw_that_is_as_likely_with_the_other_sign_serves_twice():
 def harmonic(measured, predicted, radius):
     """A fit with one row of noise 0.03 + 0.04 i beside a size of 5, and its third harmonic."""
     data = SimpleNamespace(
-        harmonics=np.array([[1.0, value] for value in measured]),
+        harmonic={3: np.array(measured, dtype=complex)}.get,
         magnitude=np.full(len(measured), 5.0),
         points=None,
     )

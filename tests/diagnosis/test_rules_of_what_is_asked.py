@@ -49,7 +49,7 @@ def test_points_stand_out_at_few_frequencies_where_chance_would_choose_more():
 def test_a_harmonic_is_tested_by_its_squares_over_the_noise(monkeypatch):
     monkeypatch.setattr(notes, "_growth", lambda data, share, rows: ", growing")
     harmonics = np.array([[0.01, 0.03], [0.02, 0.04j], [0.5, np.nan], [0.0, 0.06]])
-    data = SimpleNamespace(harmonics=harmonics)
+    data = SimpleNamespace(harmonic=dict(enumerate(harmonics.T, 2)).get)
     relative = np.array([0.02, 0.02, 0.02, 0.04])
     [found] = notes._harmonic(data, relative, 3, "cubic")
     value = 1.5**2 + 2.0**2 + 1.5**2
@@ -58,7 +58,7 @@ def test_a_harmonic_is_tested_by_its_squares_over_the_noise(monkeypatch):
     [found] = notes._harmonic(data, relative, 2, "even")
     assert found.says.startswith("even nonlinearity: harmonic 2 is 1.5 % ")
     assert list(notes._harmonic(data, relative, 4, "x")) == []
-    nothing = SimpleNamespace(harmonics=np.full((4, 1), np.nan))
+    nothing = SimpleNamespace(harmonic={2: np.full(4, np.nan)}.get)
     assert list(notes._harmonic(nothing, relative, 2, "x")) == []
 
 

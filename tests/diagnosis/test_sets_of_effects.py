@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
-from springpot.diagnosis import discovery
+from springpot.diagnosis import discovery, ladder
 from springpot.diagnosis.discovery import SweepRungs, searched_sets
 from springpot.diagnosis.evidence import Evidence
 from springpot.diagnosis.ladder import FoundSet, Rungs, rung_of
@@ -185,6 +185,44 @@ def test_what_stays_keeps_its_rung(accepted, found, told):
     kept = [step.accepted for step in steps[1:]] + [None] * 2
     same = next(i for i, name in enumerate([*told, ""]) if name != kept[i])
     assert all(settled[i].examined is steps[i].examined for i in range(1 + same))
+
+
+@pytest.mark.parametrize(("gain", "kept"), [(0.5, 3), (0.9, 2)], ids=["predicts", "follows"])
+def test_what_a_set_adds_beside_the_unexplained_has_to_predict(monkeypatch, gain, kept):
+    """A delay that follows what no effect explains is not folded into the model."""
+
+    class Left(Others, SweepRungs):
+        verdicts = ("effect-missing", "unexplained", "unexplained")
+
+        def examined(self, model, progress, before, effect):
+            case = super().examined(model, progress, before, effect)
+            case.diagnosis.verdict = self.verdicts[len(model.effects)]
+            case.search = SimpleNamespace(base=model)
+            return case
+
+    left = Left(effects=["friction", "time-delay"], measurement=None, rng=None)
+    model = parse_model("kelvin")
+    steps = [rung_of(left.examined(model, None, None, None))]
+    steps.append(rung_of(left.examined(model + "friction", None, None, None), steps[0], "friction"))
+    monkeypatch.setattr(ladder, "alive", lambda part, kind, what: part)
+    monkeypatch.setattr(discovery, "prediction_gain", lambda before, after: gain)
+    monkeypatch.setattr(discovery, "_likelier", lambda one, other: False)
+    assert len(left.settled(steps, silent)) == kept
+
+
+@pytest.mark.parametrize(
+    ("chain", "kept"),
+    [(["inertia", "time-delay"], 3), (["inertia", "time-delay", "series-spring"], 3)],
+)
+def test_the_last_of_a_set_goes_where_it_does_nothing_beside_the_others(chain, kept):
+    """A spring in series with a mass and a delay, which the data do not hold."""
+    rungs, data = [], measured(SWEEP, DELAYED, level=0.002)
+    for count in range(len(chain) + 1):
+        model = sum((plugins().effect(name) for name in chain[:count]), parse_model(KELVIN.name))
+        fit = fitted_to_floor(model, data)
+        case = SimpleNamespace(search=SimpleNamespace(base=fit))
+        rungs.append(SimpleNamespace(model=model, case=case))
+    assert len(discovery._spared(rungs)) == kept
 
 
 def test_a_set_that_was_found_is_taken_to_its_end_but_for_what_was_refused():

@@ -105,6 +105,19 @@ def test_harmonics_columns(opened):
     found = opened("frequency [Hz],storage [Pa],loss [Pa],h3_re [-],h3_im [-]\n1,2,3,0.25,-0.5\n")
     assert np.isnan(found.harmonics[0, 0])
     assert found.harmonics[0, 1] == 0.25 - 0.5j
+    assert found.harmonic(3) == [0.25 - 0.5j]
+    assert found.harmonic(5) is None
+
+
+@pytest.mark.parametrize("title", ["h3 [-]", "F3/F1", "I3/I1 [-]", "I3/1", "I_3/I_1", "σ3/σ1"])
+def test_a_harmonic_of_which_only_the_size_was_noted(opened, title):
+    found = opened(f"frequency [Hz],storage [Pa],loss [Pa],{title}\n1,2,3,0.25\n2,3,4,\n")
+    np.testing.assert_array_equal(found.harmonic(3), [0.25, np.nan])
+    assert np.isrealobj(found.harmonic(3))
+    share = opened("frequency [Hz],storage [Pa],loss [Pa],I3/I1 [%]\n1,2,3,25\n")
+    assert share.harmonic(3) == [0.25]
+    # The motion's own is a condition like any other.
+    assert opened("f [Hz],storage [Pa],loss [Pa],X3/X1\n1,2,3,0.01\n").harmonic(3) is None
 
 
 ERRORS = {

@@ -48,7 +48,7 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
 
     KIND is study (a race of optimisers), plugin or ci (an accuracy gate).
 
-    A file that is there already is never replaced.
+    A file that is there already is never replaced: ci races the study that is there.
     """
     from springpot.errors import OptionError, OutputError
     from springpot.files import write_text
@@ -63,6 +63,9 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
             raise OptionError(f"--from {source}: only a plugin is made of a law, not a {kind}")
         texts["plugin"] = plugin_of(source)
     paths = {name: folder / place for name, place in KINDS[kind].items()}
+    kept: list[str] = []
+    if kind == "ci" and paths["study"].exists():
+        kept.append(str(paths.pop("study")))
     # All of them first: a folder is begun whole, or left as it is.
     there = [str(path) for path in paths.values() if path.exists()]
     if there:
@@ -76,7 +79,7 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
     emit(
         {"schema": "springpot.files/1", "files": written},
         as_json,
-        lambda: _show(written, _next(kind, folder, source is not None)),
+        lambda: _show(written, kept, _next(kind, folder, source is not None)),
     )
 
 
@@ -131,9 +134,11 @@ def plugin_of(source: Path) -> str:
     return text.replace("@NAME@", repr(LAW)).replace("@FILE@", source.name.replace(chr(34), ""))
 
 
-def _show(written: list[str], following: str) -> None:
+def _show(written: list[str], kept: list[str], following: str) -> None:
     for path in written:
         print(f"written: {path}")
+    for path in kept:
+        print(f"kept:    {path}, which was there")
     print(f"\nnext: {following}")
 
 

@@ -271,8 +271,16 @@ class SweepRungs(Rungs[Refit]):
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
         """The rungs that explain something, each the likeliest beside all others."""
-        explained = _explained(steps, [len(found.effects) for found in self.sets])
-        return super().settled(explained, progress)
+        explained = _spared(self._explained(steps))
+        settled = _spared(super().settled(explained, progress))
+        # What a set adds to them, or puts in their place, is asked for the same proof, and is worth
+        # its price by the noise of its own rung as well.
+        if len(self._explained(settled)) < len(settled) or _likelier(explained[-1], settled[-1]):
+            return explained
+        return settled
+
+    def _explained(self, steps: list[Step]) -> list[Step]:
+        return _explained(steps, [len(found.effects) for found in self.sets])
 
 
 def _found(evidence: Evidence) -> FoundSet[Refit]:
@@ -424,6 +432,25 @@ def _explained(steps: list[Step], sets: Sequence[int] = ()) -> list[Step]:
             break
         kept += 1
     return steps[:kept]
+
+
+def _spared(steps: list[Step]) -> list[Step]:
+    """The rungs without the last ones that do nothing beside the others.
+
+    Of a set, which was taken to its end.
+    """
+    while len(steps) > 1 and _likelier(*steps[-2:]):
+        steps = steps[:-1]
+    return steps
+
+
+def _likelier(one: Step, other: Step) -> bool:
+    """Whether one set of effects is likelier than another, by data and noise of the other."""
+    if sorted(one.model.names) == sorted(other.model.names):
+        return False
+    judged, begun = other.case.search.base, one.case.search.base.theta
+    again = refit(one.model, judged.data, judged.noise, [begun], starts=2)
+    return again.log_evidence > judged.log_evidence
 
 
 def _prediction_gain(before: Step, after: Step) -> float:

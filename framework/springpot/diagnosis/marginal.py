@@ -59,20 +59,22 @@ def harmonic_evidence(refit: Refit) -> float:
         A model, fitted.
     """
     data = refit.data.mean
-    if data.harmonics is None or data.harmonics.shape[1] < 2:
+    measured = data.harmonic(3)
+    if measured is None:
         return 0.0
-    measured = data.harmonics[:, 1]
     rows = np.flatnonzero(np.isfinite(measured))
     if len(rows) == 0:
         return 0.0
     predicted, radius = refit.model.third_harmonic_range(refit.theta, data.points)
+    # Of a size without a phase, sizes are compared.
+    shown = np.abs(predicted) if np.isrealobj(measured) else predicted
     # Where no bound is known it may be anything: a fixed price, so that nothing is gained by not
     # predicting.
     if not np.all(np.isfinite(radius)):
         return EVIDENCE.unpredicted_harmonic
     noise: Real = np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude
     sd = noise[rows] + EVIDENCE.least_harmonic
-    distance = np.abs(measured[rows] - predicted[rows])
+    distance = np.abs(measured[rows] - shown[rows])
     # What only the third harmonic tells of a law, the first leaves open: it may be anything there.
     if np.any(distance > radius[rows] + sd):
         radius = radius + _open_harmonic(refit, predicted)

@@ -438,13 +438,11 @@ def overtones(measurement: Measurement, noise: Complex) -> list[Finding]:
     Parameters
     ----------
     measurement : Measurement
-        The data with their `harmonics`, relative to the first.
+        The data with their harmonics, relative to the first.
     noise : ndarray of complex, shape (n,)
         Standard deviations of K' and K''; a sinusoid's fit leaves the same deviation in every
         harmonic.
     """
-    if measurement.harmonics is None:
-        return []
     relative = np.sqrt(0.5 * (noise.real**2 + noise.imag**2)) / measurement.magnitude
     # Odd before even: symmetric nonlinearities, friction and rubber among them, make odd ones only.
     return [
@@ -458,10 +456,10 @@ def _harmonic(measurement: Measurement, relative: Real, order: int, word: str) -
 
     The sum of its squares over the noise is chi-square where there is none.
     """
-    assert measurement.harmonics is not None
-    if measurement.harmonics.shape[1] < order - 1:
+    harmonic = measurement.harmonic(order)
+    if harmonic is None:
         return
-    share = np.abs(measurement.harmonics[:, order - 2])
+    share = np.abs(harmonic)
     rows = np.flatnonzero(np.isfinite(share))
     if len(rows) == 0:
         return

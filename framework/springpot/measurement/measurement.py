@@ -64,7 +64,7 @@ class Measurement(Rows, Drawn):
         the real part of K X (exp(i omega t) + H_2 exp(2 i omega t) + H_3 exp(3 i omega t) + ...).
         So H_n = (U_n / U_1) exp(-i (n - 1) phi) for amplitudes U_n and phi the phase of X_1;
         Coulomb friction has H_3 = 1/3, a hardening cubic spring k3 x^3 alone H_3 = 1/3 as well,
-        with K real.
+        with K real. Where only its size is known, |H_3| is the condition ``h3``; see `harmonic`.
     units : Units
         The units the data came in.
     name : str
@@ -273,6 +273,20 @@ class Measurement(Rows, Drawn):
     def points(self) -> Points:
         """Where a model of these data is evaluated."""
         return points_at(np.log(self.omega), self.conditions, self.reference_temperature)
+
+    def harmonic(self, order: int) -> Complex | Real | None:
+        """A force harmonic over the first, shape (n,), nan where not measured; None without any.
+
+        Complex by `harmonics`; real where a condition named ``h3`` or the like tells its size only.
+
+        Parameters
+        ----------
+        order : int
+            2, 3, ...
+        """
+        if self.harmonics is not None and self.harmonics.shape[1] > order - 2:
+            return self.harmonics[:, order - 2]
+        return self.conditions.get(f"h{order}")
 
     def subset(
         self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None

@@ -17,7 +17,7 @@ from typing import TypeAlias, TypeVar
 
 from springpot.errors import DataError, SpringpotError, described, owned
 from springpot.files import keep_input, require_regular, within_budget
-from springpot.writing import NAMED, suggested
+from springpot.writing import NAMED, near_names, suggested
 
 from .from_signals import OneTest, one_test
 from .measurement import Measurement
@@ -442,9 +442,8 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     # A stroke or an ending: it was meant as a file.
     if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
         raise DataError(f"{short(text)}: there is no such file")
-    near = get_close_matches(text, known, n=3, cutoff=0.5)
     hint = f"see '{suggested('list datasets')}'"
-    if near:
+    if near := near_names(text, known):
         hint = f"did you mean {', '.join(near)}?"
     raise DataError(f"'{short(text)}' is neither a file nor a registered data set: {hint}")
 

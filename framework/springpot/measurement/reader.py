@@ -161,7 +161,7 @@ def is_file(text: str) -> bool:
     """Whether something is there; a folder is reported by the reading."""
     try:
         # A long expression or a line of text is no path: the system refuses to look for it.
-        return text not in ("", ".", "..") and Path(text).exists()
+        return text != "" and Path(text).exists()
     except (OSError, ValueError):
         return False
 

@@ -5,6 +5,7 @@ Which column is what, units, and the checks that a user's slip runs into.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ from springpot.measurement import (
     MODULUS_UNITS,
     PRESSURE_UNITS,
     STIFFNESS_UNITS,
+    STRAIN_UNITS,
     TEMPERATURE_UNITS,
     Measurement,
     Units,
@@ -56,6 +58,8 @@ Other names for them are in `names`.
 """
 TEXT = "text"
 """Unit that marks a column of words, so that a word that looks like a number stays a word."""
+_SIZE = re.compile(r"([fiσ])_?([2-9]) ?/ ?(?:\1_?)?1|h([2-9])", re.IGNORECASE)
+"""|H_n| by the names of force and of stress harmonics: F3/F1, I3/I1, I3/1, h3."""
 
 
 def assign(columns: tuple[Column, ...]) -> tuple[dict[str, Column], list[Column]]:
@@ -373,9 +377,8 @@ def _tangent(roles: Mapping[str, Column]) -> Real | None:
         return angle
     if "loss_factor" in roles:
         column = roles["loss_factor"]
-        factors = {"-": 1.0, "%": 0.01}
-        unit = known_unit(column.unit or "-", factors, column.name)
-        return np.asarray(np.arctan(column.numbers() * factors[unit]))
+        unit = known_unit(column.unit or "-", STRAIN_UNITS, column.name)
+        return np.asarray(np.arctan(column.numbers() * STRAIN_UNITS[unit]))
     return None
 
 
@@ -457,10 +460,15 @@ def _further(
     for column in others:
         if column.is_empty:
             continue
-        if column.unit != TEXT and column.is_numeric():
+        size = _SIZE.fullmatch(column.name)
+        unit = column.unit or "-"
+        if size and unit in STRAIN_UNITS and column.is_numeric():
+            share = column.numbers(gaps=True) * STRAIN_UNITS[unit]
+            numbers[f"h{size[2] or size[3]}"] = share
+        elif column.unit != TEXT and column.is_numeric():
             numbers[column.name] = column.numbers(gaps=True)
-            if column.unit not in (None, "", "-"):
-                units[column.name] = str(column.unit)
+            if unit != "-":
+                units[column.name] = unit
         else:
             words[column.name] = np.array([cell.strip() for cell in column.cells])
     return numbers, words, units

@@ -87,9 +87,11 @@ def command(
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both")
     is_archive = study.suffix == ".zip"
-    if is_archive != bool(optimisers) or (problems and not is_archive):
+    if is_archive and not optimisers:
+        raise click.UsageError("who races beside what an archive holds? Give --optimiser NAME")
+    if (optimisers or problems) and not is_archive:
         raise click.UsageError(
-            "--optimiser goes with an archive (.zip), an archive and --problem with it"
+            "--optimiser and --problem go with an archive (.zip); a study names its own"
         )
     # Optimisers of other makers print what they like.
     with own_stdout(quiet):

@@ -350,7 +350,7 @@ def smallest_seen(
     rises = [least_rise(each, share, factor) for each in costs]
     words = f"costs {_times(min(rises))}"
     if max(rises) > min(rises):
-        words += f" to {_times(max(rises))}"
+        words += " to none" if max(rises) == inf else f" to {_times(max(rises))}"
     words += f"; success {_falls(max(cells, key=lambda each: each.rate), share)} on one problem"
     if len(cells) > 1:
         words += f", {_falls(together, share)} over its {len(cells)}"
@@ -359,14 +359,14 @@ def smallest_seen(
 
 def _times(rise: float) -> str:
     if rise == inf:
-        return "by no factor"
+        return "no rise"
     return f"x{rise:.3g}"
 
 
 def _falls(before: Successes, share: float) -> str:
     rate = least_drop_seen(before, share)
     if rate is None:
-        return f"{100 * before.rate:.0f} % by no fall"
+        return f"no fall from {100 * before.rate:.0f} %"
     # Downwards: what lies between is seen less often.
     return f"{100 * before.rate:.0f} -> {int(100 * rate)} %"
 
