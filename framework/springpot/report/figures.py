@@ -1,10 +1,7 @@
 """Whole figures: a few views with one legend, written to a file.
 
-The spectrum of any material: a picture with its band, and a sentence.
-
-The two levels against which every error is drawn.
-
-What noise leaves, and what any material leaves.
+With the spectrum of any material, and the two levels against which every error is drawn: what noise
+leaves, and what any material leaves.
 """
 
 from __future__ import annotations
