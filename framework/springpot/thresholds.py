@@ -1,6 +1,4 @@
-"""Every level that decides, in one place, each with its reason.
-
-A source, a false alarm, or what it guards.
+"""Every level that decides, each with its reason: a source, a false alarm, or what it guards.
 
 How finely something is computed stands beside the function that does so. Chances of a false alarm
 are measured by ``studies/hidden_effect.py`` on data from which nothing is missing.

@@ -323,9 +323,9 @@ def test_a_parcel_lets_workers_find_what_the_program_defines(monkeypatch):
 @pytest.mark.parametrize(("code", "status"), [(0, 0), (3, 3 << 8), (-9, 9)])
 def test_a_server_s_end_is_told_by_its_code(code, status, monkeypatch):
     monkeypatch.setattr(fork_server, "cause_of", lambda given: given)
-    nursery = fork_server.Nursery.__new__(fork_server.Nursery)
-    nursery._process = SimpleNamespace(wait=lambda: code)
-    assert nursery.cause() == status
+    server = fork_server.ForkServer.__new__(fork_server.ForkServer)
+    server._process = SimpleNamespace(wait=lambda: code)
+    assert server.cause() == status
 
 
 def test_progress_is_measured_from_the_centre_or_from_no_answer():

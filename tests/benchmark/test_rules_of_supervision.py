@@ -41,7 +41,7 @@ class Line:
 
 
 class Server:
-    """A nursery that only notes what it is asked for."""
+    """A fork server that only notes what it is asked for."""
 
     def __init__(self, ready=True, *words):
         self.ready, self.channel = ready, Line(*words)
@@ -82,7 +82,7 @@ def order(cell, *repetitions):
 def engine(monkeypatch):
     monkeypatch.setattr(supervisor, "monotonic", lambda: NOW)
     made = LocalEngine(plan_of(), None, 2)
-    made._nursery = Server()
+    made._fork_server = Server()
     return made
 
 
@@ -135,7 +135,7 @@ def test_a_worker_without_work_ends_where_another_s_comes_next(engine):
     idle = worker(engine)
     engine._backlog = Backlog(engine._plan, [order(2)])
     engine._fill(idle)
-    assert (engine._nursery.killed, engine._workers) == ([idle.number], {})
+    assert (engine._fork_server.killed, engine._workers) == ([idle.number], {})
     engine._backlog = Backlog(engine._plan, [])
     idle = worker(engine)
     engine._fill(idle)
@@ -146,12 +146,12 @@ def test_as_many_are_hired_as_there_are_places_and_tasks(engine):
     tasks = [order(0, i) for i in range(5)]
     engine._backlog = Backlog(engine._plan, tasks)
     assert engine._staff()
-    assert engine._nursery.forked == [1, 2]
+    assert engine._fork_server.forked == [1, 2]
     assert [each.batches[0] for each in engine._workers.values()] == [tasks[:1], tasks[1:2]]
-    engine._nursery.ready = False
+    engine._fork_server.ready = False
     engine._workers.clear()
     assert engine._staff()
-    assert engine._nursery.forked == [1, 2]
+    assert engine._fork_server.forked == [1, 2]
     engine._backlog = Backlog(engine._plan, [])
     assert not engine._staff()
     worker(engine, order(0))
@@ -162,10 +162,10 @@ def test_a_suspect_runs_alone(engine):
     engine._suspects.append(order(2))
     busy = worker(engine, order(0))
     assert engine._staff()
-    assert engine._nursery.forked == []
+    assert engine._fork_server.forked == []
     busy.batches.clear()
     assert engine._staff()
-    assert engine._nursery.killed == [busy.number]
+    assert engine._fork_server.killed == [busy.number]
     [only] = engine._workers.values()
     assert (only.entrant, list(only.batches), list(engine._suspects)) == (1, [[order(2)]], [])
 
@@ -227,7 +227,7 @@ def test_who_is_late_is_ended_and_told(engine, begun, age, late, monkeypatch):
 )
 def test_a_server_that_is_never_ready_ends_the_study(engine, ready, waited, ends, monkeypatch):
     monkeypatch.setattr(supervisor, "wait", lambda channels, timeout: [])
-    engine._nursery.ready, engine._asked = ready, NOW - waited
+    engine._fork_server.ready, engine._asked = ready, NOW - waited
     if ends:
         with pytest.raises(StudyError, match="workers were not ready after 120 s"):
             engine._listen()
@@ -279,7 +279,7 @@ def test_a_batch_in_which_something_went_wrong_is_run_again_one_by_one(engine, f
         told.since = NOW - 99.0
         found = engine._listen()
     else:
-        found = engine._orphan(engine._nursery)
+        found = engine._orphan(engine._fork_server)
         assert list(engine._suspects) == batch
         engine._backlog.put_back(engine._suspects)
         engine._singly.add(0)
@@ -287,7 +287,7 @@ def test_a_batch_in_which_something_went_wrong_is_run_again_one_by_one(engine, f
     assert not engine._workers
     engine._means[0] = 0.001
     engine._suspects.clear()
-    engine._nursery = Server()
+    engine._fork_server = Server()
     assert engine._staff()
     assert [list(each.batches) for each in engine._workers.values()] == [[[one]] for one in batch]
 
@@ -300,7 +300,7 @@ def test_words_of_a_worker_are_heard_to_the_last(engine):
     assert (len(one.batches), one.begun, one.deaf) == (1, True, False)
     one.connection.words = [EOFError()]
     assert engine._hear(one) == []
-    assert (one.deaf, engine._nursery.killed) == (True, [one.number])
+    assert (one.deaf, engine._fork_server.killed) == (True, [one.number])
     two = worker(engine, order(0, 6), order(0, 7), words=[pickle.dumps(None)])
     [found] = engine._hear(two)
     assert (found.status, found.repetition) == (Status.CRASH, 6)
@@ -343,33 +343,33 @@ def test_words_of_the_server(engine):
         (supervisor.BORN, 99, 78),
         (supervisor.READY, 0, ""),
     ]
-    engine._nursery = Server(False, *words)
-    assert engine._hear_nursery(engine._nursery) == []
-    assert (one.pid, engine._nursery.ready) == (77, True)
-    engine._nursery.channel.words = [
+    engine._fork_server = Server(False, *words)
+    assert engine._hear_fork_server(engine._fork_server) == []
+    assert (one.pid, engine._fork_server.ready) == (77, True)
+    engine._fork_server.channel.words = [
         (supervisor.ENDED, 99, "x"),
         (supervisor.ENDED, 1, "signal 11"),
     ]
-    [found] = engine._hear_nursery(engine._nursery)
+    [found] = engine._hear_fork_server(engine._fork_server)
     assert (found.repetition, found.reason) == (4, "signal 11")
-    engine._nursery.channel.words = [(supervisor.BROKEN, 0, "no memory")]
+    engine._fork_server.channel.words = [(supervisor.BROKEN, 0, "no memory")]
     with pytest.raises(StudyError, match="study made: a worker cannot start: no memory"):
-        engine._hear_nursery(engine._nursery)
+        engine._hear_fork_server(engine._fork_server)
 
 
 def test_a_server_that_ends_is_laid_to_a_trial_that_ran_alone_the_third_time(engine, monkeypatch):
     ended = []
     monkeypatch.setattr(supervisor, "end_group", ended.append)
     for time in range(3):
-        engine._nursery = Server()
+        engine._fork_server = Server()
         alone = worker(engine, order(0), order(0, 5))
         alone.pid = 40 + time
-        found = engine._orphan(engine._nursery)
+        found = engine._orphan(engine._fork_server)
         assert len(found) == (time == 2)
         assert list(engine._suspects) == [order(0)] * (time < 2)
         engine._suspects.clear()
         assert engine._workers == {}
-        assert engine._nursery is None
+        assert engine._fork_server is None
     assert ended == [40, 41, 42]
     assert (found[0].status, found[0].reason) == (
         Status.CRASH,
@@ -379,21 +379,21 @@ def test_a_server_that_ends_is_laid_to_a_trial_that_ran_alone_the_third_time(eng
 
 def test_of_several_under_way_none_is_blamed_yet(engine):
     for _ in range(5):
-        engine._nursery = Server()
+        engine._fork_server = Server()
         worker(engine, order(0))
         worker(engine, order(1))
         worker(engine)
-        assert engine._orphan(engine._nursery) == []
+        assert engine._orphan(engine._fork_server) == []
     assert list(engine._suspects) == [order(0), order(1)] * 5
 
 
 def test_a_server_that_ends_between_trials_ends_the_study_the_third_time(engine):
     for _ in range(2):
-        engine._nursery = Server()
-        assert engine._orphan(engine._nursery) == []
-    engine._nursery = Server()
+        engine._fork_server = Server()
+        assert engine._orphan(engine._fork_server) == []
+    engine._fork_server = Server()
     with pytest.raises(StudyError, match="the server of workers ends again and again"):
-        engine._orphan(engine._nursery)
-    engine._nursery = Server(False)
+        engine._orphan(engine._fork_server)
+    engine._fork_server = Server(False)
     with pytest.raises(StudyError, match="workers die at the start"):
-        engine._orphan(engine._nursery)
+        engine._orphan(engine._fork_server)

@@ -32,6 +32,11 @@ CUT = """lists => {
         return pen.measureText(list.selectedOptions[0].text).width + 16 > list.clientWidth;
     }).map((list) => list.id);
 }"""
+# Of a ladder whose errors stand close together.
+TICKS = """async () => {
+    const { Ladder } = await import("/page/ladder.js");
+    return Ladder.prototype.ticks(7.5e-6, 1.5e-5)[1];
+}"""
 BOXES = """() => [...document.querySelectorAll("#effects, #accept, #law, #next, .plot")]
     .map((each) => JSON.stringify(each.getBoundingClientRect()))"""
 FRAMES = """() => new Promise((done) => {
@@ -305,6 +310,7 @@ def test_what_is_empty_shows_no_picture(page: Open):
     here.page.locator("[data-example]").first.wait_for()
     for plot in ("view", "second", "residual", "ladder"):
         assert here.page.locator(f"#plot-{plot}").is_hidden()
+    assert here.page.evaluate(TICKS) == ["8.0e-4 %", "0.0010 %", "0.0012 %", "0.0014 %"]
 
 
 @pytest.mark.soak

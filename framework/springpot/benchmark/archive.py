@@ -2,9 +2,8 @@
 
 A zip of ``study.json`` (what was run, with which versions, on which machine), ``trials.csv``,
 ``traces.csv`` (the improvements of every trial) and ``oracles.csv`` (those of the noise-free
-objective over all that was evaluated). The same store gives the same bytes.
-
-A study stands beside the trials of an archive as if all had run together.
+objective over all that was evaluated). The same store gives the same bytes, and a study stands
+beside the trials of an archive as if all had run together.
 """
 
 from __future__ import annotations

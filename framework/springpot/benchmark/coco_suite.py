@@ -1,6 +1,4 @@
-"""Post-processing of a COCO export.
-
-Tells cocopp of springpot's suite, which it does not know by itself.
+"""Post-processing of a COCO export: tells cocopp of springpot's suite, which it does not know.
 
 ``python -m springpot.benchmark.coco_suite FOLDER [-o OUTPUT]`` writes cocopp's HTML report.
 """

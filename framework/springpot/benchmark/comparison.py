@@ -1,20 +1,15 @@
-"""Who wins where, and with what certainty.
+"""Who wins where, and with what certainty: on each problem, and over several.
 
-Choices for each problem, rankings over problems, profiles.
-
-Two trials are compared at a budget by the excess they had reached by then; below the study's target
-it no longer counts, so that two trials which reached the target are equal. Trials that failed come
-last.
+Each cell's trials are arrays, read off the store in one pass. Values are *excesses*, (f - f_best) /
+(g - f_best) with f_best the best value known of the problem and g that at the centre of the box, or
+of a model without any response where that is smaller: 1 there, 0 at the best. Two trials are
+compared at a budget by the excess they had reached by then; below the study's target it no longer
+counts, so that two trials which reached the target are equal. A trial that failed has an infinite
+excess, and comes last.
 
 On one problem, trials are compared (`OptimiserChoice`); over several, problems are (`MeanRanks`),
 because trials of one problem say nothing of the next. Every table, diagram and sentence about who
 is better is one of these two.
-
-What comparisons are made of: each cell's trials as arrays, read off the store in one pass.
-
-Values are *excesses*, (f - f_best) / (g - f_best) with f_best the best value known of the problem
-and g that at the centre of the box, or of a model without any response where that is smaller: 1
-there, 0 at the best. A trial that failed has an infinite excess, and comes last.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Engines: where trials run. Each turns tasks into an unordered stream of results.
 
-Tasks on an executor's worker.
-
-Run there by a local engine of one process, so that what a trial does ends there.
+A task on an executor's worker is run there by a local engine of one process, so that what a trial
+does ends there.
 """
 
 from __future__ import annotations

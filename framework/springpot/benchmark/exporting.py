@@ -1,14 +1,8 @@
 """Exports of a study for other tools: IOHanalyzer, COCO, CSV, Parquet.
 
-What every export of a study shares.
-
-Its trials by problem and optimiser, as other tools number them.
-
-Export to IOHanalyzer and iohinspector.
-
-A folder for each optimiser, an index and improvements per problem.
-
-Export to COCO: one folder for each optimiser with the index and data files that cocopp reads.
+All share its trials by problem and optimiser, numbered as other tools do. For IOHanalyzer and
+iohinspector there is a folder for each optimiser, with an index and the improvements per problem;
+for COCO one with the index and data files that cocopp reads.
 
 COCO's targets are absolute, from 100 down to 1e-8, so what is written is the precision (f - f_best)
 / (g - f_best): one at the study's reference g, zero at the best that is known. On noisy data with a

@@ -1,10 +1,9 @@
-"""The nursery: a process with the imports and the study, which forks a clean one per optimiser.
+"""A server with the imports and the study, which forks a clean worker for each optimiser.
 
 It runs no optimiser itself. It is started as a program, in a session of its own: Ctrl-C does not
 reach it, no socket needs a path, and it serves the command, a thread of an executor and a worker of
-a cluster alike. Once its coordinator is gone, it ends whatever it has forked, and itself.
-
-A worker process: forked for one optimiser, it runs the batches it is sent and answers each.
+a cluster alike. Once its coordinator is gone, it ends whatever it has forked, and itself. A worker
+runs the batches that it is sent and answers each.
 """
 
 from __future__ import annotations
@@ -158,7 +157,7 @@ def _results(
 
 
 READY, BROKEN, BORN, ENDED = "ready", "broken", "born", "ended"
-"""What a nursery tells its coordinator."""
+"""What the server tells its coordinator."""
 FORK, KILL = "fork", "kill"
 """What it is told."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -167,10 +166,10 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 There are as many processes as processors already.
 """
 INSIDE = "SPRINGPOT_NURSERY"
-"""Environment variable that keeps a script, loaded again in a nursery, from starting its study."""
+"""Environment variable that keeps a script, loaded again in the server, from starting its study."""
 
 
-class Nursery:
+class ForkServer:
     """The coordinator's view of it.
 
     Parameters
@@ -211,7 +210,7 @@ class Nursery:
     def fork(self, number: int) -> Connection:
         """A new process, known by its number, and the line to it.
 
-        A dead nursery is noticed by whoever listens.
+        A dead server is noticed by whoever listens.
         """
         ours, theirs = socket.socketpair()
         with theirs, suppress(OSError):
@@ -261,8 +260,8 @@ def _program(fd: int) -> str:
 
 
 def _preparation(parcel: Parcel) -> dict[str, Any]:
-    """What lets the nursery find what the program that runs the study defines, for `spawn`."""
-    data: dict[str, Any] = spawn.get_preparation_data("springpot-nursery")
+    """What lets the server find what the program that runs the study defines, for `spawn`."""
+    data: dict[str, Any] = spawn.get_preparation_data("springpot-fork-server")
     unwanted = ["authkey", "start_method", "log_to_stderr", "log_level"]
     if parcel.script or not parcel.own_program:
         unwanted += ["init_main_from_name", "init_main_from_path"]
@@ -272,7 +271,7 @@ def _preparation(parcel: Parcel) -> dict[str, Any]:
 
 
 def main(fd: int) -> None:
-    """Life of the nursery; `fd` is its line to the coordinator."""
+    """Life of the fork server; `fd` is its line to the coordinator."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     adopt_orphans()
     line = socket.socket(fileno=fd)
@@ -298,7 +297,7 @@ def main(fd: int) -> None:
 
 
 class _Family:
-    """The processes that a nursery has forked."""
+    """The processes that a fork server has forked."""
 
     def __init__(self, line: socket.socket, channel: Connection, shop: Workshop) -> None:
         self._line, self._channel, self._shop = line, channel, shop
@@ -347,7 +346,7 @@ class _Family:
         self._channel.send((BORN, number, pid))
 
     def _be_born(self, fd: int) -> NoReturn:
-        """In the child: leave everything of the nursery behind and work."""
+        """In the child: leave everything of the fork server behind and work."""
         try:
             # A session of its own, so that whatever an optimiser starts is ended with it.
             os.setsid()

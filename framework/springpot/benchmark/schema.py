@@ -1,12 +1,7 @@
-"""How a store is laid out in SQLite.
+"""How a store is laid out in SQLite: its tables, what asks for their rows, and what a row means.
 
-Its tables, what asks for their rows, and what a row of them means.
-
-What can be saved of a store whose file is damaged.
-
-Every row that can still be reached, in a fresh store.
-
-Seals: a checksum of every row, so that damage is noticed and named instead of shown as a result.
+Each row has a seal, a checksum by which damage is noticed and named instead of shown as a result.
+Of a store whose file is damaged every row that can still be reached is saved into a fresh one.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Statistics of an optimiser comparison: pure functions of arrays read from the store.
 
 A trial that failed or missed its target has an infinite running time; it is never given a number.
-
-How probable it is that one optimiser is better in practice, beside whether it can be told.
-
-The Bayesian signed-rank test of Benavoli and others (2014, ICML; 2017, JMLR 18:1-36).
+How probable it is that one optimiser is better in practice is told beside whether it can be told,
+by the Bayesian signed-rank test of Benavoli and others (2014, ICML; 2017, JMLR 18:1-36).
 """
 
 from __future__ import annotations

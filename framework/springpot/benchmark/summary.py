@@ -1,8 +1,6 @@
 """Cells in numbers: success, cost, accuracy, time and failures; and where a study's results are.
 
-A user's study script: loaded by path in the command and in every worker, or run as a program.
-
-What a store gives back: its problems, cells and trials.
+A user's study is a script, loaded by its path in the command and in every worker.
 """
 
 from __future__ import annotations

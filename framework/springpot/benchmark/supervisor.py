@@ -1,6 +1,4 @@
-"""The local engine.
-
-Trials in supervised processes, of which any may crash, hang or run out of memory.
+"""The local engine: trials in supervised processes, which may crash, hang or run out of memory.
 
 Each process is forked from a clean server for one optimiser and sees no trial of another. Quick
 trials are sent in batches, which are believed as a whole or run again one by one: what went wrong
@@ -22,7 +20,7 @@ from typing import Any
 from springpot.errors import StudyError
 from springpot.processes import end_group
 
-from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel
+from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, ForkServer, Parcel
 from .plan import Plan, WorkOrder
 from .trial import Status, TrialResult, failure
 
@@ -143,7 +141,7 @@ class LocalEngine:
         self._backlog = Backlog(plan)
         self._workers: dict[int, Worker] = {}
         self._numbers = count(1)
-        self._nursery: Nursery | None = None
+        self._fork_server: ForkServer | None = None
         self._asked = 0.0
         self._orphaned: Counter[WorkOrder | None] = Counter()
         self._suspects: deque[WorkOrder] = deque()
@@ -176,30 +174,30 @@ class LocalEngine:
         for worker in self._workers.values():
             worker.connection.close()
         self._workers.clear()
-        if self._nursery is not None:
-            self._nursery.close()
-            self._nursery = None
+        if self._fork_server is not None:
+            self._fork_server.close()
+            self._fork_server = None
 
     def _staff(self) -> bool:
         """Give every worker enough to do, and hire where one is missing; False once all is done."""
         busy = any(worker.batches for worker in self._workers.values())
         if not (busy or self._suspects or self._backlog.first()):
             return False
-        if self._nursery is None:
-            self._nursery, self._asked = Nursery(self._parcel), monotonic()
+        if self._fork_server is None:
+            self._fork_server, self._asked = ForkServer(self._parcel), monotonic()
         # Workers are forked from it: before it has its imports there is nothing to fork.
-        if not self._nursery.ready:
+        if not self._fork_server.ready:
             return True
         if self._suspects:
-            self._interrogate(self._nursery, busy)
+            self._interrogate(self._fork_server, busy)
             return True
         for worker in list(self._workers.values()):
             self._fill(worker)
         while len(self._workers) < self._count and (task := self._backlog.first()) is not None:
-            self._fill(self._hire(self._nursery, self._backlog.entrant_of(task)))
+            self._fill(self._hire(self._fork_server, self._backlog.entrant_of(task)))
         return True
 
-    def _interrogate(self, nursery: Nursery, busy: bool) -> None:
+    def _interrogate(self, fork_server: ForkServer, busy: bool) -> None:
         """Run a task during which the server ended alone.
 
         So that nobody else is blamed for what it does.
@@ -209,14 +207,14 @@ class LocalEngine:
         for worker in list(self._workers.values()):
             self._dismiss(worker)
         task = self._suspects.popleft()
-        self._hire(nursery, self._backlog.entrant_of(task)).give([task])
+        self._hire(fork_server, self._backlog.entrant_of(task)).give([task])
 
-    def _hire(self, nursery: Nursery, entrant: int) -> Worker:
+    def _hire(self, fork_server: ForkServer, entrant: int) -> Worker:
         # Never used twice: a late word of a worker that has ended must not be taken for another's.
         number = next(self._numbers)
         # One entrant for life: what an optimiser leaves in a process must not reach another's
         # trials.
-        self._workers[number] = Worker(number, entrant, nursery.fork(number))
+        self._workers[number] = Worker(number, entrant, fork_server.fork(number))
         return self._workers[number]
 
     def _fill(self, worker: Worker) -> None:
@@ -242,24 +240,24 @@ class LocalEngine:
         return int(min(max(min(AHEAD, 0.25 * self._plan.deadline) / mean, 1), DEEPEST))
 
     def _listen(self) -> list[TrialResult]:
-        nursery = self._nursery
-        assert nursery is not None
+        fork_server = self._fork_server
+        assert fork_server is not None
         channels: dict[Any, Worker] = {
             w.connection: w for w in self._workers.values() if not w.deaf
         }
-        heard = wait([nursery.channel, *channels], timeout=self._patience())
+        heard = wait([fork_server.channel, *channels], timeout=self._patience())
         results: list[TrialResult] = []
         for worker in [channels[channel] for channel in heard if channel in channels]:
             results += self._hear(worker)
-        if nursery.channel in heard:
-            results += self._hear_nursery(nursery)
+        if fork_server.channel in heard:
+            results += self._hear_fork_server(fork_server)
         now = monotonic()
         # After all has been heard: an answer that came in time must not count as late.
         for worker in [
             w for w in self._workers.values() if w.batches and now - w.since > self._limit(w)
         ]:
             results += self._overdue(worker)
-        if self._nursery is nursery and not nursery.ready and now - self._asked > START:
+        if self._fork_server is fork_server and not fork_server.ready and now - self._asked > START:
             raise StudyError(f"study {self._plan.name}: workers were not ready after {START:g} s")
         return results
 
@@ -292,8 +290,8 @@ class LocalEngine:
             # Its end, or that of its line only; either way the server ends it and tells how it
             # ended.
             worker.deaf = True
-            if self._nursery is not None:
-                self._nursery.kill(worker.number)
+            if self._fork_server is not None:
+                self._fork_server.kill(worker.number)
         except Exception as error:
             results += self._garbled(worker, error)
         return results
@@ -343,20 +341,20 @@ class LocalEngine:
         self._dismiss(worker)
         return []
 
-    def _hear_nursery(self, nursery: Nursery) -> list[TrialResult]:
+    def _hear_fork_server(self, fork_server: ForkServer) -> list[TrialResult]:
         results: list[TrialResult] = []
         try:
-            while nursery.channel.poll():
-                word, number, detail = nursery.channel.recv()
+            while fork_server.channel.poll():
+                word, number, detail = fork_server.channel.recv()
                 if word == BROKEN:
                     raise StudyError(f"study {self._plan.name}: a worker cannot start: {detail}")
-                nursery.ready |= word == READY
+                fork_server.ready |= word == READY
                 if word == BORN and number in self._workers:
                     self._workers[number].pid = detail
                 if word == ENDED and number in self._workers:
                     results += self._lost(self._workers[number], detail)
         except (EOFError, OSError):
-            results += self._orphan(nursery)
+            results += self._orphan(fork_server)
         return results
 
     def _lost(self, worker: Worker, cause: str) -> list[TrialResult]:
@@ -372,10 +370,10 @@ class LocalEngine:
         self._dismiss(worker)
         return results
 
-    def _orphan(self, nursery: Nursery) -> list[TrialResult]:
+    def _orphan(self, fork_server: ForkServer) -> list[TrialResult]:
         """The server has ended: begin again, with the trials that were under way one at a time."""
-        cause = nursery.cause()
-        if not nursery.ready:
+        cause = fork_server.cause()
+        if not fork_server.ready:
             raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
         running = [worker for worker in self._workers.values() if worker.batches]
         under_way = [task for worker in running for task in worker.batches.popleft()]
@@ -416,8 +414,8 @@ class LocalEngine:
             return
         self._give_back(worker)
         worker.connection.close()
-        if self._nursery is not None:
-            self._nursery.kill(worker.number)
+        if self._fork_server is not None:
+            self._fork_server.kill(worker.number)
 
     def _give_back(self, worker: Worker) -> None:
         """Let others do what it has not done."""

@@ -1,8 +1,7 @@
 """The diagnosis from end to end: its steps stand in `examine`.
 
-The search on data.
-
-In units of a noise that is borne out, and without points that no physics explains.
+The search itself is in units of a noise that is borne out, and without points that no physics
+explains.
 """
 
 from __future__ import annotations

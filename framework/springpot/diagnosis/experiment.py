@@ -1,14 +1,11 @@
 """The next experiment: which of several feasible ones tells two explanations apart best.
 
-The two are evaluated where the new points would lie, and one is allowed to follow the other with
-all its parameters. Measurements are ranked with linear slopes; those that would be named are fitted
-in earnest, since a rival far from its old parameters can follow much better than its slopes tell.
-
-Which feasible measurement would tell the leading explanations apart, or what is unknown.
-
-What could be measured next.
-
-The sweeps, amplitudes, temperatures and specimens that a rig may have to spare.
+`actions` lists what could be measured next: frequencies, amplitudes, temperatures and specimens
+that a rig may have to spare. The two explanations are evaluated where the new points would lie, and
+one is allowed to follow the other with all its parameters. Measurements are ranked with linear
+slopes; those that would be named are fitted in earnest, since a rival far from its old parameters
+can follow much better than its slopes tell. Where nothing is to be told apart, the `experiment_on`
+functions say what would tell of single points, of a confounded condition or of what is unknown.
 """
 
 from __future__ import annotations

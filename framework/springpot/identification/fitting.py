@@ -1,8 +1,6 @@
 """Step two of the paper for a user who wants the answer.
 
-Parameters, their intervals, and what to know about them.
-
-A run of an optimiser in a process of its own: whatever it does there ends there, and is told.
+`identify` gives parameters, their intervals, and what to know about them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""Intervals of effects around any material.
-
-The spectrum is solved anew wherever the effect is held.
+"""Intervals of effects around any material: the spectrum is solved anew where an effect is held.
 
 The weights of a spectrum may not fall below zero, and lines that carry nothing at the best fit may
 carry something beside another size of the effect. Neither shows in the slopes at the best fit.
@@ -22,7 +20,7 @@ from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, real_form
 from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
@@ -207,9 +205,7 @@ def is_relaxing(model: Model) -> bool:
         np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
     )
     target = stiffness / np.abs(stiffness)
-    _, left = non_negative(
-        np.concatenate([columns.real, columns.imag]), np.concatenate([target.real, target.imag])
-    )
+    _, left = non_negative(real_form(columns), real_form(target))
     return left < REFUSED**2 * len(OMEGA)
 
 

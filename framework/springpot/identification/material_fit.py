@@ -1,12 +1,9 @@
 """The search for the parameters of effects around any linear passive material.
 
-Where the search for free factors begins.
-
-Neighbouring sweeps are laid over one another, pair by pair.
-
-A sweep predicts its neighbour where the two overlap, and ever less surely beyond its ends; the
-shift that makes the neighbour likeliest under this prediction is taken. The factors of all levels
-follow from the pairs by least squares.
+Free factors of shifts begin where neighbouring sweeps lie over one another, pair by pair: a sweep
+predicts its neighbour where the two overlap, and ever less surely beyond its ends; the shift that
+makes the neighbour likeliest under this prediction is taken. The factors of all levels follow from
+the pairs by least squares.
 """
 
 from __future__ import annotations

@@ -1,14 +1,9 @@
 """The optimisation problem: a model, a measurement, an objective and a box to search in.
 
-A model's derivative is checked along one direction when the model is first used.
-
-The contract tests of `springpot.testing` look at every parameter; but who uses a plugin's model
-need not have run them, and a fit by a wrong derivative ends in a wrong place without a word.
-
-Objectives: how a model's misfit is measured.
-
 Every objective is a weighted sum of squares in one plane, so that one exact Jacobian serves them
-all.
+all. A model's derivative is checked along one direction when the model is first used: the contract
+tests of `springpot.testing` look at every parameter, but who uses a plugin's model need not have
+run them, and a fit by a wrong derivative ends in a wrong place without a word.
 """
 
 from __future__ import annotations

@@ -208,16 +208,11 @@ def _lower_end(parameter: Parameter, upper: float) -> float:
 
 
 def _expected(parameter: Parameter, scale: float, time: float, reach: float) -> float:
-    unit = parameter.unit
     # An order, such as alpha, has a size of its own: all of what it may be.
     if parameter.scale == "linear" and parameter.upper < np.inf:
         return parameter.upper
     # The power of time is an order that is yet to be found: the middle of what it may be.
-    power = 0.5
-    if not isinstance(unit.time, str):
-        power = unit.time
-    size = scale**unit.stiffness * time**power * reach**unit.amplitude
-    return float(size * parameter.typical)
+    return float(parameter.unit.size(scale, time, reach, 0.5) * parameter.typical)
 
 
 def rounded_up(value: float) -> float:

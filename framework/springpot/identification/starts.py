@@ -1,14 +1,9 @@
-"""Starts read off the data, for any network.
-
-A scan of its shapes, the gains of its branches projected out.
-
-Variable projection.
-
-The gains of a network's branches are linear, so only the shapes need a search.
+"""Starts read off the data, for any network: a scan of its shapes by variable projection.
 
 A network is linear in the gain of each branch of its outermost composition: stiffnesses of parallel
-branches add, compliances of branches in series add (G. H. Golub and V. Pereyra, 1973,
-doi:10.1137/0710036; the Jacobian is that of L. Kaufman, 1975, doi:10.1007/BF01932995).
+branches add, compliances of branches in series add. So only the shapes need a search, the gains
+being projected out (G. H. Golub and V. Pereyra, 1973, doi:10.1137/0710036; the Jacobian is that of
+L. Kaufman, 1975, doi:10.1007/BF01932995).
 """
 
 from __future__ import annotations
@@ -16,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -562,16 +557,7 @@ def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> R
 
 
 def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real]) -> Real:
-    unit = parameter.unit
-    power: Real | float
-    if isinstance(unit.time, str):
-        power = done[unit.time]
-    else:
-        power = unit.time
-    natural: Real | float = (
-        window.stiffness**unit.stiffness * window.time**power * window.amplitude**unit.amplitude
-    )
-    natural = natural * parameter.typical
+    natural: Real | float = _natural(parameter, window, done.get(str(parameter.unit.time)))
     if parameter.scale == "linear" and parameter.upper < inf and parameter.lower > -inf:
         return parameter.lower + (parameter.upper - parameter.lower) * u
     # What may have either sign has no logarithm: half the settings go to each side, by decades of
@@ -588,6 +574,13 @@ def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real
         max(parameter.lower, SMALLEST),
         parameter.upper,
     )
+
+
+def _natural(parameter: Parameter, window: Window, order: Real | None = None) -> Any:
+    """The size of a parameter in the units of the data; by its order, where it hangs on one."""
+    unit = parameter.unit
+    size = unit.size(window.stiffness, window.time, window.amplitude, order)
+    return size * parameter.typical
 
 
 def _reach(parameter: Parameter, window: Window) -> float:
@@ -636,11 +629,9 @@ def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
     # Its size hangs on an order that is not known here: nothing is said of it.
     if isinstance(unit.time, str):
         return inf, -inf
-    natural: Real | float = (
-        window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude
-    )
+    natural = _natural(parameter, window)
     decades = 1.0 + BEYOND
     if not unit.stiffness:
         decades = _reach(parameter, window)
     reach = 10.0 ** (decades - BEYOND)
-    return natural * parameter.typical / reach, natural * parameter.typical * reach
+    return natural / reach, natural * reach

@@ -1,8 +1,7 @@
-"""Least squares of offset, drift, harmonics and transient to two channels, block by block; eq.
+"""Least squares of offset, drift, harmonics and transient to two channels, block by block.
 
-(36)-(41).
-
-Spectral density of residuals near the test frequency: what noise does to a fitted harmonic.
+Equations (36) to (41) of the paper. The spectral density of the residuals near the test frequency
+tells what noise does to a fitted harmonic.
 """
 
 from __future__ import annotations

@@ -1,15 +1,10 @@
-"""Interface objects.
-
-How a specimen or damper of given geometry turns force and displacement into stress and strain.
+"""The geometry of a specimen or damper: how force and displacement become stress and strain.
 
 With stress = a force and strain = b displacement the stiffness is K = (b / a) G: a damper and the
 fluid in it are one model, K = G A / h for shear pads. Where the stress varies within the specimen,
 stress and strain are those at the place that the geometry names; G does not depend on that choice.
-Lengths in metres, angles in radians.
-
-From stiffnesses of a damper to moduli of its material and back.
-
-The factors and units that a geometry gives.
+Lengths in metres, angles in radians. The factors and units serve both ways: from stiffnesses of a
+damper to moduli of its material, and back.
 """
 
 from __future__ import annotations

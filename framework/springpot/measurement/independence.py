@@ -1,11 +1,11 @@
-"""How far a condition was varied by itself, and how far it only moved with something else.
+"""How far a condition was varied by itself, and when two frequencies are one.
 
 Every rig lets the amplitude wander a little with frequency, one that controls the force lets it
 follow the specimen, and an operator chooses it to suit the temperature. Then whatever depends on
 frequency or temperature depends on the amplitude too, and no fit can say that the amplitude is the
 cause.
 
-When two frequencies are one. There are two answers, as there are two questions.
+Two frequencies are one by either of two rules, as there are two questions.
 
 *Written alike*: rows of which a file says that they have one frequency, but for the last digits of
 a conversion from Hz. This is the rule wherever rows are counted, averaged or compared as points of

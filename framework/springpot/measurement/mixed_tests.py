@@ -1,14 +1,8 @@
 """Whether rows of several tests stand together in one table, and which columns tell them apart.
 
-Nobody fits them as one without a word, and nobody takes what sets them apart for noise.
-
-The runs of a measurement.
-
-Rows in which one thing was swept while all that is said of the others stayed.
-
-The lines along which measured points follow one another.
-
-One notion of a sweep for all that look at neighbours.
+Nobody fits them as one without a word, and nobody takes what sets them apart for noise. With the
+one notion of a sweep for all that look at neighbours: the lines along which measured points follow
+one another, and runs, in which one thing was swept while all that is said of the others stayed.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ import numpy as np
 
 from springpot.memory import samples_of_one
 from springpot.numerics import BEYOND, PER_DECADE, non_negative
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import SIGNALS
 
 from .measurement import Measurement
@@ -139,9 +139,7 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     # Relative at each point: a sweep over decades would else be judged at its stiff end alone.
     weighted = basis / np.abs(stiffness)[:, None]
     target = stiffness / np.abs(stiffness)
-    _, left = non_negative(
-        np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag])
-    )
+    _, left = non_negative(real_form(weighted), real_form(target))
     return float(np.sqrt(left / len(omega)))
 
 

@@ -1,15 +1,7 @@
-"""Opens what a user names.
+"""Opens what a user names: files of any known format and registered data sets.
 
-A file of any known format or a registered data set, with conditions chosen by ``@``.
-
-Of a file, ``#`` chooses a part and ``?`` says what it leaves open:
-``FILE#2?frequency=Hz@temperature=20``.
-
-Rows of a measurement, chosen or left out by what was set.
-
-``temperature=20``, ``frequency=1..10``, ``row=3``.
-
-Registered data sets: what they are and how to load them.
+Conditions behind ``@`` choose rows (``temperature=20``, ``frequency=1..10``, ``row=3``); of a file
+``#`` chooses a part and ``?`` says what it leaves open: ``FILE#2?frequency=Hz@temperature=20``.
 """
 
 from __future__ import annotations

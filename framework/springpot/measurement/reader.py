@@ -1,14 +1,8 @@
 """Readers of measurement files: chosen by what a file holds, never by its name alone.
 
-How a user names a file and what to take from it: ``FILE#PART?COLUMN=MEANING,...``.
-
-Which of the installed readers a file is for, and what becomes of their errors.
-
-Of sweeps and of tests in time.
-
-What a file leaves open and its user knows.
-
-Questions with their answers, so that a page can ask them as a form.
+For sweeps and for tests in time: which of the installed readers a file is for, what becomes of
+their errors, how a user names a file and what to take from it (``FILE#PART?COLUMN=MEANING,...``),
+and questions about what it leaves open with their answers, so that a page can ask them as a form.
 """
 
 from __future__ import annotations

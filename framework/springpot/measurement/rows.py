@@ -1,12 +1,7 @@
-"""Rows of a test and what is known of each, and which of them have what a user asks for.
+"""Rows of a test, what is known of each, and which of them have what a user asks for.
 
-``temperature=20``.
-
-Complex stiffness against frequency, as whoever asks for it wants to see it.
-
-Hz, storage, loss, magnitude.
-
-The digest by which data are known again.
+Such as ``temperature=20``. With complex stiffness as whoever asks for it wants to see it (Hz,
+storage, loss, magnitude), and the digest by which data are known again.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
-"""Step one of the paper: from signals against time to K' and K'' with their uncertainty, eq.
+"""Step one of the paper: from signals against time to K' and K'' with their uncertainty.
 
-(36)-(43).
-
-The transient with which a test starts: its time constant by variable projection.
-
-Whether anything oscillates in a record, or noise was taken for an oscillation.
+Equations (36) to (43). The transient with which a test starts is found by variable projection, and
+a record in which nothing oscillates is refused: noise may have been taken for an oscillation.
 """
 
 from __future__ import annotations

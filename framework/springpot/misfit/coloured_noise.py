@@ -1,12 +1,10 @@
-"""Spectra of noise that remembers more than the sample before.
+"""Spectra of noise that remembers more than the sample before, and Fisher's test of a period.
 
-A channel that swings, a mean over a few samples, and 1/f noise beside white.
-
-Read from the continuum of a residual's spectrum: from medians over neighbouring frequencies and
+A channel that swings, a mean over a few samples, and 1/f noise beside white are such spectra. They
+are read from the continuum of a residual's spectrum: from medians over neighbouring frequencies and
 over stretches of the record, which neither lines nor single events move, and without the slowest
-half waves, in which the misfit of a model lies. What these hold
-beyond the continuation is no noise. A drift as steep as a random walk is none either: nothing
-smooth would be missed beside it.
+half waves, in which the misfit of a model lies. What these hold beyond the continuation is no
+noise. A drift as steep as a random walk is none either: nothing smooth would be missed beside it.
 """
 
 from __future__ import annotations

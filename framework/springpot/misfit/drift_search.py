@@ -1,8 +1,6 @@
-"""Whether a misfit goes with the time at which points were measured.
+"""Whether a misfit goes with the time at which points were measured, in numbers and in words.
 
-A specimen that cures, dries or breaks down.
-
-How a specimen changed while it was measured, in numbers and in words.
+So it does of a specimen that cures, dries or breaks down.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from springpot.measurement.scatter import (
 )
 from springpot.memory import Remembering, surprise, told_by, worth_of
 from springpot.rheology.model import Model
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, SCATTER, VERDICT
 
 from ..numerics import SMALLEST
@@ -245,7 +245,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
         return usual
     if _over(usual) > NEARLY and _misses_where_quiet(usual, shape):
         return usual
-    relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
+    relative = real_form(shape.parts) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
     return _in_rounds(in_noise(first, shape), uneven=True)

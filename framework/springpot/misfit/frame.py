@@ -1,10 +1,7 @@
-"""The linear geometry of a fit.
+"""The linear geometry of a fit: what slow structure is, and what fitted parameters can absorb.
 
-What slow structure is, what fitted parameters can absorb, and what they cannot.
-
-Shapes along sweeps and rows that a residual is held against.
-
-Slow ones, shared ones, waves and drifts.
+With the shapes along sweeps and rows that a residual is held against: slow ones, those that sweeps
+share, waves and drifts.
 """
 
 from __future__ import annotations
@@ -26,7 +23,7 @@ from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
 from springpot.memory import Links, forgetting, remembering, worth_of
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
 from ..numerics import ALIKE, SMALLEST
@@ -397,9 +394,9 @@ class NoiseFrame:
         structure. Where within its step a value lay, the fit tells as well as its parameters are
         known and no better.
         """
-        step = np.concatenate([steps.real, steps.imag])
-        exact = np.concatenate([self.model_stiffness.real, self.model_stiffness.imag])
-        weights = np.concatenate([self.weights.real, self.weights.imag])
+        step = real_form(steps)
+        exact = real_form(self.model_stiffness)
+        weights = real_form(self.weights)
         n = len(self.measurement)
         # Storage and loss each have their own: the same for both would make one of them too still.
         levels = [self._own_level(np.arange(n) + k, step, weights) for k in (0, n)]

@@ -3,11 +3,8 @@
 Below it lies what a spring, dashpot, springpot or mode may mend; above it what no material does at
 one temperature and amplitude: a mass, the instrument, temperature, amplitude, history. A free
 spectrum at each temperature alone shows which of them are none of a material, and one with free
-factors at each whether any shift could join the others.
-
-Whether the amplitude matters, and how, without a model.
-
-A material for each amplitude beside one for all.
+factors at each whether any shift could join the others. A material for each amplitude beside one
+for all tells, without a model, whether the amplitude matters and how.
 """
 
 from __future__ import annotations

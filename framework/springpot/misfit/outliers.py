@@ -1,8 +1,6 @@
 """Single points that stand out: no effect may be inferred from them or hide behind them.
 
-The scatter about slow curves.
-
-Without the frequencies that stand out and without the ripples of an instrument.
+They are told by the scatter about slow curves, without the ripples of an instrument.
 """
 
 from __future__ import annotations

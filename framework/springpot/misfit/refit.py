@@ -26,7 +26,7 @@ from springpot.measurement.replicates import Averaged
 from springpot.measurement.scatter import Noise
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import EVIDENCE, VERDICT
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
@@ -216,7 +216,7 @@ class Refit:
         1946, doi:10.2307/3002019).
         """
         relative = self.noise.sd / self.data.mean.magnitude
-        variances = np.concatenate([relative.real, relative.imag]) ** 2
+        variances = real_form(relative) ** 2
         counts = float(np.sum(variances)) ** 2 / float(np.sum(variances**2))
         return max(self.noise.worth * self.fit.dof * counts / len(variances), 1.0)
 

@@ -31,7 +31,7 @@ from springpot.measurement.mixed_tests import (
 )
 from springpot.measurement.replicates import ADVICE, stands_again
 from springpot.rheology.nodes import Shift
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import VERDICT
 
 from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, rms
@@ -452,7 +452,7 @@ def _seen(frame: NoiseFrame, basis: Real) -> _Seen:
 
 def _relative_squares(frame: NoiseFrame, whitened: Real) -> float:
     """Sum of squares of whitened numbers (2n,) relative to |K|; what has no weight counts not."""
-    weights = np.concatenate([frame.weights.real, frame.weights.imag])
+    weights = real_form(frame.weights)
     there = weights > 0.0
     size = np.tile(np.abs(relative_to(frame.model_stiffness, frame.measurement)), 2)
     return float(np.sum((whitened[there] / (weights * size)[there]) ** 2))

@@ -1,12 +1,13 @@
-"""What of a residual is noise.
-
-White or with a memory of a few samples, and what is too slow to be either.
+"""What of an ordered residual is noise, white or with a memory, and what is too slow to be either.
 
 A model that lacks something leaves a misfit that is smooth over many samples. Noise of a filtered
 transducer has a memory too, of a few samples. So the noise is read from the upper part of the
 residual's spectrum alone, as an autoregression of first order, and what lies above its continuation
 at low frequencies is misfit. Fitted by Whittle's likelihood (Whittle 1953, doi:10.1007/BF02590998)
 of the cosine transform, which fades no sample: what is missed at an end counts as all else does.
+
+Noise neither repeats with the motion that was imposed nor knows where the specimen is: what does is
+misfit. But noise of the imposed channel is answered by a model and was never felt by the specimen.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Blank figures in one style, and how they reach a file.
+"""Blank figures in one style, and how they reach a file: the one place that sets matplotlib up.
 
-The only place that knows matplotlib's set-up.
-
-A figure that shows itself at the end of a notebook's cell, without pyplot's global state.
+A figure shows itself at the end of a notebook's cell, without pyplot's global state.
 """
 
 from __future__ import annotations

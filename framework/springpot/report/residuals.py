@@ -2,9 +2,8 @@
 
 A missing effect is simplest in its own plane: a moving mass grows as omega squared in the
 stiffness, a compliant mounting is constant in the compliance, a delay grows as omega in the phase,
-a temperature shift is constant in the shift.
-
-Figures inside a page: each a small picture by itself, so that a narrow screen stacks them.
+a temperature shift is constant in the shift. On a page each figure is a small picture by itself, so
+that a narrow screen stacks them.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""What ``plot()`` of each result draws: whole figures, or one pair of axes of the caller's.
-
-The picture of a diagnosis.
-
-The model's error, and what each effect that matters would leave of it.
-"""
+"""What ``plot()`` of each result draws: whole figures, or one pair of axes of the caller's."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ def _draw_residual(
     axes.axhspan(-2.0, 2.0, color="#EEEEEE")
     for colour, fit in zip(_colours_of_residuals(fits), fits, strict=False):
         # Measured less computed, as residuals of sweeps are drawn.
-        residual = -part.with_scale(1.0).residual(fit.model, fit.theta, fit.reference).value
+        residual = -part.over_noise(fit.model, fit.theta, fit.reference).value
         axes.plot(part.at[shown], residual[shown], ".", color=colour, ms=2.5)
     axes.set(xlabel=clock, ylabel="residual / noise")
     if part.at.min() > 0.0:

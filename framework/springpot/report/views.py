@@ -2,17 +2,8 @@
 
 All take the same `Scene`, so that data and models look alike in every view: storage filled and
 solid, loss open and dashed, a colour for each quantity, sweep or model, whichever there are several
-of.
-
-What a figure shows: the column along its axis, sweeps, and smooth curves of fitted models.
-
-What is drawn together.
-
-The data, their sweeps and fitted models, and which colour stands for what.
-
-What noise explains in a plane of residuals.
-
-A band about zero, for each sweep its own where sweeps differ.
+of. A view of residuals has a band about zero that noise explains, for each sweep its own where
+sweeps differ.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""Factors without a law.
-
-One for each level of a condition, such as each temperature or each water content.
+"""Factors without a law, one for each level of a condition, such as each temperature.
 
 The levels are in the data and not in the model: an effect of this kind is a template until it is
 bound to points.

@@ -1,8 +1,6 @@
-"""A named network and the effects that have joined it.
+"""A model: a named network and the effects that have joined it.
 
-What a model is, before anything is asked of it in time.
-
-Whether an effect that a model has already would be the same thing once more.
+With the rule by which an effect that a model has already would be the same thing once more.
 """
 
 from __future__ import annotations

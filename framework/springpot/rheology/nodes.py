@@ -3,8 +3,7 @@
 Leaves are elements (see `elements`); inner nodes are the four compositions, each of which adds up
 in one plane: parallel in K, series in 1/K, chain in ln K, shift in ln omega.
 
-Specimen inertia: a shear wave that crosses a specimen of mass m and quasi-static stiffness K.
-
+The inertia of a specimen is a shear wave that crosses it, of mass m and quasi-static stiffness K.
 With z^2 = m omega^2 / K (that is, omega h sqrt(rho / G)), the force at the moving side is K z cot z
 and at the fixed side K z / sin z. Both are functions of u = -E / K alone, where E = -m omega^2 is
 the mass element.

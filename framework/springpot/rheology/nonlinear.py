@@ -1,17 +1,14 @@
 """Elements that depend on the amplitude, and the laws in time of what is not linear.
 
-First harmonics (describing functions) of nonlinear forces.
+First harmonics (describing functions) of nonlinear forces: the displacement is x = X cos(omega t),
+the force the real part of sum F_n exp(i n omega t), and K = F_1 / X. In parallel these are exact
+for a sinusoidal displacement. A third harmonic is F_3 / X in the same convention.
 
-The displacement is x = X cos(omega t), the force the real part of sum F_n exp(i n omega t), and K =
-F_1 / X. In parallel these are exact for a sinusoidal displacement. A third harmonic is F_3 / X in
-the same convention.
-
-Nonlinear elements in series with a model, by the balance of the first harmonics.
-
-A model and an element that carry the same force share the displacement X: across the element lies
-X_e = X |K| / |K + K_e(X_e)|, one real equation at each point. Higher harmonics of the force would
-move the model too; they are left out, which is exact for weak nonlinearity and where one of the two
-takes nearly all of the displacement.
+In series with a model they are found by the balance of the first harmonics. A model and an element
+that carry the same force share the displacement X: across the element lies X_e = X |K| / |K +
+K_e(X_e)|, one real equation at each point. Higher harmonics of the force would move the model too;
+they are left out, which is exact for weak nonlinearity and where one of the two takes nearly all of
+the displacement.
 """
 
 from __future__ import annotations

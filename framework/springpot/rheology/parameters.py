@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import inf
-from typing import Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +64,25 @@ class Dimension:
     amplitude: float = 0
     label: str = ""
     beyond: tuple[tuple[str, Exponent], ...] = ()
+
+    def size(self, stiffness: Any, time: Any, amplitude: Any, order: Any) -> Any:
+        """How much one of it is where stiffness, time and amplitude are of these sizes.
+
+        Parameters
+        ----------
+        stiffness, time, amplitude : float
+            In the units of the data.
+        order : float or ndarray
+            The power of time, where another parameter tells it.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Dimension
+        >>> Dimension(stiffness=1, time=2).size(400.0, 0.5, 1.0, 0.0)
+        100.0
+        """
+        power = order if isinstance(self.time, str) else self.time
+        return stiffness**self.stiffness * time**power * amplitude**self.amplitude
 
 
 STIFFNESS = Dimension(stiffness=1)

@@ -74,6 +74,31 @@ def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
     return np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
 
 
+def real_form(values: NDArray[Any]) -> Real:
+    """Real parts and then imaginary ones (2 n, ...) of complex numbers (n, ...).
+
+    Examples
+    --------
+    >>> from springpot.rheology.points import real_form
+    >>> real_form(np.array([1.0 + 3.0j, 2.0 + 4.0j]))
+    array([1., 2., 3., 4.])
+    """
+    return np.concatenate([values.real, values.imag])
+
+
+def complex_form(values: Real) -> Complex:
+    """Complex numbers (n,) of their real parts and then imaginary ones (2 n,).
+
+    Examples
+    --------
+    >>> from springpot.rheology.points import complex_form
+    >>> complex_form(np.array([1.0, 2.0, 3.0, 4.0]))
+    array([1.+3.j, 2.+4.j])
+    """
+    real, imag = np.split(values, 2)
+    return np.asarray(real + 1j * imag, dtype=np.complex128)
+
+
 @dataclass(frozen=True, eq=False)
 class Points:
     """The points at which a complex stiffness is wanted.

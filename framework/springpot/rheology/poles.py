@@ -1,20 +1,13 @@
-"""Where a branch has its relaxation.
+"""Where a branch of a network has its relaxation: at single rates, or spread over all of them.
 
-At single rates (poles at s = -r), or spread over all of them (a cut).
-
-Both are found from the reciprocal J = 1/K, an analytic function of u = ln r on the upper edge of
-the negative axis: a line of K is a zero of J on that edge, a peak of its continuous spectrum a zero
-of J a little beyond it.
-
-A network taken apart into branches side by side, readable anywhere in the complex s-plane.
+Single rates are poles at s = -r, spread ones a cut. Both are found from the reciprocal J = 1/K, an
+analytic function of u = ln r on the upper edge of the negative axis: a line of K is a zero of J on
+that edge, a peak of its continuous spectrum a zero of J a little beyond it.
 
 Every network is analytic in ln s, so that a branch evaluates at a complex `log_omega`: s = i
 exp(log_omega). With ``log_omega = ln r + i pi/2`` it is read at s = -r, on the upper edge of the
-cut on which its relaxation lives.
-
-The trapezoidal rule in ln r.
-
-Where its nodes lie, and which of its modes a band of frequencies needs.
+cut on which its relaxation lives. A cut is integrated by the trapezoidal rule in ln r: where its
+nodes lie, and which of its modes a band of frequencies needs.
 """
 
 from __future__ import annotations

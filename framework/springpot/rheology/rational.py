@@ -1,12 +1,9 @@
-"""Springs and dashpots in any arrangement.
-
-A spring, a dashpot and Maxwell modes side by side, exactly.
+"""Springs and dashpots in any arrangement, as one spring, one dashpot and Maxwell modes, exactly.
 
 Networks in parallel add their modes; those in series add the modes of their compliances, and the
 compliance of such a network is one of the same kind in p = 1/s, whose rates are the zeros of K
-(they lie between its poles).
-
-Newton's method for many roots at once, each held between two ends of different sign.
+(they lie between its poles). All of them are found at once by Newton's method, each held between
+two ends of different sign.
 """
 
 from __future__ import annotations

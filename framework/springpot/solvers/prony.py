@@ -1,15 +1,10 @@
-"""A Prony series of as few terms as a tolerance on a band needs.
+"""A Prony series of as few terms as a tolerance on a band needs, and an isotropic solid from it.
 
-What solvers take instead of a fractional model.
-
-An isotropic solid from the one modulus that was measured.
-
-Shear and bulk modulus, each as a Prony series.
-
-One measured modulus leaves a second one open. Either Poisson's ratio stays constant, and all moduli
-relax in proportion, or the bulk modulus does, as that of rubber nearly does (Tschoegl, Knauss &
-Emri 2002, doi:10.1023/A:1014411503170). With a constant bulk modulus the shear modulus of a tensile
-test follows from 1 / E(s) = 1 / (3 G(s)) + 1 / (9 K) at every s.
+Solvers take such a series instead of a fractional model. One measured modulus leaves a second one
+open. Either Poisson's ratio stays constant, and all moduli relax in proportion, or the bulk modulus
+does, as that of rubber nearly does (Tschoegl, Knauss & Emri 2002, doi:10.1023/A:1014411503170).
+With a constant bulk modulus the shear modulus of a tensile test follows from 1 / E(s) = 1 / (3
+G(s)) + 1 / (9 K) at every s.
 """
 
 from __future__ import annotations
@@ -22,7 +17,7 @@ import numpy as np
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
 from springpot.numerics import HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex, Real, real_form
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
 IN_VAIN = 6
@@ -252,7 +247,7 @@ def _fitted(
         def off(u: Real, share: Real = share) -> Real:
             amounts = _weights(s, u, target, share, dashpot)
             missed = share * (_columns(s, u, dashpot) @ amounts - target)
-            return np.concatenate([missed.real, missed.imag])
+            return real_form(missed)
 
         reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
         u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x

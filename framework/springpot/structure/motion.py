@@ -1,18 +1,12 @@
-"""A frame under a record.
-
-Displacement, force, energy, with the uncertainty of its dampers carried through.
+"""A frame under a record: displacement, force, energy, with the uncertainty of its dampers.
 
 Each damper is its spectrum, a sum of exponentials, so that frame and dampers are one linear system
-of first order. For an acceleration that is straight between its samples its motion is exact, and so
-are its largest values, which seldom fall on a sample: see `steps`. What is not linear in a damper
-stands beside that system and is followed in short steps, see `beside`.
-
-A linear system in exact steps, and what is largest between its samples.
-
-y' = A y + b a is exact for an acceleration a that is straight within each step: one matrix
-exponential serves all steps. Between two samples anything seen of y is followed by the cubic that
-has its values and slopes at both (Hermite); around the largest ones the recursion is repeated in
-steps so short that this cubic is exact to 1e-4.
+of first order, y' = A y + b a. For an acceleration a that is straight between its samples its
+motion is exact: one matrix exponential serves all steps. So are its largest values, which seldom
+fall on a sample: between two of them anything seen of y is followed by the cubic that has its
+values and slopes at both (Hermite); around the largest ones the recursion is repeated in steps so
+short that this cubic is exact to 1e-4. What is not linear in a damper stands beside that system and
+is followed in short steps, see `beside`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What models and effects have in common: exact derivatives, finite values, units, shapes.
 
-A contract is a set of aspects, functions that yield sentences; running it never raises.
-
-Random lawful parameters, and derivatives to be compared with the exact ones.
+A contract is a set of aspects, functions that yield sentences; running it never raises. Parameters
+are random lawful ones, and derivatives are compared with exact differences.
 """
 
 from __future__ import annotations
@@ -419,11 +418,7 @@ def converted(model: Model, theta: Real, stiffness: float, time: float, amplitud
     own = {"stiffness": stiffness, "time": time, "amplitude": amplitude}
     for parameter in model.parameters:
         unit = parameter.unit
-        if isinstance(unit.time, str):
-            power = values[unit.time]
-        else:
-            power = unit.time
-        factor = stiffness**unit.stiffness * time**power * amplitude**unit.amplitude
+        factor = unit.size(stiffness, time, amplitude, values.get(str(unit.time)))
         # A power that another parameter decides: that one has the same prefix.
         prefix = parameter.name.removesuffix(parameter.name.rpartition(".")[2])
         for base, shares in unit.beyond:

@@ -1,6 +1,4 @@
-"""A test as exponentials of amounts that are not negative.
-
-For these a convex problem, with one solution.
+"""A test as a sum of exponentials with weights >= 0, a convex problem with one solution.
 
 After a step of displacement, and under any history of it, the force is linear in the weights of
 relaxation; under a force the displacement is linear in those of retardation, J_g + t/eta + sum of
@@ -18,7 +16,7 @@ import numpy as np
 
 from springpot.identification.material import CLOSER
 from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, evenly, non_negative
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, real_form
 
 from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
@@ -187,7 +185,7 @@ def _columns_of_sweep(part: TestPart, logs: Real) -> tuple[Real, Real]:
     s = 1j * np.split(part.rate, 2)[0][:, None]
     turned = s * np.exp(logs)
     shown = np.hstack([np.ones_like(s), s, turned / (1.0 + turned)])
-    columns = np.concatenate([shown.real, shown.imag]) / part.sd[:, None]
+    columns = real_form(shown) / part.sd[:, None]
     return columns, part.measured / part.sd
 
 

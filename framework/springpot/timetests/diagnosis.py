@@ -1,10 +1,9 @@
 """Which effect is missing from a model of tests in time, and which test would tell two apart.
 
-All are looked at at once, and the leading few are fitted.
-
 Harmonics hide what happens within a cycle; the record does not. The error of the model stands
 beside the noise of the record, every effect is judged by how far the error falls for its
-parameters, and those that fall alike are one class.
+parameters, and those that fall alike are one class. All are scanned at once, and the leading few
+are fitted.
 """
 
 from __future__ import annotations

@@ -241,14 +241,14 @@ def _over(left: FitResiduals, sizes: Sequence[Real]) -> FitResiduals:
 
 def slip_beside(parts: Sequence[TestPart], base: Identification, before: FitResiduals) -> Slip:
     """What slipped or let go in one test beside the model, if that is what it was."""
-    plain, theta = [part.with_scale(1.0) for part in parts], base.theta
+    theta = base.theta
     weights = [
         np.where(part.counted, 1.0 / part.sd, 0.0) if isinstance(part, InTimePart) else None
-        for part in plain
+        for part in parts
     ]
 
     def missed(at: Real) -> list[Residual]:
-        return [part.residual(base.model, at, base.reference) for part in plain]
+        return [part.over_noise(base.model, at, base.reference) for part in parts]
 
     residuals = missed(theta)
     jump = likeliest_jump(residuals, weights, before.noise)
@@ -264,8 +264,8 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: FitResi
             jump = likeliest_jump(residuals, weights, before.noise)
         else:
             damping *= DECADE
-    scatters = [part.scatter(value) for part, value in zip(plain, jump.left, strict=True)]
-    part, (value, slopes) = plain[jump.number], residuals[jump.number]
+    scatters = [part.scatter(value) for part, value in zip(parts, jump.left, strict=True)]
+    part, (value, slopes) = parts[jump.number], residuals[jump.number]
     name, when = part.test.name, f"{part.at[jump.row]:.3g} s"
     says, aside = f"a jump in {name} at {when}, as of what slips or lets go", None
     if jump.alone:

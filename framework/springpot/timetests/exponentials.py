@@ -1,6 +1,4 @@
-"""A test in time through the eyes of a fixed set of exponentials.
-
-What a search needs a thousand times.
+"""A test in time followed by a fixed set of exponentials, as a search needs it a thousand times.
 
 The exact response reads the spectrum of the network anew for each parameter vector. Here the
 exponentials stay where they are; what each answers to the loading is worked out once, and a model
@@ -27,7 +25,7 @@ from springpot.rheology.model import Model, linear_network, sorted_out, through,
 from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
-from springpot.rheology.points import Complex, Points, Real
+from springpot.rheology.points import Complex, Points, Real, real_form
 
 from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
 from .recording import Clock, at_loading, at_stage, at_work, indices, reached, shown, spread
@@ -168,7 +166,7 @@ class QuickPart(InTimePart):
             # Under a force the compliances: spring, dashpot, no mass, then Kelvin elements.
             columns = np.hstack([one, 1.0 / s, nothing, 1.0 / (1.0 + turned)])
         columns = columns * self.share[:, None]
-        basis = np.concatenate([columns.real, columns.imag])
+        basis = real_form(columns)
         size = np.linalg.norm(basis, axis=0)
         # Dashpot and mass have no column here: they are taken off before.
         size[size == 0.0] = 1.0

@@ -1,8 +1,7 @@
 """Identification from tests in time, alone or with frequency sweeps of the same specimen.
 
-Tests in time as a problem for any optimiser.
-
-The same sum of squares that the native solver minimises.
+`identify` runs the native solver, or gives the same sum of squares to another optimiser as an
+`InTimeProblem`.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from springpot.numerics import PER_DECADE, non_negative, rms
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
-from springpot.rheology.points import Real
+from springpot.rheology.points import Real, real_form
 
 from .convex import ConvexSpectrum, lattice
 from .material import Around, descended_from, spectrum_of
@@ -115,9 +115,7 @@ def as_lines(model: Model, theta: Real, rates: Real) -> ConvexSpectrum:
     size = np.abs(stiffness)
     columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / size[:, None]
     wanted = stiffness / size
-    amounts, _ = non_negative(
-        np.concatenate([columns.real, columns.imag]), np.concatenate([wanted.real, wanted.imag])
-    )
+    amounts, _ = non_negative(real_form(columns), real_form(wanted))
     return ConvexSpectrum(float(amounts[0]), float(amounts[1]), rates, amounts[2:])
 
 

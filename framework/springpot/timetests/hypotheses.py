@@ -65,11 +65,9 @@ class FitResiduals:
         cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]
     ) -> FitResiduals:
         """What a model with these parameters leaves of these tests."""
-        # By its noise alone, whatever the test weighed in a fit.
-        plain = [part.with_scale(1.0) for part in parts]
-        residuals = [part.residual(model, theta, reference).value for part in plain]
-        rounded = [part.rounded(value) for part, value in zip(plain, residuals, strict=True)]
-        answers = [noise_answer(part, model, theta, reference) for part in plain]
+        residuals = [part.over_noise(model, theta, reference).value for part in parts]
+        rounded = [part.rounded(value) for part, value in zip(parts, residuals, strict=True)]
+        answers = [noise_answer(part, model, theta, reference) for part in parts]
         lines = 0
         if is_material(model):
             lines = int(np.count_nonzero(theta[: len(model.material.parameters)]))

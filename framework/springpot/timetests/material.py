@@ -1,6 +1,4 @@
-"""Any linear passive material from tests in time.
-
-Its spectrum by non-negative least squares, what surrounds it too.
+"""Any linear passive material from tests in time, with what surrounds it.
 
 A relaxation is linear in the weights of the lines, a creep is not: Gauss-Newton steps serve both,
 whose weights come from non-negative least squares and the parameters of effects from what these
@@ -39,7 +37,7 @@ from springpot.rheology.points import Real
 
 from ..numerics import rms
 from .convex import SPACINGS, ConvexSpectrum, lattice, lines_of
-from .residuals_of_tests import InTimePart, TestPart
+from .residuals_of_tests import InTimePart, TestPart, typical_stiffness
 from .specimen import Scales, tries_of
 from .temperatures import StackedResiduals, is_law, lawful, seen_by
 
@@ -278,7 +276,7 @@ class _Search:
         self.rates = lattice(seen_by(parts, model, known, reference), PER_DECADE)
         # Lines that are known, or all alike and as stiff as what was measured.
         if lines is None:
-            stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
+            stiffness = typical_stiffness(parts)
             count = 2 + len(self.rates)
             self.weights: Real = np.full(count, stiffness / count)
             # No line is stiffer than its weight, a dashpot is where all is fast.

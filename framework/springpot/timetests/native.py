@@ -32,7 +32,7 @@ from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
-from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of
+from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, typical_stiffness
 from .specimen import Scales, runs_against, tries_of, words_of
 from .start import start_of
 
@@ -124,9 +124,7 @@ class TimeSearch:
         # Between the frequencies that the tests saw: there a springpot's constant hardly hangs on
         # its order.
         middle = float(np.mean([part.log_omega for part in parts]))
-        # By logarithms: tests of one specimen may lie decades apart, and no single one should set
-        # the size.
-        size = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
+        size = typical_stiffness(parts)
         amplitude = reach_of(parts)
         self.sizes, self.middle = (size, amplitude), middle
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
@@ -303,12 +301,12 @@ class TimeSearch:
 
     def ratio(self, part: TestPart, u: Real) -> float:
         """Root mean square of a part's residuals over its noise."""
-        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
+        value = part.over_noise(self.model, self.theta(u), self.reference).value
         return rms(value)
 
     def scale(self, part: TestPart, u: Real) -> float:
         """How far a part's misfit exceeds its noise, repeated samples counted once."""
-        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
+        value = part.over_noise(self.model, self.theta(u), self.reference).value
         return max(1.0, float(np.sqrt(part.sampled(value))))
 
     def result(self, found: Minimum, seconds: float) -> Identification:
@@ -395,8 +393,7 @@ def part_result(
     alone : float
         Root mean square of the residuals over their noise with parameters of its own.
     """
-    # By its noise alone, whatever it weighed in the fit.
-    weighted = part.with_scale(1.0).residual(model, theta, reference).value
+    weighted = part.over_noise(model, theta, reference).value
     error, floor, test = part.relative_error(weighted), rms(part.relative_sd), part.test
     return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
 

@@ -294,10 +294,8 @@ def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
     one_modulus([("the fit", own), ("the test", units)])
     longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
     # Time is in s everywhere: it needs no factor.
-    powers = [
-        (parameter.unit.stiffness, parameter.unit.amplitude) for parameter in known.model.parameters
-    ]
-    factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
+    units_of_parameters = [parameter.unit for parameter in known.model.parameters]
+    factors = np.array([unit.size(stiffer, 1.0, longer, 0.0) for unit in units_of_parameters])
     _require_same_model(known, factors, stiffer, longer, units)
     return known.theta * factors, factors
 

@@ -1,10 +1,8 @@
-"""What a test records of a model.
+"""What a test in time records of a model, with exact derivatives by the parameters.
 
-Of its specimen, and of what the test did: loading, clock and record, stage after stage.
-
-What a model answers to the loading of a test in time, with exact parameter derivatives.
-
-A test during which the temperature moved: shifts follow it in reduced time, sample by sample.
+`predicted` is the answer of the specimen to the loading; `recorded` adds what the test itself did,
+stage after stage: loading, clock and record. Where the temperature moves, shifts follow it in
+reduced time, sample by sample.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ from springpot.misfit.residual_scatter import (
 from springpot.misfit.where import Where
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Real, complex_form, real_form
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .recording import recorded, spread
@@ -204,6 +204,10 @@ class TestPart(ABC):
         by_theta = np.where(counted[:, None], answer.by_theta, 0.0)
         return Residual(missed * weight, by_theta * weight[:, None])
 
+    def over_noise(self, model: Model, theta: Real, reference: float) -> Residual:
+        """The same over its noise alone, whatever it weighs in a fit."""
+        return self.with_scale(1.0).residual(model, theta, reference)
+
     def relative_error(self, residual: Real) -> float:
         """Root mean square of a residual (m,) over the signal, of the numbers that count."""
         return rms((residual * self.relative_sd)[self.counted])
@@ -234,7 +238,7 @@ class TestPart(ABC):
     @property
     def view(self) -> Measurement:
         """The numbers as an objective looks at them: one beside the other."""
-        order, sd = np.arange(1.0, len(self.measured) + 1.0), _complex(np.tile(self.sd, 2))
+        order, sd = np.arange(1.0, len(self.measured) + 1.0), complex_form(np.tile(self.sd, 2))
         return Measurement(order, self.measured.astype(complex), sd=sd, name=self.test.name)
 
     def weighed_by(self, objective: Objective) -> Self:
@@ -246,7 +250,7 @@ class TestPart(ABC):
         weights = objective.weighing(self.view)
         if objective.logarithmic:
             weights = weights / self.view.magnitude
-        by = np.concatenate([weights.real, weights.imag])[: len(self.measured)]
+        by = real_form(weights)[: len(self.measured)]
         return self.with_sd(np.asarray(rms(self.sd * by) / by, dtype=float))
 
     @abstractmethod
@@ -451,7 +455,7 @@ class SweepPart(TestPart):
     def sd(self) -> Real:
         """Given ones, or the scatter between neighbours."""
         if self.test.sd is not None:
-            return np.concatenate([self.test.sd.real, self.test.sd.imag])
+            return real_form(self.test.sd)
         # Without given deviations the scatter between neighbours is the best that is known of the
         # noise.
         return np.tile(relative_scatter(self.test) * self.test.magnitude, 2)
@@ -492,8 +496,8 @@ class SweepPart(TestPart):
         own, places = model.had_by(self.test)
         value, slopes = own.stiffness(theta[places], at), own.jacobian(theta[places], at)
         both = Traced(
-            np.concatenate([value.real, value.imag])[rows],
-            np.concatenate([slopes.real, slopes.imag])[rows],
+            real_form(value)[rows],
+            real_form(slopes)[rows],
         )
         # Effects of other tests leave a sweep as it is.
         return spread(both, places, len(theta))
@@ -501,11 +505,11 @@ class SweepPart(TestPart):
     @property
     def view(self) -> Measurement:
         """The sweep itself."""
-        return replace(self.test, sd=_complex(self.sd))
+        return replace(self.test, sd=complex_form(self.sd))
 
     def with_sd(self, sd: Real) -> Self:
         """The same with given standard deviations."""
-        return replace(self, test=replace(self.test, sd=_complex(sd)))
+        return replace(self, test=replace(self.test, sd=complex_form(sd)))
 
     def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """A sweep is too short for a spectrum."""
@@ -634,6 +638,11 @@ def reach_of(parts: Sequence[TestPart]) -> float:
     return max(part.reach for part in parts) or 1.0
 
 
+def typical_stiffness(parts: Sequence[TestPart]) -> float:
+    """Mean of the typical |K| of tests: by logarithms, as they may lie decades apart."""
+    return float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
+
+
 def part_of(test: Test, noise: Real | None = None) -> TestPart:
     """A test as an engine sees it, with the noise of each sample (n,) where it is known."""
     if isinstance(test, TimeTest):
@@ -651,12 +660,6 @@ def part_of(test: Test, noise: Real | None = None) -> TestPart:
 def _told_by_itself(test: TimeTest) -> InTimePart:
     """One part for all fits of a test: its noise and its lines are worked out once."""
     return InTimePart(test)
-
-
-def _complex(both: Real) -> Complex:
-    """Real parts and then imaginary ones (2 n,) as complex numbers (n,)."""
-    real, imag = np.split(both, 2)
-    return np.asarray(real + 1j * imag, dtype=np.complex128)
 
 
 def units_of(tests: Sequence[Test]) -> Units:

@@ -1,6 +1,4 @@
-"""The linearised scan.
-
-How far each effect would let the error fall, all of them at once, before any is fitted.
+"""The linearised scan: how far each effect would let the error fall, before any is fitted.
 
 A small amount of an effect changes K by a known amount at all frequencies. Both are sums of the
 same exponentials, and what each exponential answers to the loading of a test is worked out once:

@@ -25,7 +25,7 @@ from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, ROOM, Real
 
 from ..numerics import ALIKE
-from .residuals_of_tests import TestPart, part_of, reach_of
+from .residuals_of_tests import TestPart, part_of, reach_of, typical_stiffness
 
 RIGS = (ALL, SWEEPS)
 
@@ -271,25 +271,15 @@ class Scales:
     def of(cls, parts: Sequence[TestPart]) -> Scales:
         """Those of tests in common units."""
         slow, fast = zip(*(part.test.seen for part in parts), strict=True)
-        stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
-        return cls(stiffness, reach_of(parts), 1.0 / max(fast), 1.0 / min(slow))
+        return cls(typical_stiffness(parts), reach_of(parts), 1.0 / max(fast), 1.0 / min(slow))
 
     def typical(self, parameter: Parameter) -> float:
         """The natural size of a parameter here."""
-        unit = parameter.unit
-        # A power of s that another parameter tells is not known here.
-        time = 0.0
-        if not isinstance(unit.time, str):
-            time = float(unit.time)
         # Times go by factors: their middle is that of the logarithms.
         middle = float(np.sqrt(self.shortest * self.longest))
-        size = (
-            parameter.typical
-            * self.stiffness**unit.stiffness
-            * self.reach**unit.amplitude
-            * middle**time
-        )
-        return float(np.clip(size, parameter.lower, parameter.upper))
+        # A power of s that another parameter tells is not known here.
+        size = parameter.unit.size(self.stiffness, middle, self.reach, 0.0)
+        return float(np.clip(parameter.typical * size, parameter.lower, parameter.upper))
 
     def values(self, parameter: Parameter) -> list[float]:
         """Values worth trying."""

@@ -364,7 +364,7 @@ def _notes_on(parts: Sequence[TestPart], best: FitResiduals) -> Iterator[str]:
 
 def misfit_of(part: TestPart, base: Identification) -> Misfit:
     """How far a fitted model lies beside what one test has measured."""
-    value = part.with_scale(1.0).residual(base.model, base.theta, base.reference).value
+    value = part.over_noise(base.model, base.theta, base.reference).value
     if not isinstance(part, SweepPart):
         return Misfit(np.abs(value * part.relative_sd), np.zeros(0))
     storage, loss = np.split(value * part.sd, 2)

@@ -1,12 +1,8 @@
-"""Starts the workbench.
+"""Starts the workbench: a free port of the loopback address, a token, then the browser.
 
-A free port of the loopback address, a token, the address told first, then the browser.
-
-A connection of the server that ends when the head of a request is not whole in time.
-
-uvicorn closes a connection that is idle behind an answer, and the guard one whose body does not
-come; a client that sends half a head would stay for ever, and enough of them would take every file
-that the process may open.
+A connection ends when the head of a request is not whole in time. uvicorn closes one that is idle
+behind an answer, and the guard one whose body does not come; a client that sends half a head would
+stay for ever, and enough of them would take every file that the process may open.
 """
 
 from __future__ import annotations

@@ -1,13 +1,10 @@
 """The server: the page's own files, and one stream of lines for each thing that the page asks.
 
-What stands between the browser, where any site runs scripts, and a server of a user's files.
-
-Loopback alone is no protection: a foreign page can send requests to it, and by DNS rebinding even
-read the answers. So the Host must be this machine's own name, an Origin the server's own, and
-whatever computes needs the token of the run, which only the page knows that was opened from the
-terminal.
-
-All that the page consists of, read once, so that no name from a browser ever opens a file.
+It stands between the browser, where any site runs scripts, and a user's files. Loopback alone is no
+protection: a foreign page can send requests to it, and by DNS rebinding even read the answers. So
+the Host must be this machine's own name, an Origin the server's own, and whatever computes needs
+the token of the run, which only the page knows that was opened from the terminal. All that the page
+consists of is read once, so that no name from a browser ever opens a file.
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
-"""Session files: the data and every ladder of a page, to be opened again.
+"""What a page asks about, and session files: the data and every ladder of a page, to open again.
 
-Read as data that a stranger wrote.
-
-Data as the text of a CSV file that reads back bit for bit, between processes and in sessions.
-
-What a page asks about: data, a model, accepted effects, left-out points, a seed.
-
-An answer depends on no more.
+An answer depends on no more than data, a model, accepted effects, left-out points and a seed. Data
+go between processes and into sessions as the text of a CSV file that reads back bit for bit; a
+session is read as data that a stranger wrote.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
-"""What a worker process can be asked to do.
+"""What a worker process can be asked to do: functions of plain arguments that give plain data.
 
-Each task is a function of plain arguments that gives plain data.
-
-The answer to a state.
-
-Exactly what ``springpot discover DATA --accept ...`` gives, and what is drawn of it.
+The answer to a state is exactly what ``springpot discover DATA --accept ...`` gives, with what is
+drawn of it.
 """
 
 from __future__ import annotations

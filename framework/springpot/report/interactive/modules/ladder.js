@@ -6,7 +6,9 @@ import { logTicks } from "./plot.js";
 
 const TALL = 150; // px of the picture
 const LOW = 122; // on a screen that has few
-const LEFT = 60;
+const LEFT = 60; // px to the frame, more where the ticks are wider
+const BESIDE = 22; // of them for the name of the axis
+const LETTER = 6.5; // px for a letter of a tick
 const BOTTOM = 24;
 const LONGEST = 7; // px for a letter of a name below its step
 const RIGHT = 12;
@@ -127,22 +129,31 @@ export class Ladder {
         h("span", { class: "told" }, `${percent(step.relative_rms)} (${times(step.relative_rms, step.noise_floor)})`)))));
   }
 
+  // Ticks with as many digits as tell them apart.
+  ticks(low, high) {
+    const ticks = logTicks(low, high);
+    const words = [1, 2, 3].map((digits) => ticks.map((tick) => percent(tick, digits)));
+    return [ticks, words.find((told) => new Set(told).size === told.length) || words.at(-1)];
+  }
+
   draw(steps, beside) {
     const others = beside ? beside.discovery.steps : [];
     const count = Math.max(steps.length, others.length) + (this.app.hovered ? 1 : 0);
     const all = [...steps, ...others].flatMap((step) => [step.relative_rms, step.noise_floor, step.material_floor]).filter((value) => value > 0);
     const [low, high] = [Math.min(...all) / 1.6, Math.max(...all) * 1.5];
     const width = this.width;
-    this.x = (i) => LEFT + ((i + 0.5) * (width - LEFT - RIGHT)) / Math.max(count, 2);
+    const [ticks, told] = this.ticks(low, high);
+    const left = Math.max(LEFT, BESIDE + LETTER * Math.max(...told.map((word) => word.length)));
+    this.x = (i) => left + ((i + 0.5) * (width - left - RIGHT)) / Math.max(count, 2);
     this.y = (error) => 8 + ((Math.log(high) - Math.log(error)) / (Math.log(high) - Math.log(low))) * (this.height - BOTTOM - 8);
     const bottom = this.height - BOTTOM;
     const half = (this.x(1) - this.x(0)) / 2;
     this.half = half;
     const parts = [s("title", {}, `Error of each rung: ${steps.map((step) => percent(step.relative_rms)).join(", ")}; noise floor ${percent(steps.at(-1).noise_floor)}`)];
-    for (const tick of logTicks(low, high)) {
-      parts.push(s("line", { class: "grid", x1: LEFT, x2: width - RIGHT, y1: this.y(tick), y2: this.y(tick) }));
-      parts.push(s("text", { class: "tick", x: LEFT - 5, y: this.y(tick) + 4, "text-anchor": "end" }, percent(tick, 1)));
-    }
+    ticks.forEach((tick, i) => {
+      parts.push(s("line", { class: "grid", x1: left, x2: width - RIGHT, y1: this.y(tick), y2: this.y(tick) }));
+      parts.push(s("text", { class: "tick", x: left - 5, y: this.y(tick) + 4, "text-anchor": "end" }, told[i]));
+    });
     steps.forEach((step, i) => {
       const top = this.y(step.noise_floor);
       const right = i === steps.length - 1 ? width - RIGHT : this.x(i) + half;
@@ -160,8 +171,8 @@ export class Ladder {
     // that line would strike them through, both stand above it.
     const dashes = this.y(steps[0].material_floor);
     const under = dashes + 14 < bottom;
-    parts.push(s("text", { class: "tick", x: LEFT + (under ? 3 : ASIDE), y: under ? bottom - 3 : dashes - 4 }, "noise floor"));
-    parts.push(s("text", { class: "tick", x: LEFT + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
+    parts.push(s("text", { class: "tick", x: left + (under ? 3 : ASIDE), y: under ? bottom - 3 : dashes - 4 }, "noise floor"));
+    parts.push(s("text", { class: "tick", x: left + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });
     this.svg.setAttribute("viewBox", `0 0 ${width} ${this.height}`);
