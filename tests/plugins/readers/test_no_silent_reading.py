@@ -251,21 +251,30 @@ def test_what_a_program_says_to_itself_is_no_name_of_a_test(tmp_path):
     assert "part" not in test.provenance
 
 
+def written(folder, ending, names, *columns):
+    """A table as text or in a workbook."""
+    if ending == "csv":
+        return put(folder, ",".join(names), *columns)
+    book = pytest.importorskip("openpyxl").Workbook()
+    for row in (names, *zip(*columns, strict=True)):
+        book.active.append(row)
+    book.save(folder / "test.xlsx")
+    return folder / "test.xlsx"
+
+
 @pytest.mark.parametrize("ending", ["csv", "xlsx"])
 def test_curves_side_by_side_whose_titles_nobody_knows_are_told_by_their_number(tmp_path, ending):
-    path = tmp_path / f"test.{ending}"
-    columns = (TIME, MODULUS, PULLED, TIME, PULLED, MOVED)
     names = ["f [Hz]", "K1 [N/mm]", "Loss angle [deg]"] * 2
-    if ending == "csv":
-        put(tmp_path, ",".join(names), *columns)
-    else:
-        openpyxl = pytest.importorskip("openpyxl")
-        book = openpyxl.Workbook()
-        for row in (names, *zip(*columns, strict=True)):
-            book.active.append(row)
-        book.save(path)
+    path = written(tmp_path, ending, names, TIME, MODULUS, PULLED, TIME, PULLED, MOVED)
     _, hints = asked(path, open_measurement)
     opened = [open_measurement(hint) for hint in hints]
     assert [len(each) for each in opened] == [10, 10]
     result = described(opened[0], parts_of(hints[0]))
     assert "#1" in next_step(result, hints[0])
+
+
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_tests_in_time_side_by_side_of_which_only_the_user_knows_open_all(tmp_path, ending):
+    path = written(tmp_path, ending, ["A", "B"] * 2, TIME, MODULUS, TIME, PULLED)
+    tests = open_in_time(f"{path}?A=time[s],B=relaxation[MPa]")
+    assert [test.response.tolist() for test in tests] == [list(MODULUS), list(PULLED)]
