@@ -98,14 +98,14 @@ def own_parameters(model: Model) -> list[int]:
     return list(range(len(model.material.parameters), len(model.parameters)))
 
 
-def surprise_at(expected: Real, own: Real) -> Real:
+def prior_residual_of(expected: Real, own: Real) -> Real:
     """Departures (r,) of effects' parameters (q,) from what is expected (r, q) of some."""
     # A parameter of which nothing is expected may be zero, or have no logarithm.
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ np.log(own[known]), dtype=np.float64)
 
 
-def surprise_slopes(expected: Real, own: Real, by_u: Real) -> Real:
+def prior_slopes(expected: Real, own: Real, by_u: Real) -> Real:
     """Slopes (r, p) of these departures, from those (q, p) of the parameters."""
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ (by_u[known] / own[known, None]), dtype=np.float64)
@@ -193,12 +193,12 @@ class SpectrumSearch:
         """Search coordinates (q,) of the effects' parameters."""
         return self.coordinates.u(np.asarray(own, dtype=float).copy(), self.size)
 
-    def surprise(self, u: Real) -> Real:
+    def prior_residual(self, u: Real) -> Real:
         """How far the effects' parameters at `u` lie from what is expected, weighted (r,)."""
         # Where nothing is expected, a parameter may be zero and have no logarithm.
         if not len(self.expected):
             return np.zeros(0)
-        return surprise_at(self.expected, self.theta_of(u))
+        return prior_residual_of(self.expected, self.theta_of(u))
 
     def with_lines(self, log_rates: Real) -> Model:
         """The model with a spectrum of these lines."""
@@ -339,8 +339,8 @@ class SpectrumSearch:
     def _weights_solved(self, at: Solving, residual: Real, columns: Real) -> bool:
         """Take the weights of the columns (m, 2n) that leave least; whether to do so once more."""
         trial = at.trial
-        surprise = self.surprise(trial.u)
-        beside = float(surprise @ surprise)
+        prior_residual = self.prior_residual(trial.u)
+        beside = float(prior_residual @ prior_residual)
         with np.errstate(over="ignore"):
             cost = float(residual @ residual) + beside
         if not np.isfinite(cost):
@@ -418,9 +418,9 @@ class SpectrumSearch:
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), SMALLEST))
         slopes = slopes - basis @ (basis.T @ slopes)
         if len(self.expected):
-            residual = np.concatenate([residual, -self.surprise(trial.u)])
+            residual = np.concatenate([residual, -self.prior_residual(trial.u)])
             turn = self.coordinates.slopes(own, self.size)
-            slopes = np.concatenate([slopes, surprise_slopes(self.expected, own, turn)])
+            slopes = np.concatenate([slopes, prior_slopes(self.expected, own, turn)])
         downhill = slopes.T @ residual
         # What rests on its bound and would go beyond is left where it is.
         resting = ((trial.u <= self.low) & (downhill < 0.0)) | (
@@ -517,9 +517,9 @@ class SpectrumSearch:
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
-        surprise = self.surprise(trial.u)
+        prior_residual = self.prior_residual(trial.u)
         # What was expected guides the search; the objective that is told is that of the data.
-        cost = trial.cost - float(surprise @ surprise)
+        cost = trial.cost - float(prior_residual @ prior_residual)
         return model, theta, cost
 
 

@@ -120,9 +120,9 @@ def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, 
     error[0] -= log_b[:, None]
     # Heavy tails: one end of a sweep may be the instrument's.
     tails = 2.0 * np.log1p(error**2 / sd**2) + 2.0 * np.log(sd)
-    surprise = np.sum(tails, axis=(0, -1)) + (log_b / LIFT) ** 2
-    best = int(np.argmin(surprise))
-    return float(grid[best]) + STEP * _vertex(surprise, best), float(log_b[best])
+    deviance = np.sum(tails, axis=(0, -1)) + (log_b / LIFT) ** 2
+    best = int(np.argmin(deviance))
+    return float(grid[best]) + STEP * _vertex(deviance, best), float(log_b[best])
 
 
 def _vertex(values: Real, i: int) -> float:

@@ -22,7 +22,7 @@ from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, freque
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
-from springpot.memory import Links, forgetting, remembering, worth_of
+from springpot.memory import Links, autoregressive, effective_share, prewhitened
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
@@ -298,7 +298,7 @@ class NoiseFrame:
     @property
     def worth(self) -> float:
         """Independent numbers that each point is worth to slow curves."""
-        return worth_of(self.memory)
+        return effective_share(self.memory)
 
     @property
     def size(self) -> int:
@@ -354,7 +354,7 @@ class NoiseFrame:
         """
         if self.memory:
             for rows, _ in sweeps_of(self.measurement):
-                new[..., rows] = remembering(new[..., rows], self.memory)
+                new[..., rows] = autoregressive(new[..., rows], self.memory)
         return new
 
     @cached_property
@@ -508,7 +508,7 @@ class NoiseFrame:
         relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
         links = Links.along([rows for rows, _ in sweeps_of(self.measurement)])
-        relative = forgetting(relative, self.memory, links)
+        relative = prewhitened(relative, self.memory, links)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
