@@ -29,6 +29,7 @@ from springpot.numerics import (
     ROUNDING,
     SMALLEST,
     non_negative,
+    vertex,
 )
 from springpot.rheology.effect import Layer
 from springpot.rheology.elements import (
@@ -480,10 +481,7 @@ class SpectrumSearch:
         slope = columns @ self.weigh(self.data - response.value) / size
         worth = slope[1:-1] > NEGLIGIBLE * np.sqrt(trial.cost)
         peaks = 1 + np.flatnonzero((slope[1:-1] >= slope[:-2]) & (slope[1:-1] >= slope[2:]) & worth)
-        before, at, after = slope[peaks - 1], slope[peaks], slope[peaks + 1]
-        # The top of the parabola through three neighbours; of a flat one its middle.
-        bend = np.minimum(before - 2.0 * at + after, -SMALLEST)
-        tops = grid[peaks] + 0.5 * FINE * (before - after) / bend
+        tops = grid[peaks] + FINE * vertex(slope[peaks - 1], slope[peaks], slope[peaks + 1])
         # On a lattice of their own, so that what rounding adds to the data moves no line.
         return np.asarray(FINEST * np.unique(np.round(tops / FINEST)), dtype=np.float64)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned as thinned_rows
-from springpot.numerics import DECADE, MOST_STEPS, SMALLEST
+from springpot.numerics import DECADE, MOST_STEPS, vertex
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.factors import arrhenius, wlf
@@ -130,8 +130,7 @@ def _vertex(values: Real, i: int) -> float:
     # At an end of the grid there is no neighbour for a parabola.
     if not 0 < i < len(values) - 1:
         return 0.0
-    before, here, after = values[i - 1 : i + 2]
-    return float(0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST))
+    return float(vertex(*values[i - 1 : i + 2]))
 
 
 def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
