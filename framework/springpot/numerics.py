@@ -124,6 +124,19 @@ def vertex(before: Any, here: Any, after: Any) -> Any:
     return 0.5 * (before - after) / np.where(bend == 0.0, SMALLEST, bend)
 
 
+def projected_out(values: Real, basis: Real) -> Real:
+    """What of values (m,) or columns (m, c) lies beyond an orthonormal basis (m, r).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import projected_out
+    >>> projected_out(np.array([3.0, 4.0]), np.array([[1.0], [0.0]]))
+    array([0., 4.])
+    """
+    return values - basis @ (basis.T @ values)
+
+
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     """Weights >= 0 of columns (m, q) that come nearest to a target (m,).
 

@@ -13,7 +13,7 @@ from springpot.distributions import student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
 from springpot.memory import Links, autocorrelation_time
-from springpot.numerics import ALIKE, ENDLESS, ROUNDING
+from springpot.numerics import ALIKE, ENDLESS, ROUNDING, projected_out
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
@@ -455,7 +455,7 @@ def without(basis: Real, columns: Real) -> Real:
     """What is left of columns (m, q) beside a basis (m, s)."""
     size = np.linalg.norm(basis, axis=0)
     left, _, _ = _spanned(basis[:, size > 0.0] / size[size > 0.0])
-    return columns - left @ (left.T @ columns)
+    return projected_out(columns, left)
 
 
 def _spread(rows: FactorRows, covariance: Real) -> Factors:

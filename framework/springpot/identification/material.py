@@ -29,6 +29,7 @@ from springpot.numerics import (
     ROUNDING,
     SMALLEST,
     non_negative,
+    projected_out,
     vertex,
 )
 from springpot.rheology.effect import Layer
@@ -417,7 +418,7 @@ class SpectrumSearch:
         # What the weights of the spectrum would take up of a change is no gain of the effects
         # (Golub and Pereyra).
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), SMALLEST))
-        slopes = slopes - basis @ (basis.T @ slopes)
+        slopes = projected_out(slopes, basis)
         if len(self.expected):
             residual = np.concatenate([residual, -self.prior_residual(trial.u)])
             turn = self.coordinates.slopes(own, self.size)

@@ -31,7 +31,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, SCATTER, VERDICT
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, projected_out
 from .frame import (
     ENOUGH_NEIGHBOURS,
     FEWEST_OWN,
@@ -557,7 +557,7 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
 
     Of gain or phase or both, with the price of its numbers and of which of all it is.
     """
-    rest = frame.residual - followed @ (followed.T @ frame.residual)
+    rest = projected_out(frame.residual, followed)
     free, tried = frame.size - followed.shape[1], 0
     faults = frame.relative(np.ones((1, frame.size // 2)))
     # A shape is the same in both parts of a point: their sum is taken once for all shapes.

@@ -30,7 +30,15 @@ from springpot.measurement.timetest import TimeTest
 from springpot.memory import effective_share, prewhitened, spectrum_of
 from springpot.rheology.points import Real
 
-from ..numerics import DEVIATIONS, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST, non_negative
+from ..numerics import (
+    DEVIATIONS,
+    FOURTH_WORTH,
+    MEDIAN_WORTH,
+    NORMAL,
+    SMALLEST,
+    non_negative,
+    projected_out,
+)
 from .coloured_noise import (
     FEWEST as FEWEST_OF_COLOUR,
     SLOWEST,
@@ -373,7 +381,7 @@ def _beside_lines(
         waves = np.exp(1j * np.multiply.outer(near, np.arange(n)))
         turn = waves[int(np.argmax(np.abs(waves @ white)))]
         basis = np.linalg.qr(np.column_stack([turn.real, turn.imag]))[0]
-        rest = rest - basis @ (basis.T @ rest)
+        rest = projected_out(rest, basis)
     if first >= LOCAL:
         return noise
     own = scatter_of(rest, worth=worth)
@@ -666,7 +674,7 @@ def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) ->
     every = np.column_stack([residual, powers])
     white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
     basis = np.linalg.qr(white[1:].T)[0]
-    left = white[0] - basis @ (basis.T @ white[0])
+    left = projected_out(white[0], basis)
     # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
     # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
     # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of
