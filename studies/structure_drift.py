@@ -147,6 +147,7 @@ def draw(found: Sequence[Row], path: Path) -> None:
         axes.set_yticklabels(
             [f"{row.name}\n(fit {100 * row.misfit:.2g} % off)" for row in found[1:]]
         )
+        axes.margins(y=0.12)
         axes.invert_yaxis()
         save(figure, path)
 

@@ -30,12 +30,13 @@ def draw(ladder: Ladder, path: Path) -> None:
             above, below = (figure.add_subplot(grid[row, column]) for row in (0, 1))
             views.storage_and_loss(above, scene)
             views.residual(below, scene)
-            above.set(title=title, xlabel="")
+            above.set(title=title if len(ends) > 1 else "", xlabel="")
             if column:
                 above.set_ylabel("")
                 below.set_ylabel("")
         draw_ladder(figure.add_subplot(grid[:, -1]), ladder)
-        headed(figure, scene)
+        # The points are means of repeats, whose scatter the error of a rung holds.
+        headed(figure, scene, error=ends[-1].relative_rms)
         save(figure, path)
 
 

@@ -53,7 +53,7 @@ def test_a_law_may_go_with_what_was_varied():
     with pytest.raises(OptionError, match="no law can go with 'humidity' of made"):
         inventing._conditions(data, ["humidity"])
     still = swept(lossy, conditions={"current": np.ones(len(OMEGA))})
-    with pytest.raises(OptionError, match="is no column"):
+    with pytest.raises(OptionError, match="there is none"):
         inventing._conditions(still, ["current"])
 
 

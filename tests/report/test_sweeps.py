@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -149,6 +148,6 @@ def test_the_tape_of_twenty_temperatures_is_drawn_by_temperature():
         data = springpot.read("3m-468mp-acrylic-tts")
     except SpringpotError:
         pytest.skip("the measured data are not here")
-    scene = Scene(data, [SimpleNamespace(at=None)])
+    scene = Scene(data, [WARM])
     assert len(scene.every_sweep) == 20
     assert (scene.sweeps[0].label, scene.sweeps[-1].label) == ("-40 °C", "150 °C")

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import lambertw
 
 from soaked import soaked
-from springpot.registry import plugins
+from springpot.registry import parse_model, plugins
 from springpot.rheology import Points
 
 SAMPLES = 2**15
@@ -166,6 +167,24 @@ def test_a_specimen_is_kept_warm_by_what_it_loses_when_it_is_warm(s):
     warm = model.stiffness(model.vector(own | {"self-heating.s": s}), at)
     slower = Points.at(omega * np.exp(-s * 0.5 * omega * warm.imag * amplitude**2))
     np.testing.assert_allclose(warm, bare.stiffness(bare.vector(own), slower), rtol=1e-7)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["slower", "faster"])
+def test_the_warmth_of_a_springpot_is_lamberts_function_of_its_heating(sign):
+    """K'' falls by exp(-alpha h), so that h exp(alpha h) is the heating of the cold specimen.
+
+    Cooled beyond 1 / e it has no steady temperature: times then change as far as is allowed.
+    """
+    model = parse_model("springpot + self-heating")
+    s = sign * np.geomspace(1e-9, 1e12, 43)
+    heat = s * 0.5 * np.sin(0.25 * np.pi)
+    steady = lambertw(0.5 * heat).real / 0.5
+    expected = np.where(0.5 * heat > -np.exp(-1.0), np.clip(steady, -60.0, 60.0), -60.0)
+    at = Points.at(np.ones(1), amplitude=1.0)
+    names = {"c": 1.0, "alpha": 0.5}
+    theta = np.array([model.vector(names | {"self-heating.s": each}) for each in s])
+    shift = -np.log(np.abs(model.stiffness(theta, at))[:, 0]) / 0.5
+    np.testing.assert_allclose(shift, expected, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize(

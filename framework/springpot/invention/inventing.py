@@ -33,6 +33,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.written import FACTORS, Written, causal, passive, told
 from springpot.thresholds import INVENTION, VERDICT
+from springpot.writing import counted
 
 from .grammar import candidates, formula_of, text_of
 from .result import (
@@ -222,10 +223,10 @@ def _conditions(measurement: Measurement, along: Sequence[str] | None) -> list[s
     known = varied(measurement)
     for name in along:
         if name not in known:
-            words = ", ".join(known) or "no column"
+            words = f"there are {', '.join(known)}" if known else "there is none"
             raise OptionError(
-                f"no law can go with '{name}' of {measurement.name}: varied, and of a name that"
-                f" may stand in a formula, is {words}"
+                f"no law can go with '{name}' of {measurement.name}: a law goes with a column that"
+                f" varies and whose name may stand in a formula; {words}"
             )
     return [name for name in known if name in along]
 
@@ -293,8 +294,8 @@ def _says(search: Search, verdict: Verdict, rows: Sequence[FoundLaw]) -> str:
     after = f"{percent(rows[0].error_after)} with {rows[0].text}"
     if verdict == "law":
         return f"{before}, and {after}: no other law of the grammar does as well"
-    others = len(rows[0].alike) - 1
-    return f"{before}, and {after}, which these data cannot tell from {others} other laws"
+    others = counted(len(rows[0].alike) - 1, "other law")
+    return f"{before}, and {after}, which these data cannot tell from {others}"
 
 
 def _next(verdict: Verdict, laws: Sequence[Weighed]) -> NextExperiment | None:

@@ -554,7 +554,8 @@ def _compared(comparison: Comparison) -> TextTable:
             *ratios,
             percent(error.material_floor),
             number(judged.chi_square / max(dof, 1), 3),
-            number(judged.delta_bic, 3),
+            # Models that are one curve differ by rounding alone.
+            number(round(judged.delta_bic, 2), 3),
             str(judged.free_parameters),
         )
         rows.append(row)

@@ -160,7 +160,7 @@ def figure_view(
         return finished(figure, path)
 
 
-def _headline(scene: Scene, beside: str) -> str:
+def _headline(scene: Scene, beside: str, error: float | None) -> str:
     """What is shown, and how well the model fits."""
     data = scene.measurement
     drawn = ""
@@ -173,20 +173,25 @@ def _headline(scene: Scene, beside: str) -> str:
     if len(scene.fits) > 1:
         return f"{cut(data.name, TITLE_WIDTH)}\npoints measured, lines fitted{drawn}"
     fit = scene.fits[0]
-    # Of all points, those among them that are too many to be drawn.
-    share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
-    error = percent(rms(share))
+    if error is None:
+        # Of all points, those among them that are too many to be drawn.
+        error = rms(np.abs(fit.at(data.points) - data.stiffness) / data.magnitude)
     fitted = cut(f"{fit.name} fitted to {data.name}", TITLE_WIDTH)
     # On a line of its own: together they are wider than the figure.
     beside = beside.replace(", ", "\n", 1)
     return (
-        f"{fitted}\npoints measured, lines fitted; error {error} of"
+        f"{fitted}\npoints measured, lines fitted; error {percent(error)} of"
         f" {data.units.magnitude}{drawn}{beside}"
     )
 
 
 def headed(
-    figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False, beside: str = ""
+    figure: Figure,
+    scene: Scene,
+    below: Scene | None = None,
+    floors: bool = False,
+    beside: str = "",
+    error: float | None = None,
 ) -> None:
     """Headline and what the marks mean above the axes, the sweeps beside them: never over the data.
 
@@ -203,6 +208,8 @@ def headed(
         Whether the material floor is drawn beside residuals.
     beside : str
         What the error of a single model stands beside.
+    error : float, optional
+        That error, where the points of the scene are means; by default it is that of these points.
     """
     marks = marks_of(scene)
     if floors:
@@ -210,7 +217,7 @@ def headed(
     # A legend's own title is the one headline that the layout keeps clear of the legend.
     above = figure.legend(
         handles=marks,
-        title=literal(_headline(scene, beside)),
+        title=literal(_headline(scene, beside, error)),
         title_fontsize=11.0,
         alignment="left",
         loc="outside upper left",

@@ -281,7 +281,7 @@ def _row(judged: Judgement, verdict: str) -> tuple[str, ...]:
     values = (
         percent(error.relative_rms),
         ratio,
-        number(judged.delta_bic, 3),
+        number(round(judged.delta_bic, 2), 3),
         str(judged.free_parameters),
     )
     return (judged.model.name, verdict, *values)

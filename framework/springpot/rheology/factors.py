@@ -261,19 +261,36 @@ def _steady(body: Node, theta: Real, at: Points, factor: Real) -> tuple[Real, Re
     By Newton's method from the cold, kept between shifts that are too small and too large.
     """
     shift, settled = np.zeros_like(factor), False
-    low, high = shift - LARGEST_SHIFT, shift + LARGEST_SHIFT
+    low, high = shift - np.inf, shift + np.inf
     for _ in range(MOST_STEPS):
         warm = body.respond(theta, at.shifted(-shift), FULL)
         if settled:
             break
         missed = shift - factor * warm.value.imag
         low, high = np.where(missed < 0.0, shift, low), np.where(missed > 0.0, shift, high)
-        new = shift - missed / _stiffened(factor, warm)
+        new = np.clip(_nearer(shift, factor, warm), -LARGEST_SHIFT, LARGEST_SHIFT)
         # A step from where nearly nothing is missed leaves no more than is rounded.
         near = np.abs(missed) <= ALIKE * (1.0 + np.abs(shift))
-        shift = np.where(near | ((new > low) & (new < high)), new, 0.5 * (low + high))
-        settled = bool(near.all())
+        beyond = (low >= LARGEST_SHIFT) | (high <= -LARGEST_SHIFT)
+        middle = 0.5 * (np.maximum(low, -LARGEST_SHIFT) + np.minimum(high, LARGEST_SHIFT))
+        inside = near | beyond | ((new > low) & (new < high))
+        shift = np.where(beyond, shift, np.where(inside, new, middle))
+        settled = bool((near | beyond).all())
     return shift, warm
+
+
+def _nearer(shift: Real, factor: Real, warm: Response) -> Real:
+    """The next shift of Newton's method.
+
+    For ln h = ln(s P(h)), which is nearly straight for a loss that goes by a power of the
+    frequency; for h = s P(h) from the cold.
+    """
+    heat = factor * warm.value.imag
+    plain = shift - (shift - heat) / _stiffened(factor, warm)
+    with np.errstate(all="ignore"):
+        slope = 1.0 + shift * warm.by_log_omega.imag / warm.value.imag
+        by_logarithms = shift * (1.0 - np.log(shift / heat) / slope)
+    return np.where((shift * heat > 0.0) & (slope > ALIKE), by_logarithms, plain)
 
 
 heated = Composing(Heated)
