@@ -22,6 +22,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.numerics import AT_ONCE
 from springpot.rheology.points import Real
 from springpot.writing import counted
 
@@ -158,6 +159,8 @@ def judged(store: Store) -> Iterator[tuple[CellRow, CellTrials, Real]]:
         # Noise of its own makes a trial's data another problem than those of its neighbours.
         known = [draws.get((cell.problem.id, r), best) for r in trials.column("repetition")]
         yield cell, trials, np.array(known)
+        # Or it would be in memory while the next is read.
+        del trials
 
 
 def reference_of(problem: ProblemRow, trial: TrialRow) -> float:
@@ -194,25 +197,35 @@ def score_cell(
     cell: CellRow, trials: CellTrials, best: Real | float, scale: JudgingScale
 ) -> CellScores:
     """Scores of a cell on data whose best known objective is `best`, (n,) or one for all."""
-    bests = np.broadcast_to(best, len(trials))
-    references, dead = _references(cell, trials), np.isnan(trials.numbers("best"))
-    # A trial that failed keeps its infinite time: it is never given a number.
-    traces = _traces(trials, ~dead)
-    owners, goals = traces.owners, goals_of(references, bests, scale.target)
-    excess = _excess(traces.values, bests[owners], references[owners])
-    # On the few evaluations of the grid: the traces may have thousands.
-    along = traces.at(excess, scale.grid)
+    bests, dead = np.broadcast_to(best, len(trials)), np.isnan(trials.numbers("best"))
+    hits, area = np.empty((2, len(trials)))
+    along = np.empty((len(trials), len(scale.grid)))
+    reached = np.zeros(len(scale.grid))
+    # Some trials at once: what is unpacked of a trace is many times what is kept of it.
+    step = max(1, AT_ONCE // len(scale.grid))
+    for first in range(0, len(trials), step):
+        own = slice(first, first + step)
+        references = _references(cell, trials[own])
+        # A trial that failed keeps its infinite time: it is never given a number.
+        traces = _traces(trials[own], ~dead[own])
+        owners = traces.owners
+        excess = _excess(traces.values, bests[own][owners], references[owners])
+        # On the few evaluations of the grid: the traces may have thousands.
+        along[own] = traces.at(excess, scale.grid)
+        reached += traces.reached(excess, scale.targets, scale.grid)
+        hits[own] = traces.hits(goals_of(references, bests[own], scale.target))
+        area[own] = area_over_curve(traces, excess, scale)
     return CellScores(
         cell,
         repetitions=np.array(trials.column("repetition")),
-        hits=traces.hits(goals),
+        hits=hits,
         spent=trials.numbers("evaluations"),
         values=along[:, np.searchsorted(scale.grid, scale.marks)],
-        attained=traces.shares(excess, scale.targets, scale.grid),
+        attained=reached / len(trials) / len(scale.targets),
         curve=bands(along),
         clean=_clean(trials, scale),
         dimension=next((len(trials[int(i)].theta) for i in np.flatnonzero(~dead)), 0),
-        area=area_over_curve(traces, excess, scale),
+        area=area,
     )
 
 

@@ -273,6 +273,7 @@ class Findings:
             else:
                 hits = hits_of(cell, trials, best, scale)
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
+            del trials
         # In the order of the study, which is not that in which the store has its trials.
         order = [cell.id for cell in store.cells() if cell.id in summaries]
         return cls(
