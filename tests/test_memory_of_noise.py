@@ -5,45 +5,45 @@ import pytest
 
 from springpot.memory import (
     Links,
+    autoregressive,
     covariance_along,
-    forgetting,
-    remembering,
+    effective_share,
+    fitted_memory,
+    prewhitened,
     spectrum_of,
-    told_by,
-    worth_of,
 )
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.3, 0.97])
 def test_what_is_remembered_is_forgotten(memory):
     new = np.random.default_rng(1).normal(size=(3, 100))
-    noise = remembering(new, memory)
-    np.testing.assert_allclose(forgetting(noise.T, memory).T, new)
+    noise = autoregressive(new, memory)
+    np.testing.assert_allclose(prewhitened(noise.T, memory).T, new)
     kept = np.sqrt(1.0 - memory**2)
     assert noise[0, 1] == pytest.approx(memory * new[0, 0] + kept * new[0, 1])
 
 
 def test_lines_do_not_remember_one_another():
     links = Links.along([np.array([0, 2]), np.array([3, 1, 4])])
-    told = forgetting(np.arange(1.0, 6.0), 0.6, links)
+    told = prewhitened(np.arange(1.0, 6.0), 0.6, links)
     assert told.tolist() == pytest.approx([1.0, (2 - 0.6 * 4) / 0.8, (3 - 0.6) / 0.8, 4.0, 4.75])
 
 
 def test_a_memory_is_told_beside_curves():
-    noise = remembering(np.random.default_rng(2).normal(size=2000), 0.6)
+    noise = autoregressive(np.random.default_rng(2).normal(size=2000), 0.6)
     curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, 2000), 6)
     columns = np.column_stack([curves, noise + curves @ np.arange(7.0)])
-    told = told_by(columns, Links(), 0.9)
+    told = fitted_memory(columns, Links(), 0.9)
     assert told.memory == pytest.approx(0.6, abs=0.05)
     assert told.gain > 0.0
     assert told.likeliest == told.memory
-    assert told_by(columns, Links(), 0.3).likeliest == told.memory
+    assert fitted_memory(columns, Links(), 0.3).likeliest == told.memory
     columns[:, -1] = np.random.default_rng(3).normal(size=2000)
-    assert told_by(columns, Links(), 0.9).gain < 0.0
+    assert fitted_memory(columns, Links(), 0.9).gain < 0.0
 
 
 def test_slow_waves_hold_more_of_it_than_they_are_worth():
-    assert spectrum_of(np.zeros(1), 2.0, 0.6) == pytest.approx(4.0 / worth_of(0.6))
+    assert spectrum_of(np.zeros(1), 2.0, 0.6) == pytest.approx(4.0 / effective_share(0.6))
 
 
 def test_what_columns_have_of_noise_is_by_its_correlations():

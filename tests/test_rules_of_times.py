@@ -24,7 +24,7 @@ from springpot.errors import OptionError
     ],
 )
 def test_samples_that_are_alike_make_up_one(residual, count):
-    assert own.samples_of_one(residual) == pytest.approx(count)
+    assert own.autocorrelation_time(residual) == pytest.approx(count)
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ LINE = Links()
 """Those of numbers that all follow one another."""
 
 
-def worth_of(memory: float) -> float:
+def effective_share(memory: float) -> float:
     """Independent numbers that each one is worth to the mean, or to slow curves.
 
     By so much less than the mean power of such noise is its power at slow waves. Of squares, whose
@@ -58,7 +58,7 @@ def worth_of(memory: float) -> float:
     return (1.0 - memory) / (1.0 + memory)
 
 
-def samples_of_one(residual: Any, links: Links = LINE) -> float:
+def autocorrelation_time(residual: Any, links: Links = LINE) -> float:
     """Numbers of a residual (m,) that make up one independent one.
 
     For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
@@ -66,8 +66,8 @@ def samples_of_one(residual: Any, links: Links = LINE) -> float:
 
     Examples
     --------
-    >>> from springpot.memory import samples_of_one
-    >>> round(samples_of_one([1.0, 1.0, -1.0, -1.0, 1.0, 1.0]), 2)
+    >>> from springpot.memory import autocorrelation_time
+    >>> round(autocorrelation_time([1.0, 1.0, -1.0, -1.0, 1.0, 1.0]), 2)
     1.5
     """
     rows = np.asarray(residual)
@@ -75,7 +75,7 @@ def samples_of_one(residual: Any, links: Links = LINE) -> float:
     if len(rows) < 4 or power == 0.0 or not len(together):
         return 1.0
     # Misses that alternate would claim more than one independent number a sample.
-    return 1.0 / worth_of(float(np.clip(np.mean(together) / power, 0.0, LIKENESS)))
+    return 1.0 / effective_share(float(np.clip(np.mean(together) / power, 0.0, LIKENESS)))
 
 
 def spectrum_of(omega: Real, size: float, memory: float) -> Real:
@@ -83,7 +83,7 @@ def spectrum_of(omega: Real, size: float, memory: float) -> Real:
     return size**2 * (1.0 - memory**2) / (1.0 + memory**2 - 2.0 * memory * np.cos(omega))
 
 
-def forgetting(values: Any, memory: float, links: Links = LINE) -> Any:
+def prewhitened(values: Any, memory: float, links: Links = LINE) -> Any:
     """Values (n, ...) of which each has lost what it remembers of the one before it.
 
     Noise of this memory keeps its size.
@@ -94,7 +94,7 @@ def forgetting(values: Any, memory: float, links: Links = LINE) -> Any:
     return new
 
 
-def remembering(new: Any, memory: float) -> Any:
+def autoregressive(new: Any, memory: float) -> Any:
     """Noise (..., n) of one line by what is new with each number, of the same size."""
     noise = new.copy()
     noise[..., 1:] *= np.sqrt(1.0 - memory**2)
@@ -127,13 +127,13 @@ def covariance_along(columns: Real, memory: float, lines: Sequence[NDArray[np.in
     return whole
 
 
-def surprise(columns: Real, memory: float, links: Links) -> tuple[float, Real]:
+def deviance(columns: Real, memory: float, links: Links) -> tuple[float, Real]:
     """Minus twice the log-likelihood of a memory, and what is new with each number (n,).
 
     Of what curves leave of the last of some columns (n, q + 1), the others being these curves
     (Harville 1977, doi:10.1080/01621459.1977.10480998).
     """
-    basis, sizes = np.linalg.qr(forgetting(columns, memory, links))
+    basis, sizes = np.linalg.qr(prewhitened(columns, memory, links))
     size = np.abs(np.diag(sizes)) + SMALLEST
     free = len(columns) - len(size) + 1
     logs = 2.0 * (free * np.log(size[-1]) + np.sum(np.log(size[:-1])))
@@ -141,7 +141,7 @@ def surprise(columns: Real, memory: float, links: Links) -> tuple[float, Real]:
     return float(logs + linked * np.log1p(-(memory**2))), basis[:, -1] * size[-1]
 
 
-class Remembering(NamedTuple):
+class FittedMemory(NamedTuple):
     """What a residual tells of the memory of its noise.
 
     Attributes
@@ -166,12 +166,12 @@ class Remembering(NamedTuple):
     likeliest: float
 
 
-def told_by(columns: Real, links: Links, longest: float) -> Remembering:
+def fitted_memory(columns: Real, links: Links, longest: float) -> FittedMemory:
     """The memory of what curves leave of the last of such columns (n, q + 1)."""
     from scipy.optimize import minimize_scalar
 
-    likeliest = float(minimize_scalar(lambda m: surprise(columns, m, links)[0], bounds=(0, 1)).x)
+    likeliest = float(minimize_scalar(lambda m: deviance(columns, m, links)[0], bounds=(0, 1)).x)
     memory, free = min(likeliest, longest), len(columns) - columns.shape[1] + 1
-    cost, new = surprise(columns, memory, links)
-    gain = surprise(columns, 0.0, links)[0] - cost - float(np.log(max(free, 1)))
-    return Remembering(memory, new, free, gain, likeliest)
+    cost, new = deviance(columns, memory, links)
+    gain = deviance(columns, 0.0, links)[0] - cost - float(np.log(max(free, 1)))
+    return FittedMemory(memory, new, free, gain, likeliest)

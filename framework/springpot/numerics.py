@@ -7,7 +7,7 @@ added, compared or measured.
 from __future__ import annotations
 
 from math import log, sqrt
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     import numpy as np
@@ -105,6 +105,36 @@ def evenly(count: int, most: int) -> NDArray[np.intp]:
     import numpy as np
 
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
+
+
+def vertex(before: Any, here: Any, after: Any) -> Any:
+    """Where the parabola through three equidistant values turns, in steps from the middle one.
+
+    The middle one is the largest or the least of the three; of a flat parabola it is the place.
+
+    Examples
+    --------
+    >>> from springpot.numerics import vertex
+    >>> float(vertex(2.0, 1.0, 4.0)), float(vertex(1.0, 1.0, 1.0))
+    (-0.25, 0.0)
+    """
+    import numpy as np
+
+    bend = before - 2.0 * here + after
+    return 0.5 * (before - after) / np.where(bend == 0.0, SMALLEST, bend)
+
+
+def projected_out(values: Real, basis: Real) -> Real:
+    """What of values (m,) or columns (m, c) lies beyond an orthonormal basis (m, r).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import projected_out
+    >>> projected_out(np.array([3.0, 4.0]), np.array([[1.0], [0.0]]))
+    array([0., 4.])
+    """
+    return values - basis @ (basis.T @ values)
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:

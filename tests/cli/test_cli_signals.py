@@ -49,6 +49,7 @@ def test_what_is_written_is_what_was_shown(springpot, records, tmp_path):
     assert again["standard_deviations"]
     rows = springpot("signals", *records, "--json").json["rows"]
     assert abs(again["storage"]["to"] - max(row["storage"] for row in rows)) < 1e-9
+    assert springpot("inspect", output).out.startswith(f"{output.stem}: ")
 
 
 def test_frequency_window_and_harmonics_can_be_given(springpot, records):

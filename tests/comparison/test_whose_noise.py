@@ -6,7 +6,7 @@ from springpot.comparison import comparing
 from springpot.measurement import Measurement
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
-from springpot.memory import remembering
+from springpot.memory import autoregressive
 from springpot.misfit.refit import refit
 from springpot.registry import parse_model
 
@@ -14,7 +14,7 @@ from springpot.registry import parse_model
 def test_a_wrong_model_tells_no_noise_with_a_memory(monkeypatch):
     """Beside its misfit what goes on from point to point is not seen, and the noise seems small."""
     omega, model, wrong = np.geomspace(0.1, 100.0, 60), parse_model("zener"), parse_model("kelvin")
-    noise = remembering(np.random.default_rng(4).normal(size=(2, 60)), 0.8)
+    noise = autoregressive(np.random.default_rng(4).normal(size=(2, 60)), 0.8)
     exact = model.stiffness(model.theta(k1=50.0, k2=90.0, c=90.0), omega)
     data = Measurement(omega, exact * (1.0 + 0.01 * (noise[0] + 1j * noise[1])))
     size = data.magnitude * (1.0 + 1.0j)

@@ -21,7 +21,7 @@ from springpot.identification import (
     profile,
 )
 from springpot.measurement import Measurement
-from springpot.memory import remembering, worth_of
+from springpot.memory import autoregressive, effective_share
 from springpot.registry import parse_model
 
 TRIALS = 300
@@ -53,7 +53,7 @@ def test_coverage_is_that_of_the_level(name, given, rng):
 def _remembering(memory, rng, points=30):
     """A fractional Zener body in noise of 1 % that goes on from point to point."""
     model, omega = parse_model("fractional-zener"), np.geomspace(0.1, 1e3, points)
-    noise = remembering(rng.normal(size=(2, points)), memory)
+    noise = autoregressive(rng.normal(size=(2, points)), memory)
     exact = model.stiffness(TRUTH, omega)
     return fit(model, Measurement(omega, exact * (1.0 + 0.01 * (noise[0] + 1j * noise[1]))))
 
@@ -66,7 +66,7 @@ def test_errors_that_go_on_from_point_to_point_widen_intervals(rng):
     assert known.memory == pytest.approx(0.8, abs=0.15)
     white = replace(known, memory=0.0)
     wider = np.diag(known.covariance) / np.diag(white.covariance)
-    assert np.all((wider > 3.0) & (wider < 1.5 / worth_of(known.memory)))
+    assert np.all((wider > 3.0) & (wider < 1.5 / effective_share(known.memory)))
     assert known.widening(3) == pytest.approx(wider[3], rel=0.3)
     assert known.quantile > white.quantile
     drawn = intervals._errors(known.fit, 200, rng, True).real

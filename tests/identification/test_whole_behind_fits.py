@@ -165,7 +165,7 @@ def test_uncertainty_of_a_fit(name, stays):
     found = {
         "known": [known.scale, known.freedom, known.quantile, known.at_bound, known.covariance],
         "absolute": [absolute.scale, absolute.quantile, absolute.covariance],
-        "told": [known.correlation, known.surprise, known.slopes, low, high],
+        "told": [known.correlation, known.prior_residual, known.slopes, low, high],
         "widening": [known.widening(i) for i in range(4)],
         "notes": notes.notes_on(known, low, high),
         "uses sd": uncertainty.uses_sd(fitted),

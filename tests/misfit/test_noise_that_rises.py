@@ -6,7 +6,7 @@ import pytest
 from springpot import Measurement
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
-from springpot.memory import remembering
+from springpot.memory import autoregressive
 from springpot.misfit.floor import as_given, fitted_to_floor, remembered
 from springpot.misfit.refit import refit
 from springpot.misfit.residual_tests import battery
@@ -107,7 +107,7 @@ def test_noise_that_was_doubted_keeps_its_memory_as_it_was_given():
 
 def test_a_memory_in_one_sweep_is_told_unless_a_rival_explains_it_better():
     omega = np.geomspace(0.1, 100.0, 36)
-    noise = remembering(np.random.default_rng(2).normal(size=(2, 36)), 0.7)
+    noise = autoregressive(np.random.default_rng(2).normal(size=(2, 36)), 0.7)
     stiffness = (5.0 + 2.0j * omega) * (1.0 + 0.01 * (noise[0] + 1j * noise[1]))
     data = average_repeats(Measurement(omega, stiffness))
     white = Noise(0.005 * np.abs(stiffness) * (1.0 + 1.0j), 20.0, "estimated")

@@ -72,11 +72,11 @@ def test_a_story_may_have_noise_of_its_own_for_the_price_of_a_wider_one():
     white = ResidualScatter(1.0, 0.0, 0.0, 1.0)
     own = ResidualScatter(2.0, 0.0, 0.0, 1.0, colour=colour_of(residual, MEMORIES))
     wider = max(np.sum(np.log(own.spectrum(N))) + own.colour.count * np.log(N), 0.0)
-    assert white.squares(residual, own) == pytest.approx(own.surprise(residual) + wider)
-    assert white.squares(residual, own) < white.surprise(residual)
+    assert white.squares(residual, own) == pytest.approx(own.deviance(residual) + wider)
+    assert white.squares(residual, own) < white.deviance(residual)
     # That of a misfit is no excuse for it.
     missed = ResidualScatter(own.size, own.memory, 1e3, 1.0, colour=own.colour)
-    assert white.squares(residual, missed) == white.surprise(residual)
+    assert white.squares(residual, missed) == white.deviance(residual)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9, 0.99])

@@ -24,7 +24,7 @@ def scatter(size=1.0, memory=0.0):
         size=size,
         memory=memory,
         whitened=lambda residual: np.asarray(residual) / size,
-        surprise=squares,
+        deviance=squares,
         squares=squares,
     )
 

@@ -100,14 +100,14 @@ def test_the_chance_of_noise_alone_is_the_smaller_one(excess, local, chance):
     assert (scatter.misfit, scatter.doubtful) == (chance < 1e-3, chance < 1e-2)
 
 
-def test_surprise_is_chi_square_or_that_of_student():
+def test_deviance_is_chi_square_or_that_of_student():
     residual = np.full(10, 2.0)
     known = ResidualScatter(1.0, 0.0, 0.0, 1.0)
-    assert known.surprise(residual) == pytest.approx(40.0)
+    assert known.deviance(residual) == pytest.approx(40.0)
     # What is less than the noise is no likelier than it.
-    assert known.surprise(0.1 * residual) == pytest.approx(10.0)
+    assert known.deviance(0.1 * residual) == pytest.approx(10.0)
     told = ResidualScatter(1.0, 0.0, 0.0, 1.0, worth=5.0)
-    assert told.surprise(residual) == pytest.approx(15.0 * np.log(1.0 + 40.0 / 5.0))
+    assert told.deviance(residual) == pytest.approx(15.0 * np.log(1.0 + 40.0 / 5.0))
 
 
 def test_a_sample_that_repeats_the_last_one_has_no_noise():

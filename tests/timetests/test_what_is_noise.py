@@ -110,7 +110,7 @@ def test_noise_that_is_hardly_known_makes_weak_evidence():
         ResidualScatter(1.0, 0.0, 0.0, 1.0),
         ResidualScatter(1.0, 0.0, 0.0, 1.0, worth=4.0),
     )
-    gain = [each.surprise(residual) - each.surprise(0.7 * residual) for each in (known, told)]
+    gain = [each.deviance(residual) - each.deviance(0.7 * residual) for each in (known, told)]
     assert gain[0] == pytest.approx(40.8)
     assert gain[1] == pytest.approx(24.0 * np.log((4.0 + 80.0) / (4.0 + 39.2)))
 
@@ -209,7 +209,7 @@ def test_a_few_small_samples_do_not_count_for_all_others_where_the_kind_of_noise
 def test_less_than_the_noise_is_no_likelier_than_the_noise():
     scatter = scatter_of(noise(1, size=200))
     white = noise(2, size=200)
-    half, whole = (scatter.surprise(share * white) for share in (0.5, 1.0))
-    assert half == scatter.surprise(np.zeros(200))
+    half, whole = (scatter.deviance(share * white) for share in (0.5, 1.0))
+    assert half == scatter.deviance(np.zeros(200))
     assert whole <= half * 1.2
-    assert scatter.surprise(2.0 * white) > 2.0 * half
+    assert scatter.deviance(2.0 * white) > 2.0 * half

@@ -188,7 +188,7 @@ def test_scatter_of_a_residual(name, stays):
         {
             "scatter": vars(found),
             "without usual": vars(scatter.scatter_of(residual)),
-            "judged": [found.chance, found.misfit, found.doubtful, found.surprise(residual)],
+            "judged": [found.chance, found.misfit, found.doubtful, found.deviance(residual)],
             "whitened": found.whitened(residual),
             "sweep": [
                 vars(scatter.scatter_of_sweep(residual[: len(residual) // 2 * 2], known))

@@ -68,7 +68,8 @@ def command(
     worst = of_each(files, evaluate)
     if not tests:
         return worst
-    measured = measurement_of_tests(tests)
+    # As the table is called: of several files none gives it its name.
+    measured = measurement_of_tests(tests, output.stem if output is not None else None)
     if output is not None:
         write_measurement(measured, output)
     result = described(measured, files, output)

@@ -35,7 +35,7 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
 from springpot.writing import NAMED
 
-from ..numerics import ALIKE, PRINTED, SMALLEST
+from ..numerics import ALIKE, PRINTED, SMALLEST, projected_out
 from .grown import COLUMN, Untold
 from .result import NextExperiment
 
@@ -105,7 +105,7 @@ class Contest(ABC):
         if not np.all(np.isfinite(residual)):
             return 0.0
         absorbed = orthonormal(slopes[usable].T)
-        left = residual - absorbed @ (absorbed.T @ residual)
+        left = projected_out(residual, absorbed)
         return float(np.sqrt(left @ left))
 
     def fitted(self) -> float:

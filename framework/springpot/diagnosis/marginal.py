@@ -30,7 +30,7 @@ from springpot.misfit.refit import Refit
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, INTERVAL, VERDICT
 
-from ..numerics import ROUNDING, SMALLEST
+from ..numerics import ROUNDING, SMALLEST, projected_out
 
 if TYPE_CHECKING:
     from .grown import Grown, Search
@@ -358,7 +358,7 @@ def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
     # Projected, not read off the inverse of the information: that has no value along an open
     # valley.
     others = orthonormal(np.delete(slopes, rows, axis=1))
-    left = slopes[:, rows] - others @ (others.T @ slopes[:, rows])
+    left = projected_out(slopes[:, rows], others)
     return np.asarray(np.linalg.svd(left, compute_uv=False) ** 2, dtype=np.float64)
 
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from springpot.distributions import student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
-from springpot.memory import Links, samples_of_one
-from springpot.numerics import ALIKE, ENDLESS, ROUNDING
+from springpot.memory import Links, autocorrelation_time
+from springpot.numerics import ALIKE, ENDLESS, ROUNDING, projected_out
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
@@ -289,7 +289,7 @@ class FactorRows:
         (1 + r) / (1 - r) for their correlation r.
         """
         links = Links.of_levels(self.fit.measurement.omega, self.number)
-        return samples_of_one(self.residual / self.scale, links)
+        return autocorrelation_time(self.residual / self.scale, links)
 
     @cached_property
     def unit(self) -> float:
@@ -304,8 +304,8 @@ class FactorRows:
         """
         if self.expected is None:
             return self.fit.cost
-        surprise = self.expected.weighted @ np.log(self.fit.theta[list(self.own)])
-        return self.fit.cost + float(surprise @ surprise)
+        prior_residual = self.expected.weighted @ np.log(self.fit.theta[list(self.own)])
+        return self.fit.cost + float(prior_residual @ prior_residual)
 
 
 def columns_of_factors(model: Model) -> list[str]:
@@ -455,7 +455,7 @@ def without(basis: Real, columns: Real) -> Real:
     """What is left of columns (m, q) beside a basis (m, s)."""
     size = np.linalg.norm(basis, axis=0)
     left, _, _ = _spanned(basis[:, size > 0.0] / size[size > 0.0])
-    return columns - left @ (left.T @ columns)
+    return projected_out(columns, left)
 
 
 def _spread(rows: FactorRows, covariance: Real) -> Factors:

@@ -14,8 +14,8 @@ import numpy as np
 
 from springpot.distributions import f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.memory import Links, samples_of_one
-from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST, non_negative
+from springpot.memory import Links, autocorrelation_time
+from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST, non_negative, projected_out
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
@@ -66,9 +66,9 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
         # What was expected knows of no shift.
         beside = len(fit.expected.rows)
         freed = np.concatenate([freed, np.zeros((beside, freed.shape[1]))])
-        residual = np.concatenate([residual, known.surprise])
+        residual = np.concatenate([residual, known.prior_residual])
     basis = known.slopes[:, known.at_bound == 0]
-    gained = _spanned(_without(_spanned(basis), freed), np.linalg.norm(freed, axis=0))
+    gained = _spanned(projected_out(freed, _spanned(basis)), np.linalg.norm(freed, axis=0))
     spare = gained.shape[1]
     left = fit.dof - spare
     if not spare or left <= 0:
@@ -108,7 +108,7 @@ def widened(known: Uncertainty) -> Uncertainty:
 def _alike(known: Uncertainty, column: str) -> float:
     data = known.fit.measurement
     number = levels_of(column, data.points.need(column))
-    return samples_of_one(known.fit.residual, Links.of_levels(data.omega, number))
+    return autocorrelation_time(known.fit.residual, Links.of_levels(data.omega, number))
 
 
 def _spanned(columns: Real, whole: Real | None = None) -> Real:
@@ -121,10 +121,6 @@ def _spanned(columns: Real, whole: Real | None = None) -> Real:
         return np.zeros((len(columns), 0))
     left, values, _ = np.linalg.svd(columns[:, kept] / size[kept], full_matrices=False)
     return np.asarray(left[:, values > np.sqrt(RANK) * values[0]], dtype=np.float64)
-
-
-def _without(basis: Real, columns: Real) -> Real:
-    return np.asarray(columns - basis @ (basis.T @ columns), dtype=np.float64)
 
 
 OMEGA = np.geomspace(1e-3, 1e3, 61)

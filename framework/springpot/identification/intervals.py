@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.distributions import student
 from springpot.errors import OptionError
-from springpot.memory import remembering
+from springpot.memory import autoregressive
 from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED, ROUNDING
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
@@ -463,7 +463,7 @@ def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Com
     if parametric:
         drawn = rng.standard_normal((n, 2 * count)) * known.scale
         for rows in known.lines if known.memory else ():
-            drawn[:, rows] = remembering(drawn[:, rows], known.memory)
+            drawn[:, rows] = autoregressive(drawn[:, rows], known.memory)
     else:
         # The fit has taken its share of the scatter: residuals are smaller than the errors they
         # come from.

@@ -29,6 +29,8 @@ from springpot.numerics import (
     ROUNDING,
     SMALLEST,
     non_negative,
+    projected_out,
+    vertex,
 )
 from springpot.rheology.effect import Layer
 from springpot.rheology.elements import (
@@ -98,14 +100,14 @@ def own_parameters(model: Model) -> list[int]:
     return list(range(len(model.material.parameters), len(model.parameters)))
 
 
-def surprise_at(expected: Real, own: Real) -> Real:
+def prior_residual_of(expected: Real, own: Real) -> Real:
     """Departures (r,) of effects' parameters (q,) from what is expected (r, q) of some."""
     # A parameter of which nothing is expected may be zero, or have no logarithm.
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ np.log(own[known]), dtype=np.float64)
 
 
-def surprise_slopes(expected: Real, own: Real, by_u: Real) -> Real:
+def prior_slopes(expected: Real, own: Real, by_u: Real) -> Real:
     """Slopes (r, p) of these departures, from those (q, p) of the parameters."""
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ (by_u[known] / own[known, None]), dtype=np.float64)
@@ -193,12 +195,12 @@ class SpectrumSearch:
         """Search coordinates (q,) of the effects' parameters."""
         return self.coordinates.u(np.asarray(own, dtype=float).copy(), self.size)
 
-    def surprise(self, u: Real) -> Real:
+    def prior_residual(self, u: Real) -> Real:
         """How far the effects' parameters at `u` lie from what is expected, weighted (r,)."""
         # Where nothing is expected, a parameter may be zero and have no logarithm.
         if not len(self.expected):
             return np.zeros(0)
-        return surprise_at(self.expected, self.theta_of(u))
+        return prior_residual_of(self.expected, self.theta_of(u))
 
     def with_lines(self, log_rates: Real) -> Model:
         """The model with a spectrum of these lines."""
@@ -339,8 +341,8 @@ class SpectrumSearch:
     def _weights_solved(self, at: Solving, residual: Real, columns: Real) -> bool:
         """Take the weights of the columns (m, 2n) that leave least; whether to do so once more."""
         trial = at.trial
-        surprise = self.surprise(trial.u)
-        beside = float(surprise @ surprise)
+        prior_residual = self.prior_residual(trial.u)
+        beside = float(prior_residual @ prior_residual)
         with np.errstate(over="ignore"):
             cost = float(residual @ residual) + beside
         if not np.isfinite(cost):
@@ -416,11 +418,11 @@ class SpectrumSearch:
         # What the weights of the spectrum would take up of a change is no gain of the effects
         # (Golub and Pereyra).
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), SMALLEST))
-        slopes = slopes - basis @ (basis.T @ slopes)
+        slopes = projected_out(slopes, basis)
         if len(self.expected):
-            residual = np.concatenate([residual, -self.surprise(trial.u)])
+            residual = np.concatenate([residual, -self.prior_residual(trial.u)])
             turn = self.coordinates.slopes(own, self.size)
-            slopes = np.concatenate([slopes, surprise_slopes(self.expected, own, turn)])
+            slopes = np.concatenate([slopes, prior_slopes(self.expected, own, turn)])
         downhill = slopes.T @ residual
         # What rests on its bound and would go beyond is left where it is.
         resting = ((trial.u <= self.low) & (downhill < 0.0)) | (
@@ -480,10 +482,7 @@ class SpectrumSearch:
         slope = columns @ self.weigh(self.data - response.value) / size
         worth = slope[1:-1] > NEGLIGIBLE * np.sqrt(trial.cost)
         peaks = 1 + np.flatnonzero((slope[1:-1] >= slope[:-2]) & (slope[1:-1] >= slope[2:]) & worth)
-        before, at, after = slope[peaks - 1], slope[peaks], slope[peaks + 1]
-        # The top of the parabola through three neighbours; of a flat one its middle.
-        bend = np.minimum(before - 2.0 * at + after, -SMALLEST)
-        tops = grid[peaks] + 0.5 * FINE * (before - after) / bend
+        tops = grid[peaks] + FINE * vertex(slope[peaks - 1], slope[peaks], slope[peaks + 1])
         # On a lattice of their own, so that what rounding adds to the data moves no line.
         return np.asarray(FINEST * np.unique(np.round(tops / FINEST)), dtype=np.float64)
 
@@ -517,9 +516,9 @@ class SpectrumSearch:
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
-        surprise = self.surprise(trial.u)
+        prior_residual = self.prior_residual(trial.u)
         # What was expected guides the search; the objective that is told is that of the data.
-        cost = trial.cost - float(surprise @ surprise)
+        cost = trial.cost - float(prior_residual @ prior_residual)
         return model, theta, cost
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned as thinned_rows
-from springpot.numerics import DECADE, MOST_STEPS, SMALLEST
+from springpot.numerics import DECADE, MOST_STEPS, vertex
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.factors import arrhenius, wlf
@@ -120,9 +120,9 @@ def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, 
     error[0] -= log_b[:, None]
     # Heavy tails: one end of a sweep may be the instrument's.
     tails = 2.0 * np.log1p(error**2 / sd**2) + 2.0 * np.log(sd)
-    surprise = np.sum(tails, axis=(0, -1)) + (log_b / LIFT) ** 2
-    best = int(np.argmin(surprise))
-    return float(grid[best]) + STEP * _vertex(surprise, best), float(log_b[best])
+    deviance = np.sum(tails, axis=(0, -1)) + (log_b / LIFT) ** 2
+    best = int(np.argmin(deviance))
+    return float(grid[best]) + STEP * _vertex(deviance, best), float(log_b[best])
 
 
 def _vertex(values: Real, i: int) -> float:
@@ -130,8 +130,7 @@ def _vertex(values: Real, i: int) -> float:
     # At an end of the grid there is no neighbour for a parabola.
     if not 0 < i < len(values) - 1:
         return 0.0
-    before, here, after = values[i - 1 : i + 2]
-    return float(0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST))
+    return float(vertex(*values[i - 1 : i + 2]))
 
 
 def aligned(model: Model, measurement: Measurement) -> dict[str, float]:

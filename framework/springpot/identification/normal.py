@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, SMALLEST
+from ..numerics import ALIKE, SMALLEST, projected_out
 
 Mask = NDArray[np.bool_]
 
@@ -531,7 +531,7 @@ class Eliminated:
                 u, own = part.followed[k], np.zeros(part.rest.shape[1])
                 own[: len(rows[part.levels[k]])] = slope[rows[part.levels[k]]]
                 mine = axes[first:last].reshape(*part.rest.shape[:2], axes.shape[1])[k]
-                parts.append((own - u @ (u.T @ own), mine))
+                parts.append((projected_out(own, u), mine))
                 along += mine.T @ parts[-1][0]
             first = last
         moved = float(along @ along)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from springpot.distributions import student
 from springpot.measurement.mixed_tests import longest_memory, sweeps_of
 from springpot.measurement.units import Units
-from springpot.memory import LIKENESS, Links, covariance_along, told_by, worth_of
+from springpot.memory import LIKENESS, Links, covariance_along, effective_share, fitted_memory
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import WIDEST, SearchForm, box_of
 from springpot.rheology.points import Real
@@ -22,7 +22,7 @@ from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING
 from .fitted import Fit
-from .material import surprise_at, surprise_slopes
+from .material import prior_residual_of, prior_slopes
 from .normal import (
     PART,
     RANK,
@@ -124,7 +124,7 @@ class Uncertainty:
         dof = self.fit.dof if self.spread is None else self.spread[1]
         if self.spread is None and self.absolute:
             return float("inf")
-        return dof * worth_of(self.memory)
+        return dof * effective_share(self.memory)
 
     @property
     def quantile(self) -> float:
@@ -218,7 +218,7 @@ class Uncertainty:
         columns = np.column_stack([self._followed.basis[: 2 * n], fit.residual])
         if not np.all(np.isfinite(columns)):
             return 0.0
-        told = told_by(columns, Links.along(self.lines), longest_memory(sweeps))
+        told = fitted_memory(columns, Links.along(self.lines), longest_memory(sweeps))
         # What hardly ever comes back is no noise but a misfit, as wide as the intervals say it is.
         return told.memory if told.gain > 0.0 and told.likeliest <= LIKENESS else 0.0
 
@@ -283,12 +283,12 @@ class Uncertainty:
         return Followed(basis[:, known], spread, lost)
 
     @property
-    def surprise(self) -> Real:
+    def prior_residual(self) -> Real:
         """How far the effects' parameters lie from what was expected of them, (r,)."""
         if self.fit.expected is None:
             return np.zeros(0)
         rows = self.fit.expected.weighted
-        return surprise_at(rows, self.fit.theta[-rows.shape[1] :])
+        return prior_residual_of(rows, self.fit.theta[-rows.shape[1] :])
 
     @property
     def slopes(self) -> Real:
@@ -301,7 +301,7 @@ class Uncertainty:
         rows = self.fit.expected.weighted
         own = self.fit.theta[-rows.shape[1] :]
         turn = self.fit.task.coordinates.slopes(self.fit.theta, self.fit.task.coordinates.size[0])
-        return np.concatenate([self.fit.jacobian_u, surprise_slopes(rows, own, turn[-len(own) :])])
+        return np.concatenate([self.fit.jacobian_u, prior_slopes(rows, own, turn[-len(own) :])])
 
     @cached_property
     def correlation(self) -> Real:

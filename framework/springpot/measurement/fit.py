@@ -154,8 +154,8 @@ def _levelled(power: Real, kept: Real, ratio: Real) -> Real:
     (white noise has slope 0, a random walk 2).
     """
     levels = np.maximum(power.T @ ratio[:, None] ** SLOPES, np.finfo(float).tiny)
-    surprise = np.sum(kept) * np.log(levels) - (kept @ np.log(ratio)) * SLOPES
-    likeliest = np.argmin(surprise + 0.5 * SLOPES**2, axis=1)
+    deviance = np.sum(kept) * np.log(levels) - (kept @ np.log(ratio)) * SLOPES
+    likeliest = np.argmin(deviance + 0.5 * SLOPES**2, axis=1)
     return np.asarray(levels[np.arange(len(levels)), likeliest])
 
 

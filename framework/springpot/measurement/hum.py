@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, vertex
 from .rounding import EVEN, is_even
 
 MAINS = (50.0, 60.0)
@@ -172,8 +172,7 @@ def _of_a_motion(imposed: Real) -> tuple[NDArray[np.bool_], int]:
     own |= number <= max(HARMONICS) * np.max(number[power > EVEN * power.max()], initial=0.0)
     top = int(np.argmax(power))
     # Where it lies between two ordinates, by a parabola.
-    before, here, after = np.log(np.maximum(np.pad(power, 1)[top : top + 3], SMALLEST))
-    apart = number[top] + 0.5 * (before - after) / min(before - 2.0 * here + after, -SMALLEST)
+    apart = number[top] + vertex(*np.log(np.maximum(np.pad(power, 1)[top : top + 3], SMALLEST)))
     order = np.round(number / apart)
     own |= (np.abs(number - order * apart) <= WIDE) & (order <= AROUND)
     return own, top + 1

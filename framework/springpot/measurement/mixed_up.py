@@ -16,7 +16,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from springpot.memory import samples_of_one
+from springpot.memory import autocorrelation_time
 from springpot.numerics import BEYOND, PER_DECADE, non_negative
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import SIGNALS
@@ -251,7 +251,7 @@ def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
         return False
     rest = pulled - (columns / size) @ amounts
     # What is left of a record is alike from sample to sample: it holds fewer than it seems.
-    power = float(np.mean(rest**2)) * samples_of_one(rest)
+    power = float(np.mean(rest**2)) * autocorrelation_time(rest)
     inverse = np.linalg.inv((columns / size).T @ (columns / size))
     sd = np.sqrt(np.diag(inverse) * power)
     stiffness, damping = amounts[1:] / np.maximum(sd[1:], np.finfo(float).tiny)

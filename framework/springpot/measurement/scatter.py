@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
-from springpot.memory import worth_of
+from springpot.memory import effective_share
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
@@ -151,7 +151,7 @@ class Noise:
     @property
     def worth(self) -> float:
         """Independent numbers that each point is worth where the misfit is slow."""
-        return worth_of(self.memory)
+        return effective_share(self.memory)
 
     def log_likelihood(self, rss: float, size: float) -> float:
         """Log-likelihood of a whitened residual sum of squares.

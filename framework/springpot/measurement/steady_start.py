@@ -14,7 +14,7 @@ import numpy as np
 from springpot.distributions import f_sf
 from springpot.rheology.points import STEADY, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST, vertex
 from .imposed import Loading
 from .rounding import is_even
 
@@ -204,9 +204,8 @@ def period_of(value: Real) -> tuple[int, int]:
     tried = near[near <= n - PERIODS_AFTER * shortest]
     if not len(tried):
         return 0, 0
-    before, here, after = apart[shortest - 1 : shortest + 2]
     # It need not be a whole number of samples: by a parabola.
-    period = shortest + 0.5 * (before - after) / max(before - 2.0 * here + after, SMALLEST)
+    period = shortest + float(vertex(*apart[shortest - 1 : shortest + 2]))
     # The fewest that lie as well as any: more of them leave less of a record to compare.
     least = float(np.min(apart[tried]))
     best = int(tried[np.argmax(apart[tried] <= 2.0 * least + NEGLIGIBLE**2)])

@@ -23,7 +23,7 @@ from springpot.measurement.units import TIME_UNITS
 from springpot.rheology.points import Real
 from springpot.thresholds import COURSE, VERDICT
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, projected_out
 from .error import plain
 from .frame import LEAST_SEEN, NoiseFrame, beyond
 
@@ -247,7 +247,7 @@ def _seen(frame: NoiseFrame, time: Real, aside: NDArray[np.bool_]) -> tuple[floa
     spare = frame.size - sum(int(each.shape[1]) for each in (frame.absorbed, lost, others, basis))
     if spent == 0 or spare <= 0:
         return None
-    judged = frame.rest - lost @ (lost.T @ frame.rest)
+    judged = projected_out(frame.rest, lost)
     misfit = float(judged @ judged)
     taken, beside = (float(np.sum((each.T @ judged) ** 2)) for each in (basis, others))
     rest = max(misfit - taken - beside, SMALLEST)

@@ -26,12 +26,12 @@ from springpot.measurement.scatter import (
     plausible_variance,
     robust_noise_shape,
 )
-from springpot.memory import Remembering, surprise, told_by, worth_of
+from springpot.memory import FittedMemory, deviance, effective_share, fitted_memory
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, SCATTER, VERDICT
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, projected_out
 from .frame import (
     ENOUGH_NEIGHBOURS,
     FEWEST_OWN,
@@ -164,7 +164,7 @@ def likelihood_of_all(fitted: Refit) -> float:
     Noise of another shape or memory makes the same data more or less likely.
     """
     frame, parts = fitted.frame(), fitted.noise.parts
-    cost, _ = surprise(frame.residual[:, None], fitted.noise.memory, frame.links)
+    cost, _ = deviance(frame.residual[:, None], fitted.noise.memory, frame.links)
     price = (frame.size - fitted.dof) * float(np.log(frame.size))
     return -0.5 * (cost + price) - float(np.sum(np.log(parts.real * parts.imag)))
 
@@ -465,12 +465,12 @@ def scatter_about(frame: NoiseFrame) -> ScatterAbout:
     doi:10.1214/aoms/1177731746), these tell the noise.
     """
     scatter = trimmed(frame)
-    found = remembering(frame, scatter.kept)
+    found = autoregressive(frame, scatter.kept)
     if found is not None:
         about = ScatterAbout(float(found.new @ found.new) / found.free, float(found.free))
         # What is new with each point is white, or it is a misfit.
         if _by_neighbours(frame.measurement, found.new, about) is about:
-            worth = worth_of(found.memory**2)
+            worth = effective_share(found.memory**2)
             return ScatterAbout(about.variance, worth * found.free, found.memory)
     # Where a free spectrum has as many lines as there are numbers, all of the noise is followed:
     # none is left over.
@@ -516,19 +516,19 @@ def remembered(base: Refit, gain: float) -> Refit | None:
     if base.noise.memory or base.noise.source == "repeats":
         return None
     frame = base.frame()
-    found = remembering(frame, trimmed(frame).kept, alone=True)
+    found = autoregressive(frame, trimmed(frame).kept, alone=True)
     if found is None or found.gain < gain:
         return None
     noise = replace(base.noise, memory=found.memory)
     if base.noise.source == "estimated":
         size = float(np.sqrt(found.new @ found.new / found.free))
-        noise = replace(noise.scaled(size), dof=worth_of(found.memory**2) * found.free)
+        noise = replace(noise.scaled(size), dof=effective_share(found.memory**2) * found.free)
     return in_noise(base, noise, STARTS_AGAIN)
 
 
-def remembering(
+def autoregressive(
     frame: NoiseFrame, kept: NDArray[np.bool_], alone: bool = False
-) -> Remembering | None:
+) -> FittedMemory | None:
     """Noise with a first-order memory along the sweeps; None where white noise is as likely.
 
     Or white noise beside one of `_misfits`. A number more costs what the Bayesian information
@@ -544,7 +544,7 @@ def remembering(
         beside = orthonormal(np.concatenate([followed, curves], axis=1))
         if frame.size - beside.shape[1] < FEWEST_OWN:
             continue
-        found = told_by(np.column_stack([beside, frame.residual]), frame.links, longest)
+        found = fitted_memory(np.column_stack([beside, frame.residual]), frame.links, longest)
         # Unless other sweeps show that it is not, what is so slow is a misfit.
         told = found.gain > 0.0 and (others or found.likeliest <= longest)
         if told and found.gain > _best_misfit(frame, beside):
@@ -557,7 +557,7 @@ def _best_misfit(frame: NoiseFrame, followed: Real) -> float:
 
     Of gain or phase or both, with the price of its numbers and of which of all it is.
     """
-    rest = frame.residual - followed @ (followed.T @ frame.residual)
+    rest = projected_out(frame.residual, followed)
     free, tried = frame.size - followed.shape[1], 0
     faults = frame.relative(np.ones((1, frame.size // 2)))
     # A shape is the same in both parts of a point: their sum is taken once for all shapes.

@@ -22,11 +22,11 @@ from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, freque
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
-from springpot.memory import Links, forgetting, remembering, worth_of
+from springpot.memory import Links, autoregressive, effective_share, prewhitened
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
-from ..numerics import ALIKE, SMALLEST
+from ..numerics import ALIKE, SMALLEST, projected_out
 
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
@@ -244,7 +244,7 @@ def near_an_alarm(chance: float, draws: int) -> bool:
 
 def beyond(columns: Real, known: Real, least: float = LEAST_SEEN) -> Real:
     """Orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
-    left = columns - known @ (known.T @ columns)
+    left = projected_out(columns, known)
     return orthonormal(left[:, np.linalg.norm(left, axis=0) > least], least)
 
 
@@ -298,7 +298,7 @@ class NoiseFrame:
     @property
     def worth(self) -> float:
         """Independent numbers that each point is worth to slow curves."""
-        return worth_of(self.memory)
+        return effective_share(self.memory)
 
     @property
     def size(self) -> int:
@@ -354,7 +354,7 @@ class NoiseFrame:
         """
         if self.memory:
             for rows, _ in sweeps_of(self.measurement):
-                new[..., rows] = remembering(new[..., rows], self.memory)
+                new[..., rows] = autoregressive(new[..., rows], self.memory)
         return new
 
     @cached_property
@@ -508,13 +508,13 @@ class NoiseFrame:
         relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
         links = Links.along([rows for rows, _ in sweeps_of(self.measurement)])
-        relative = forgetting(relative, self.memory, links)
+        relative = prewhitened(relative, self.memory, links)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
         """Columns (2n, m) without what the fitted parameters can follow."""
         # In this order: the projection as a matrix would have (2n)^2 entries.
-        return columns - self.absorbed @ (self.absorbed.T @ columns)
+        return projected_out(columns, self.absorbed)
 
     def beyond(self, columns: Real, least: float = 1e-6) -> Real:
         """Orthonormal basis (2n, q) of columns (2n, m) less what the parameters can follow.
@@ -547,7 +547,7 @@ class NoiseFrame:
         """Orthonormal basis (2n, q) of what all sweeps share at a frequency and is not slow."""
         columns = self.relative(shared_shapes(self.measurement))
         # Without the slow part, so that no freedom is counted twice in `structured`.
-        return self.beyond(columns - self.smooth @ (self.smooth.T @ columns))
+        return self.beyond(projected_out(columns, self.smooth))
 
     @cached_property
     def common(self) -> Real:
@@ -627,7 +627,7 @@ class NoiseFrame:
 
         Noise, if all is well.
         """
-        return self.rest - self.structured @ (self.structured.T @ self.rest)
+        return projected_out(self.rest, self.structured)
 
     @property
     def rough_dof(self) -> int:

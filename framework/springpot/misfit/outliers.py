@@ -30,7 +30,7 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
-from ..numerics import ALIKE, ROUNDING, SMALLEST
+from ..numerics import ALIKE, ROUNDING, SMALLEST, projected_out
 from .error import plain, point_in_words
 from .frame import (
     FEWEST_OWN,
@@ -139,7 +139,7 @@ def left_by(followed: Real, values: Real, rows: NDArray[np.bool_]) -> Real:
     rows : ndarray of bool, shape (2n,)
         To which rows.
     """
-    left = values - followed @ (followed.T @ values)
+    left = projected_out(values, followed)
     out = followed[~rows]
     if not len(out):
         return np.asarray(left, dtype=np.float64)
@@ -153,7 +153,7 @@ def left_by(followed: Real, values: Real, rows: NDArray[np.bool_]) -> Real:
 
 def _beside(followed: Real, columns: Real) -> Real:
     """An orthonormal basis (2n, q) with further columns (2n, m)."""
-    left = columns - followed @ (followed.T @ columns)
+    left = projected_out(columns, followed)
     seen = np.linalg.norm(left, axis=0) > LEAST_SEEN * np.linalg.norm(columns, axis=0)
     return np.concatenate([followed, orthonormal(left[:, seen])], axis=1)
 
@@ -521,7 +521,7 @@ def _squares(
     n = len(frame.measurement)
     both = np.concatenate([rows, rows + n])
     basis, _ = np.linalg.qr(followed[both])
-    left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
+    left = projected_out(frame.residual[both], basis)
     # Where curves follow most of a point, its residual is small however wrong it is: so it is
     # brought to full size.
     free = 1.0 - np.sum(basis**2, axis=1)

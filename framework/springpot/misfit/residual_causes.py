@@ -34,7 +34,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, rms
+from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, projected_out, rms
 from .error import percent, plain
 from .frame import (
     ENOUGH_NEIGHBOURS,
@@ -97,9 +97,9 @@ def causal_evidence(frame: NoiseFrame, x: Real, groups: Sequence[Rows]) -> float
             # curve.
             absorbed = orthonormal(frame.absorbed[both])
             values = frame.residual[both]
-            values = values - absorbed @ (absorbed.T @ values)
+            values = projected_out(values, absorbed)
             for name, columns in _bumps(frame, x, rows, width * step):
-                columns = columns - absorbed @ (absorbed.T @ columns)
+                columns = projected_out(columns, absorbed)
                 total[name] = total.get(name, 0.0) + _evidence_of_bumps(
                     columns, values, size * SIZES
                 )

@@ -27,10 +27,18 @@ from springpot.measurement.rounding import digit_of, is_even
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.measurement.timetest import TimeTest
-from springpot.memory import forgetting, spectrum_of, worth_of
+from springpot.memory import effective_share, prewhitened, spectrum_of
 from springpot.rheology.points import Real
 
-from ..numerics import DEVIATIONS, FOURTH_WORTH, MEDIAN_WORTH, NORMAL, SMALLEST, non_negative
+from ..numerics import (
+    DEVIATIONS,
+    FOURTH_WORTH,
+    MEDIAN_WORTH,
+    NORMAL,
+    SMALLEST,
+    non_negative,
+    projected_out,
+)
 from .coloured_noise import (
     FEWEST as FEWEST_OF_COLOUR,
     SLOWEST,
@@ -143,20 +151,20 @@ class ResidualScatter:
     def independent_squares(self, count: int) -> float:
         """So many of the squares of `count` samples are independent (Satterthwaite 1946)."""
         if self.colour is None:
-            return count * worth_of(self.memory**2)
+            return count * effective_share(self.memory**2)
         spectrum = self.colour.spectrum(frequencies(count))
         return float(np.sum(spectrum)) ** 2 / float(np.sum(spectrum**2))
 
     def squares(self, residual: Real, own: ResidualScatter) -> float:
-        """As `surprise`; where it may as well be noise of its `own` colour, over that noise."""
-        over_this = self.surprise(residual)
+        """As `deviance`; where it may as well be noise of its `own` colour, over that noise."""
+        over_this = self.deviance(residual)
         if own.colour is None or own.misfit:
             return over_this
         # The likelihood of a wider noise is less by the determinant, and each number of its
         # spectrum has a price.
         here, there = (each.spectrum(len(residual)) for each in (self, own))
         wider = float(np.sum(np.log(there / here))) + own.colour.count * np.log(len(residual))
-        return min(over_this, float(own.surprise(residual) + max(wider, 0.0)))
+        return min(over_this, float(own.deviance(residual) + max(wider, 0.0)))
 
     def spectrum(self, count: int) -> Real:
         """Variance of each number of the cosine transform of `count` samples."""
@@ -164,7 +172,7 @@ class ResidualScatter:
             return spectrum_of(frequencies(count), self.size, self.memory)
         return self.colour.spectrum(frequencies(count))
 
-    def surprise(self, residual: Real) -> float:
+    def deviance(self, residual: Real) -> float:
         """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
 
         That of Student where the size of the noise is itself uncertain: then a residual that is
@@ -180,7 +188,7 @@ class ResidualScatter:
         """A residual of which noise would leave independent numbers of variance one."""
         if self.colour is not None:
             return transformed(residual) / np.sqrt(self.spectrum(len(residual)))
-        return np.asarray(forgetting(residual, self.memory) / self.size, dtype=float)
+        return np.asarray(prewhitened(residual, self.memory) / self.size, dtype=float)
 
 
 def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> ResidualScatter:
@@ -373,7 +381,7 @@ def _beside_lines(
         waves = np.exp(1j * np.multiply.outer(near, np.arange(n)))
         turn = waves[int(np.argmax(np.abs(waves @ white)))]
         basis = np.linalg.qr(np.column_stack([turn.real, turn.imag]))[0]
-        rest = rest - basis @ (basis.T @ rest)
+        rest = projected_out(rest, basis)
     if first >= LOCAL:
         return noise
     own = scatter_of(rest, worth=worth)
@@ -542,7 +550,7 @@ def _chance_of_worst_part(residual: Real, memory: float) -> float:
     white = residual[1:] - memory * residual[:-1]
     # Squares of neighbours are correlated by the square of their memory: so many of them are
     # independent.
-    alike = worth_of(memory**2)
+    alike = effective_share(memory**2)
     # A short bump is smooth, and hardly there in what is new with each sample: so both are looked
     # at.
     return min(1.0, 2.0 * _worst_part(white, 0.0, 1.0), 2.0 * _worst_part(residual, memory, alike))
@@ -666,7 +674,7 @@ def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) ->
     every = np.column_stack([residual, powers])
     white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
     basis = np.linalg.qr(white[1:].T)[0]
-    left = white[0] - basis @ (basis.T @ white[0])
+    left = projected_out(white[0], basis)
     # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
     # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
     # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of

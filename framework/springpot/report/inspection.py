@@ -225,8 +225,9 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     if len(temperatures) > 1 and swept:
         return f"next: {suggested('mastercurve', spec)}"
     if "note parts" in result["provenance"] and swept:
-        used = next(part for part in result["parts"] if part["usable"])
-        return f"next: {suggested('compare', with_part(spec, used['number']))}"
+        # A file alone tells of no parts where nobody knows its columns before the user says them.
+        used = next((part["number"] for part in result["parts"] if part["usable"]), 1)
+        return f"next: {suggested('compare', with_part(spec, used))}"
     return f"next: {suggested('compare', spec)}"
 
 

@@ -367,8 +367,8 @@ def _fitted(
     given = task.log_factor(theta)
     away = given[used] - target
     # By what is known of each factor: far off where nothing is known is no departure.
-    surprise = np.abs(away) / np.sqrt(np.diag(covariance))
-    worst = float(factors.levels[used[int(np.argmax(surprise))]])
+    sigmas = np.abs(away) / np.sqrt(np.diag(covariance))
+    worst = float(factors.levels[used[int(np.argmax(sigmas))]])
     off = rms(away)
     return LawFit(law, theta, *bounds, given, off, chance, evidence, verdict, worst)
 

@@ -15,7 +15,15 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.identification.material import CLOSER
-from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, evenly, non_negative
+from springpot.numerics import (
+    DECADE,
+    ENOUGH,
+    HALVINGS,
+    PER_DECADE,
+    evenly,
+    non_negative,
+    projected_out,
+)
 from springpot.rheology.points import Real, real_form
 
 from .residuals_of_tests import InTimePart, TestPart
@@ -145,7 +153,7 @@ def _settled(part: TestPart, logs: Real, ends: tuple[float, float]) -> tuple[Rea
         slopes = (ahead - behind) / (2.0 * MOVED) * amounts[2:]
         basis = np.linalg.qr(columns)[0]
         move = np.linalg.lstsq(
-            slopes - basis @ (basis.T @ slopes), target - columns @ amounts, rcond=1e-8
+            projected_out(slopes, basis), target - columns @ amounts, rcond=1e-8
         )[0]
         for share in SHARES:
             moved = np.clip(logs + share * move, *ends)

@@ -16,7 +16,7 @@ from springpot.distributions import f_sf
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
-from springpot.memory import worth_of
+from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -199,7 +199,7 @@ def independent_samples(residuals: Sequence[Real], noise: Sequence[ResidualScatt
     Bayley & Hammersley (1946, doi:10.2307/2983560).
     """
     pairs = zip(residuals, noise, strict=True)
-    counts = [len(value) * worth_of(scatter.memory) for value, scatter in pairs]
+    counts = [len(value) * effective_share(scatter.memory) for value, scatter in pairs]
     # Two at least: the logarithm of their number is what a parameter costs.
     return max(float(sum(counts)), 2.0)
 

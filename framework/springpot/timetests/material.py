@@ -29,6 +29,7 @@ from springpot.numerics import (
     SMALLEST,
     TWO_DEVIATIONS,
     non_negative,
+    projected_out,
 )
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
@@ -528,7 +529,7 @@ def _beside(by_u: Real, each: Real) -> Real:
         return each
     # Variable projection: what the effects could take up of each line is taken out of it.
     basis = np.linalg.qr(by_u)[0]
-    return each - basis @ (basis.T @ each)
+    return projected_out(each, basis)
 
 
 def _left(by_weights: Real, by_u: Real, target: Real) -> float:

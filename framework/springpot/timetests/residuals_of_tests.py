@@ -20,7 +20,7 @@ from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
-from springpot.memory import samples_of_one
+from springpot.memory import autocorrelation_time
 from springpot.misfit.residual_scatter import (
     FEWEST,
     Imposed,
@@ -218,7 +218,7 @@ class TestPart(ABC):
 
     def sampled(self, residual: Real) -> float:
         """Mean square of a residual times the numbers that make up one independent one."""
-        return float(np.mean(residual**2)) * samples_of_one(self.neighbours(residual))
+        return float(np.mean(residual**2)) * autocorrelation_time(self.neighbours(residual))
 
     def beside(self, residual: Real, parameters: int) -> float:
         """By how much its variance exceeds the noise's, where more than the parameters tell it."""

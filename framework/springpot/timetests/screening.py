@@ -13,7 +13,7 @@ import numpy as np
 from springpot.diagnosis.result import Fitted, TriedEffect, unseen
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
-from springpot.memory import worth_of
+from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -62,7 +62,7 @@ def leading_of_scan(
     """Scan entries of the effects that are worth a fit."""
     scatter = before.scatters[0]
     # Of noise whose neighbours are alike so many samples are one independent number.
-    unit = scatter.size**2 / worth_of(scatter.memory)
+    unit = scatter.size**2 / effective_share(scatter.memory)
     count = np.log(independent_samples(before.residuals, before.scatters))
 
     def hope(of_effect: list[ScanEntry]) -> float:

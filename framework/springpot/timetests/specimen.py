@@ -24,7 +24,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, ROOM, Real
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, projected_out
 from .residuals_of_tests import TestPart, part_of, reach_of, typical_stiffness
 
 RIGS = (ALL, SWEEPS)
@@ -335,7 +335,7 @@ class Tangent(NamedTuple):
 
     def left(self, values: Real) -> Real:
         """What of residuals (m,) or columns (m, c) the parameters cannot make."""
-        return np.asarray(values - self.basis @ (self.basis.T @ values))
+        return projected_out(values, self.basis)
 
     def step(self, residual: Real) -> Real:
         """The change of the parameters (p,) that makes a residual (m,), as nearly as they can."""

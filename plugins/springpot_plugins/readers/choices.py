@@ -349,7 +349,7 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
     )
     if block_lacks.endswith("of the displacement") and moved:
         title, unit = headings[moved - 1].title, normal_unit(headings[moved - 1].unit or "")
-        spec = f"{moved}=amplitude[{unit}]"
+        spec = f"{to_type(headings, moved)}=amplitude[{unit}]"
         says = f"{says}; if {title} is it, counted from the middle, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("amplitude", "column", {title: spec})])
     unknown = {key: title for key, title in unknown_in(headings).items() if title}
@@ -386,7 +386,7 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
     )
     if clock is not None:
         unit, title = normal_unit(headings[clock - 1].unit or ""), headings[clock - 1].title
-        spec = f"{clock}=frequency[{unit}]"
+        spec = f"{to_type(headings, clock)}=frequency[{unit}]"
         says = f"{says}; if {title} is it, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
     same = Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})
@@ -416,8 +416,8 @@ def ask_clock(title: Heading, place: int) -> OpenQuestion:
 
 def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) -> OpenQuestion:
     """The question whether a modulus beside a loss angle is the magnitude or the part in phase."""
-    place, unit = headings.index(each) + 1, stated_unit(each)
-    hints = {f"{role}[{unit}]": f"{place}={role}[{unit}]" for role in ("magnitude", "storage")}
+    called, unit = to_type(headings, headings.index(each) + 1), stated_unit(each)
+    hints = {f"{role}[{unit}]": f"{called}={role}[{unit}]" for role in ("magnitude", "storage")}
     whole, part = hints.values()
     hint = (
         f"; if {each.title} is the whole one, open 'FILE?{whole}', if it is the part in phase,"

@@ -101,7 +101,7 @@ def _said(sheets: Sequence[tuple[str, Grid]], choice: Choice) -> list[Block]:
     made: list[Block] = []
     for title, grid in sheets:
         try:
-            made += called_by_sheet(title, [numbers_said(grid, choice)])
+            made += called_by_sheet(title, apart([numbers_said(grid, choice)], choice))
         except OpenQuestion:
             raise
         except DataError:

@@ -117,8 +117,12 @@ def _in_workbook(path: Path, choice: Choice) -> list[Block]:
     if made:
         return made
     unnamed = ((title, _unnamed(grid, choice)) for title, grid in sheets)
-    said = [called_by_sheet(title, [block]) for title, block in unnamed if block is not None]
-    return [run for blocks in said for run in _runs(blocks[0], choice)]
+    said = [
+        called_by_sheet(title, apart([block], choice))
+        for title, block in unnamed
+        if block is not None
+    ]
+    return [run for blocks in said for block in blocks for run in _runs(block, choice)]
 
 
 def tables_in(grid: Grid, choice: Choice) -> list[Block]:

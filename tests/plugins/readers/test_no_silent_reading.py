@@ -5,8 +5,10 @@ import re
 import numpy as np
 import pytest
 
+from springpot.cli.inspection import described
 from springpot.errors import DataError
-from springpot.registry import open_in_time, open_measurement
+from springpot.registry import open_in_time, open_measurement, parts_of
+from springpot.report.inspection import next_step
 
 TIME, MODULUS = (0.5, 1.0, 2.0, 4.0, 8.0), (900.0, 800.0, 700.0, 600.0, 500.0)
 MOVED, PULLED = (1.0, 2.0, 3.0, 2.0, 1.0), (30.0, 60.0, 80.0, 50.0, 20.0)
@@ -247,3 +249,32 @@ def test_what_a_program_says_to_itself_is_no_name_of_a_test(tmp_path):
     names = "***End_of_Header***\nt [s],x [mm],F [N]"
     [test] = open_in_time(put(tmp_path, names, TIME, MOVED, PULLED))
     assert "part" not in test.provenance
+
+
+def written(folder, ending, names, *columns):
+    """A table as text or in a workbook."""
+    if ending == "csv":
+        return put(folder, ",".join(names), *columns)
+    book = pytest.importorskip("openpyxl").Workbook()
+    for row in (names, *zip(*columns, strict=True)):
+        book.active.append(row)
+    book.save(folder / "test.xlsx")
+    return folder / "test.xlsx"
+
+
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_curves_side_by_side_whose_titles_nobody_knows_are_told_by_their_number(tmp_path, ending):
+    names = ["f [Hz]", "K1 [N/mm]", "Loss angle [deg]"] * 2
+    path = written(tmp_path, ending, names, TIME, MODULUS, PULLED, TIME, PULLED, MOVED)
+    _, hints = asked(path, open_measurement)
+    opened = [open_measurement(hint) for hint in hints]
+    assert [len(each) for each in opened] == [10, 10]
+    result = described(opened[0], parts_of(hints[0]))
+    assert "#1" in next_step(result, hints[0])
+
+
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_tests_in_time_side_by_side_of_which_only_the_user_knows_open_all(tmp_path, ending):
+    path = written(tmp_path, ending, ["A", "B"] * 2, TIME, MODULUS, TIME, PULLED)
+    tests = open_in_time(f"{path}?A=time[s],B=relaxation[MPa]")
+    assert [test.response.tolist() for test in tests] == [list(MODULUS), list(PULLED)]
