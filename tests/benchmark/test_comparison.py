@@ -7,8 +7,9 @@ import warnings
 import numpy as np
 import pytest
 from benchmark_fakes import moody_study, small_study
+from synthetic import synthetic_store
 
-from springpot.benchmark import Findings, Store, run_study
+from springpot.benchmark import Findings, Store, comparison, run_study
 from springpot.benchmark.comparison import (
     OVER_ALL,
     CellScores,
@@ -23,7 +24,7 @@ from springpot.benchmark.comparison import (
     scopes,
     score_cell,
 )
-from springpot.benchmark.standings import rank_table
+from springpot.benchmark.standings import TABLES, rank_table, tables_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.benchmark.summary import CellRow, ProblemRow
 from springpot.benchmark.traces import at
@@ -223,6 +224,37 @@ def test_a_cell_of_failures_has_no_numbers(tmp_path):
     assert np.isinf(bad.curve).all()
     assert not bad.attained.any()
     assert all(choice.label == "walk" for choice in findings.choices)
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """A store of two problems, three optimisers and a hundred repetitions."""
+    return synthetic_store(tmp_path_factory.mktemp("drawn") / "drawn.sqlite", 2, 3, 100, 8)
+
+
+@pytest.mark.parametrize("at_once", [1, 700, 1600])
+def test_trials_scored_some_at_once_have_the_same_bits(drawn, monkeypatch, at_once):
+    with Store(drawn) as store:
+        whole = Findings.of(store).scores
+        monkeypatch.setattr(comparison, "AT_ONCE", at_once)
+        parts = Findings.of(store).scores
+    for one, other in zip(whole, parts, strict=True):
+        for name in ("hits", "values", "attained", "curve", "area"):
+            assert np.array_equal(getattr(one, name), getattr(other, name)), name
+
+
+def test_trials_are_kept_once(drawn):
+    with Store(drawn) as store:
+        findings = Findings.of(store)
+    dict(tables_of(findings, TABLES))
+    kept = [vars(each) for each in (*findings.races, *findings.rankings)]
+    rows = [value for fields in kept for value in fields.values() if isinstance(value, np.ndarray)]
+    assert not [each.shape for each in rows if 100 in each.shape]
+    # Hits, spent, area, repetition and an excess at each mark, of eight bytes; no truth.
+    each = findings.scores[0]
+    numbers = (each.hits, each.spent, each.area, each.repetitions, each.values)
+    assert sum(array.nbytes for array in numbers) == 100 * 8 * (4 + len(findings.scale.marks))
+    assert not each.oracles.size
 
 
 def test_a_problem_that_somebody_has_not_tried_is_left_out():

@@ -232,6 +232,18 @@ def test_bands_are_values_themselves():
     assert s.bands(odd)[1] == pytest.approx(np.median(odd, axis=0))
 
 
+@pytest.mark.parametrize("at_once", [1, 1500, 6000])
+def test_a_mean_interval_is_the_same_of_some_draws_at_once(rng, monkeypatch, at_once):
+    values = rng.exponential(size=(60, 3))
+    whole = s.mean_interval(values, np.random.default_rng(1))
+    monkeypatch.setattr(s, "AT_ONCE", at_once)
+    parts = s.mean_interval(values, np.random.default_rng(1))
+    # Not bit by bit: whether a product of fewer rows is the same is the processor's affair.
+    assert np.array([(i.low, i.high) for i in parts]) == pytest.approx(
+        np.array([(i.low, i.high) for i in whole]), rel=1e-12
+    )
+
+
 def test_mean_interval_agrees_with_scipys_bootstrap(rng):
     values = rng.exponential(size=(60, 2))
     ours = s.mean_interval(values, np.random.default_rng(1), draws=4000)

@@ -16,6 +16,7 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement
 
 from springpot.benchmark import Findings, Store, Study
 from springpot.benchmark.columns import trace_columns, trial_columns
+from springpot.benchmark.comparison import with_truth
 from springpot.benchmark.exporting import WRITERS
 from springpot.benchmark.gate import baseline, regression
 from springpot.benchmark.report.study import study_html
@@ -165,6 +166,8 @@ def finite(value):
 
 def test_scores_of_each_cell(store, stays):
     found = Findings.of(store)
+    trials = {cell.id: rows for cell, rows in store.raced()}
+    whole = [with_truth(each, trials[each.cell.id]) for each in found.scores]
     stays(
         {
             "targets": found.scale.targets,
@@ -172,7 +175,7 @@ def test_scores_of_each_cell(store, stays):
             "marks": found.scale.marks,
             "scores": [
                 {name: finite(value) for name, value in vars(each).items() if name != "cell"}
-                for each in found.scores
+                for each in whole
             ],
             "summaries": [
                 replace(each, cell=each.cell.label, reasons=sorted(each.reasons.items()))

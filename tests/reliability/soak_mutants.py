@@ -27,16 +27,6 @@ HARMLESS = {
         "True",
     ): "only a warning is at stake",
     (
-        "comparison/ranking.py",
-        "companions.insert(0, floor.model.effects)",
-        "1",
-    ): "which of the fits, sorted later, are made first",
-    (
-        "comparison/ranking.py",
-        "judged = Judgement(floor, lowest, 0.0, rng)",
-        "1.0",
-    ): "evidence that nobody asks of any material",
-    (
         "identification/measured_quantities.py",
         "while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):",
         "2e-06",
@@ -57,20 +47,10 @@ HARMLESS = {
         "1",
     ): "how many starts are tried at once",
     (
-        "identification/starts.py",
-        "passes = 1",
-        "2",
-    ): "of two gains one is held, and the second pass finds the same",
-    (
         "identification/uncertainty.py",
         "if self.at_bound[i] < 0:",
         "1",
     ): "on a bound it is never nothing",
-    (
-        "identification/material_fit.py",
-        "lower = [end for end in _on_laws(search, measurement, objective) if end.cost < best.cost]",
-        "end.cost <= best.cost",
-    ): "costs that are equal to the last bit",
     (
         "identification/robust.py",
         "spare, counts = max(begun.dof, 1), np.ones(len(begun.residual))",
@@ -111,11 +91,6 @@ HARMLESS = {
         "for each in range(int(number.max()) + 1):",
         "2",
     ): "a level more, which has no points",
-    (
-        "misfit/residual_causes.py",
-        "kept = power > 1e-10 * max(float(power[-1]), 1e-300)",
-        "2",
-    ): "a tolerance",
     (
         "identification/material.py",
         "basis, _ = material.basis(self.points.log_omega, False)",
@@ -162,11 +137,6 @@ HARMLESS = {
         " SIGNALS.first_cycle_alarm)",
         "chi2_sf(left, np.maximum(freedom, 1.0)) >= SIGNALS.first_cycle_alarm",
     ): "a chance that is a level to the last bit",
-    (
-        "testing/contract.py",
-        "objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12",
-        "2e-12",
-    ): "a tolerance",
     (
         "identification/free_factors.py",
         "known = values > LOST * values[0]",

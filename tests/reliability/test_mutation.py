@@ -190,3 +190,12 @@ def test_changes_that_change_nothing_are_told_of_and_not_counted(monkeypatch, co
     assert row.held == 1
     assert "not noticed: none; not noticed either" in row.measured
     assert "`x - x` (no sum matters)" in row.measured
+
+
+def test_a_change_that_is_called_harmless_is_of_a_line_that_stands_there():
+    gone = [
+        (place, line)
+        for place, line, _ in soak_mutants.HARMLESS
+        if "".join(line.split()) not in "".join((ROOT / PACKAGE / place).read_text("utf-8").split())
+    ]
+    assert gone == []

@@ -16,12 +16,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.numerics import AT_ONCE
 from springpot.rheology.points import Real
 from springpot.writing import counted
 
@@ -92,7 +93,7 @@ class CellScores:
     oracles, errors, covered : ndarray, shape (n,)
         Noise-free objective, largest relative error of the parameters, and share of their intervals
         that hold the truth; infinite, and of `covered` zero, where a trial failed; NaN where they
-        are not known.
+        are not known. Empty in a study without levels of noise, which asks for none of them.
     area : ndarray, shape (n,)
         Area over the convergence curve of each trial; see `area_over_curve`.
     """
@@ -158,6 +159,8 @@ def judged(store: Store) -> Iterator[tuple[CellRow, CellTrials, Real]]:
         # Noise of its own makes a trial's data another problem than those of its neighbours.
         known = [draws.get((cell.problem.id, r), best) for r in trials.column("repetition")]
         yield cell, trials, np.array(known)
+        # Or it would be in memory while the next is read.
+        del trials
 
 
 def reference_of(problem: ProblemRow, trial: TrialRow) -> float:
@@ -194,28 +197,46 @@ def score_cell(
     cell: CellRow, trials: CellTrials, best: Real | float, scale: JudgingScale
 ) -> CellScores:
     """Scores of a cell on data whose best known objective is `best`, (n,) or one for all."""
-    bests = np.broadcast_to(best, len(trials))
-    references, dead = _references(cell, trials), np.isnan(trials.numbers("best"))
-    # A trial that failed keeps its infinite time: it is never given a number.
-    traces = _traces(trials, ~dead)
-    owners, goals = traces.owners, goals_of(references, bests, scale.target)
-    excess = _excess(traces.values, bests[owners], references[owners])
-    # On the few evaluations of the grid: the traces may have thousands.
-    along = traces.at(excess, scale.grid)
+    bests, dead = np.broadcast_to(best, len(trials)), np.isnan(trials.numbers("best"))
+    hits, area = np.empty((2, len(trials)))
+    along = np.empty((len(trials), len(scale.grid)))
+    reached = np.zeros(len(scale.grid))
+    # Some trials at once: what is unpacked of a trace is many times what is kept of it.
+    step = max(1, AT_ONCE // len(scale.grid))
+    for first in range(0, len(trials), step):
+        own = slice(first, first + step)
+        references = _references(cell, trials[own])
+        # A trial that failed keeps its infinite time: it is never given a number.
+        traces = _traces(trials[own], ~dead[own])
+        owners = traces.owners
+        excess = _excess(traces.values, bests[own][owners], references[owners])
+        # On the few evaluations of the grid: the traces may have thousands.
+        along[own] = traces.at(excess, scale.grid)
+        reached += traces.reached(excess, scale.targets, scale.grid)
+        hits[own] = traces.hits(goals_of(references, bests[own], scale.target))
+        area[own] = area_over_curve(traces, excess, scale)
     return CellScores(
         cell,
         repetitions=np.array(trials.column("repetition")),
-        hits=traces.hits(goals),
+        hits=hits,
         spent=trials.numbers("evaluations"),
         values=along[:, np.searchsorted(scale.grid, scale.marks)],
-        attained=traces.shares(excess, scale.targets, scale.grid),
+        attained=reached / len(trials) / len(scale.targets),
         curve=bands(along),
         clean=_clean(trials, scale),
         dimension=next((len(trials[int(i)].theta) for i in np.flatnonzero(~dead)), 0),
+        area=area,
+    )
+
+
+def with_truth(scores: CellScores, trials: CellTrials) -> CellScores:
+    """Scores with what is known of a cell's trials by the truth: asked for by levels of noise."""
+    dead = np.isnan(trials.numbers("best"))
+    return replace(
+        scores,
         oracles=np.where(dead, np.inf, trials.numbers("oracle")),
         errors=np.where(dead, np.inf, trials.numbers("parameter_error")),
         covered=np.where(dead, 0.0, trials.numbers("covered")),
-        area=area_over_curve(traces, excess, scale),
     )
 
 
@@ -290,18 +311,39 @@ class ProblemRace:
     problem : ProblemRow
         Which problem.
     cells : tuple of CellScores
-        One for each entrant.
-    hits, spent : ndarray, shape (entrants, n)
-        As in `CellScores`.
-    values : ndarray, shape (entrants, n, m)
-        Excess at each mark.
+        One for each entrant; their numbers are brought together when asked for, and not kept twice.
     """
 
     problem: ProblemRow
     cells: tuple[CellScores, ...]
-    hits: Real
-    spent: Real
-    values: Real
+
+    @cached_property
+    def shared(self) -> list[NDArray[np.bool_]]:
+        """Which trials of each cell every entrant has."""
+        # Only where all have run: an entrant must not win by the repetitions that others have still
+        # to do.
+        common = sorted(set.intersection(*(set(cell.repetitions.tolist()) for cell in self.cells)))
+        return [np.isin(cell.repetitions, common) for cell in self.cells]
+
+    @property
+    def repetitions(self) -> int:
+        """How many every entrant has finished."""
+        return int(self.shared[0].sum())
+
+    @property
+    def hits(self) -> Real:
+        """Evaluations (entrants, n) at which the target was reached, as in `CellScores`."""
+        return self.of_trials("hits")
+
+    @property
+    def spent(self) -> Real:
+        """Evaluations of each trial, (entrants, n)."""
+        return self.of_trials("spent")
+
+    @property
+    def values(self) -> Real:
+        """Excess at each mark, (entrants, n, m)."""
+        return self.of_trials("values")
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -309,8 +351,9 @@ class ProblemRace:
         return tuple(scores.cell.label for scores in self.cells)
 
     def of_trials(self, name: str) -> Real:
-        """A property of the cells' trials, (entrants, n)."""
-        return of_trials(self.cells, name)
+        """A property of the cells' trials, (entrants, n, ...)."""
+        each = zip(self.cells, self.shared, strict=True)
+        return np.stack([getattr(cell, name)[which] for cell, which in each])
 
     @property
     def dimension(self) -> int:
@@ -326,23 +369,9 @@ def races_of(scores: Iterable[CellScores]) -> list[ProblemRace]:
     # Ranks among fewer entrants would be better ones: such a problem cannot stand beside the
     # others.
     entrants = max((len(cells) for cells in by_problem.values()), default=0)
-    complete = [_race(cells) for cells in by_problem.values() if len(cells) == entrants]
-    return [race for race in complete if race.hits.shape[1]]
-
-
-def _race(cells: Sequence[CellScores]) -> ProblemRace:
-    # Only where all have run: an entrant must not win by the repetitions that others have still to
-    # do.
-    names = ("hits", "spent", "values")
-    return ProblemRace(
-        cells[0].cell.problem, tuple(cells), *(of_trials(cells, name) for name in names)
-    )
-
-
-def of_trials(cells: Sequence[CellScores], name: str) -> Real:
-    """A property of the trials of cells, (cells, n, ...), of the repetitions that all have."""
-    common = sorted(set.intersection(*(set(cell.repetitions.tolist()) for cell in cells)))
-    return np.stack([getattr(cell, name)[np.isin(cell.repetitions, common)] for cell in cells])
+    complete = [cells for cells in by_problem.values() if len(cells) == entrants]
+    races = [ProblemRace(cells[0].cell.problem, tuple(cells)) for cells in complete]
+    return [race for race in races if race.repetitions]
 
 
 LEVEL = 0.05
@@ -478,8 +507,8 @@ class MeanRanks:
     ----------
     scope : str
         Which problems.
-    budget : int
-        Evaluations.
+    budget, mark : int
+        Evaluations, and which of the study's marks they are.
     labels : tuple of str
         The optimisers.
     ranks : tuple of Interval
@@ -488,8 +517,10 @@ class MeanRanks:
     p : ndarray, shape (k, k)
         Of all pairs, adjusted by Holm: Wilcoxon's signed-rank test over problems, of a single one
         Mann and Whitney's over its trials.
-    reached : sequence of ndarray, shape (k, n) each
-        What the trials had reached, by problem.
+    races : sequence of ProblemRace
+        What is ranked; their trials are compared by pairs when asked for.
+    target : float
+        Excess below which nothing counts.
     statistic, p_all : float
         Friedman's test that all are alike.
     blocks : int
@@ -502,10 +533,12 @@ class MeanRanks:
 
     scope: str
     budget: int
+    mark: int
     labels: tuple[str, ...]
     ranks: tuple[Interval, ...]
     p: Real
-    reached: Sequence[Real]
+    races: Sequence[ProblemRace]
+    target: float
     statistic: float
     p_all: float
     blocks: int
@@ -534,6 +567,13 @@ class MeanRanks:
         return np.array([rank.value for rank in self.ranks])
 
     @cached_property
+    def chance_tables(self) -> Real:
+        """`a12_table` of what the trials had reached on each problem, (problems, k, k)."""
+        # One problem at a time: what a million trials had reached is not kept for each ranking.
+        each = [a12_table(quality(race, self.mark, self.target)) for race in self.races]
+        return np.array(each)
+
+    @cached_property
     def posterior(self) -> Real | None:
         """Probabilities (k, k, 3) that the row's optimiser is better than the column's.
 
@@ -541,7 +581,7 @@ class MeanRanks:
         """
         if self.unit != PROBLEMS:
             return None
-        gaps = np.array([a12_table(reached) for reached in self.reached]) - 0.5
+        gaps = self.chance_tables - 0.5
         k = len(self.labels)
         found = np.zeros((k, k, 3))
         first, second = np.triu_indices(k, 1)
@@ -554,7 +594,7 @@ class MeanRanks:
     @cached_property
     def chances(self) -> Real:
         """Chances (k, k) that the row's optimiser ends below the column's on a problem (A12)."""
-        table: Real = np.mean([a12_table(reached) for reached in self.reached], axis=0)
+        table: Real = self.chance_tables.mean(axis=0)
         return table
 
     def alike(self, i: int) -> tuple[str, ...]:
@@ -589,24 +629,28 @@ def rankings(races: Sequence[ProblemRace], scale: JudgingScale) -> list[MeanRank
     return ranked
 
 
+def rank_blocks(races: Sequence[ProblemRace], mark: int, target: float) -> Real:
+    """Mean ranks of each problem's trials at a mark, (problems, entrants)."""
+    return np.stack([pooled_ranks(quality(race, mark, target)).mean(axis=1) for race in races])
+
+
 def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScale) -> MeanRanks:
     """The ranking over some races at one mark."""
-    reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
     pairs = pairs_of(len(labels))
-    among = [pooled_ranks(each) for each in reached]
     if len(races) > 1:
         unit = PROBLEMS
-        blocks = np.stack([ranks.mean(axis=1) for ranks in among])
+        blocks = rank_blocks(races, mark, scale.target)
         within = ranked(blocks)
         p, least = wilcoxon_holm(blocks), least_signed_rank(len(blocks)) * pairs
     else:
         unit = "repetitions"
-        blocks = reached[0].T
+        reached = quality(races[0], mark, scale.target)
+        blocks = reached.T
         # A trial's place among one trial of each: in the order of the choice, which ranks all of
         # them at once.
-        within = (among[0].T - 0.5) / len(blocks) + 0.5
-        p = mann_whitney_holm(reached[0])
+        within = (pooled_ranks(reached).T - 0.5) / len(blocks) + 0.5
+        p = mann_whitney_holm(reached)
         least = 2 * least_mann_whitney(len(blocks), len(blocks)) * pairs
     statistic = p_all = np.nan
     # Friedman's test takes three or more.
@@ -621,10 +665,12 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
     return MeanRanks(
         scope,
         scale.marks[mark],
+        mark,
         labels,
         tuple(ranks),
         p,
-        reached,
+        races,
+        scale.target,
         statistic,
         p_all,
         len(blocks),

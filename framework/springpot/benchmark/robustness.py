@@ -16,7 +16,7 @@ from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 from springpot.writing import Html, tag
 
-from .comparison import CellScores, JudgingScale, ProblemRace, quality
+from .comparison import CellScores, JudgingScale, ProblemRace, rank_blocks
 from .plan import stream_of
 from .statistics import (
     Interval,
@@ -111,8 +111,7 @@ class WithoutSome:
 
 def without_each(races: Sequence[ProblemRace], scale: JudgingScale) -> Iterator[WithoutSome]:
     """The ranking at the whole budget: of all, then without each problem and without each model."""
-    reached = [quality(race, -1, scale.target) for race in races]
-    blocks = np.stack([pooled_ranks(each).mean(axis=1) for each in reached])
+    blocks = rank_blocks(races, -1, scale.target)
     yield WithoutSome("", mean_ranks(blocks))
     if len(races) < 2:
         return

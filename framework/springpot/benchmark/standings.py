@@ -30,6 +30,7 @@ from .comparison import (
     races_of,
     rankings,
     score_cell,
+    with_truth,
 )
 from .robustness import (
     OF_ITS_OWN,
@@ -266,11 +267,13 @@ class Findings:
         # One cell at a time: a study of a million trials does not fit into memory.
         for cell, trials, best in judged(store):
             if scored:
-                scores[cell.id] = score_cell(cell, trials, best, scale)
-                hits = scores[cell.id].hits
+                found = score_cell(cell, trials, best, scale)
+                scores[cell.id] = with_truth(found, trials) if NOISY in facts else found
+                hits = found.hits
             else:
                 hits = hits_of(cell, trials, best, scale)
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
+            del trials
         # In the order of the study, which is not that in which the store has its trials.
         order = [cell.id for cell in store.cells() if cell.id in summaries]
         return cls(

@@ -363,19 +363,27 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
 
     They are values themselves, as infinity allows no mean.
     """
-    # In a copy in which they lie together: a sort across memory takes several times as long.
-    ordered = np.moveaxis(values, 0, -1).copy()
-    ordered.sort(axis=-1)
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
-    return np.moveaxis(ordered[..., places], -1, 0)
+    found = np.empty((len(places), *values.shape[1:]))
+    # One column after the other, in a copy in which it lies together: a sort across memory takes
+    # several times as long, and a copy of all as much memory as they do.
+    for column in np.ndindex(values.shape[1:]):
+        found[:, *column] = np.sort(values[:, *column])[places]
+    return found
 
 
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
     """Mean of each column of `values` (blocks, k), percentile bootstrap interval over blocks."""
     n = len(values)
-    # How often each block is drawn is all that a mean asks: no table of draws is made.
-    counts = rng.multinomial(n, np.full(n, 1.0 / n), size=draws)
-    return intervals(values.mean(axis=0), *np.quantile(counts @ values / n, [0.025, 0.975], axis=0))
+    means = np.empty((draws, values.shape[1]))
+    # Some draws at once, as a table of all of them grows with the trials of a problem; eight by
+    # eight, or a product ends in other last digits than that of all.
+    rows = 8 * max(1, AT_ONCE // (8 * n))
+    for first in range(0, draws, rows):
+        own = means[first : first + rows]
+        # How often each block is drawn is all that a mean asks: no table of draws is made.
+        own[:] = rng.multinomial(n, np.full(n, 1.0 / n), size=len(own)) @ values / n
+    return intervals(values.mean(axis=0), *np.quantile(means, [0.025, 0.975], axis=0))
 
 
 def mean_range(values: Real) -> list[Interval]:

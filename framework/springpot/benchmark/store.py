@@ -501,11 +501,16 @@ class Store:
                 kept = [row for row in rows if row is not None and row[1] < limit]
                 if kept and cell in known:
                     yield cell, CellTrials(trial_fields(), kept)
+                # Or they would be in memory while those of the next are read.
+                del rows, kept
 
     def raced(self) -> Iterator[tuple[CellRow, CellTrials]]:
         """The cells of the study as it was last run with their trials, one at a time in memory."""
         cells = {cell.id: cell for cell in self.cells()}
-        return ((cells[number], rows) for number, rows in self.trials() if number in cells)
+        for number, rows in self.trials():
+            if number in cells:
+                yield cells[number], rows
+            del rows
 
     def _broken(self, row: tuple[Any, ...], where: str) -> tuple[Any, ...] | None:
         """A damaged trial, without numbers; one whose own number is damaged is none."""

@@ -124,14 +124,14 @@ class Traces:
         end[first - 1] = len(grid)
         return np.repeat(shown, end - begin).reshape(len(first), len(grid))
 
-    def shares(self, excess: Real, targets: Real, grid: NDArray[np.int64]) -> Real:
-        """Share (g,) of trials and falling `targets` that an `excess` (N,) reached by `grid`."""
+    def reached(self, excess: Real, targets: Real, grid: NDArray[np.int64]) -> Real:
+        """How many falling `targets` an `excess` (N,) of all trials reached by `grid`, (g,)."""
         reached = np.searchsorted(-targets, -excess, side="right")
         before = np.roll(reached, 1)
         before[(np.cumsum(self.counts) - self.counts)[self.counts > 0]] = 0
         seen = np.searchsorted(grid, self.evaluations)
         new = np.bincount(seen, reached - before, minlength=len(grid) + 1)
-        return np.cumsum(new)[: len(grid)] / len(self.counts) / len(targets)
+        return np.cumsum(new, dtype=float)[: len(grid)]
 
     def hits(self, goals: Real) -> Real:
         """Evaluation at which each trial reached its goal (n,), infinite where it did not."""

@@ -333,7 +333,7 @@ def _too_few(ranking: MeanRanks) -> str:
         f" give, adjusted for all pairs, is {number(ranking.least, 2)}."
     )
     # One problem says nothing of the next, but much of itself.
-    if len(ranking.reached) > 1:
+    if len(ranking.races) > 1:
         text += " What holds on each of them is told below."
     return text
 
