@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
+from springpot import Measurement, diagnose
 from springpot.diagnosis import discovery, ladder
 from springpot.diagnosis.discovery import SweepRungs, searched_sets
 from springpot.diagnosis.evidence import Evidence
+from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.ladder import FoundSet, Rungs, rung_of
 from springpot.diagnosis.result import silent
-from springpot.diagnosis.search import search_from
+from springpot.diagnosis.scan import scan_effects
+from springpot.diagnosis.search import _less_one, search_from
 from springpot.misfit.error import Error
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.refit import refit
@@ -265,3 +268,37 @@ def test_the_best_set_is_minimal(three):
         rest = tuple(sorted(name for j, name in enumerate(best.names) if j != i))
         (without, *_) = [one for one in found.grown if one.key == rest]
         assert without.refit.log_evidence < best.refit.log_evidence - 5.0
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "left"),
+    [(DELAYED, []), (exact(KELVIN, SWEEP) * np.exp(-5e-4j * OMEGA), [("time-delay",)])],
+    ids=["both", "delay"],
+)
+def test_of_a_pair_what_can_be_spared_goes(stiffness, left):
+    base = fitted_to_floor(parse_model(KELVIN.name), measured(SWEEP, stiffness, level=0.002))
+    effects = tuple(plugins().effect(name) for name in ("inertia", "time-delay"))
+    scanned = scan_effects(base, base.frame(), effects)
+    search = Search(base, base.frame(), scanned, None)
+    model = sum(effects, base.model)
+    pair = Grown(effects, refit(model, base.data, base.noise, [], starts=2), 0.0)
+    less = _less_one(search, [pair])
+    assert [grown.names for grown in less] == left
+    assert all(grown.predicted == scanned.scores[0].predicted for grown in less)
+    search.grown.append(pair)
+    assert _less_one(search, [pair]) == [], "no better than what is known"
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", [0, 2, 3, 4])
+def test_a_sharp_resonance_that_only_a_pair_reaches_is_missing_by_itself(seed):
+    """It doubles K at 45 Hz, between two of 18 frequencies: far from what a tangent tells."""
+    frequency = np.linspace(1.4, 76.0, 18)
+    s, ratio = 2j * np.pi * frequency, frequency / 44.7
+    zener = 0.13 + 1.0 / (1.0 / 1.7 + 1.0 / (0.033 * s**0.66))
+    stiffness = 1.0 / (1.0 / zener + 0.125 / (1.0 - ratio**2 + 0.1j * ratio))
+    real, imaginary = np.random.default_rng(seed).standard_normal((2, 18))
+    noisy = stiffness * (1.0 + 0.014 * (real + 1j * imaginary))
+    found = diagnose(Measurement(s.imag, noisy), "fractional-zener")
+    assert found.says.endswith("missing is frame-resonance or another narrow feature")
+    assert found.best.effect == "frame-resonance"

@@ -32,8 +32,19 @@ from .grown import (
     scanned_beside,
 )
 from .in_practice import Accuracy
-from .ladder import Case, FoundSet, Ladder, Reached, Rungs, Step, accepted_of, climbed, in_order
-from .result import Candidate, Diagnosis, Fitted, Progress, silent, unseen
+from .ladder import (
+    Case,
+    FoundSet,
+    Ladder,
+    Reached,
+    Rungs,
+    Step,
+    accepted_of,
+    climbed,
+    first_named,
+    in_order,
+)
+from .result import Fitted, Progress, silent, unseen
 from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
 from .verdict import by_chain
@@ -366,7 +377,7 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
-    first = _first_named(case.diagnosis)
+    first = first_named(case.diagnosis)
     # Of a class that the data cannot tell apart only what is likelier than all the others goes in.
     if len(first.alike) > 1 and first.probability < VERDICT.likely:
         return None
@@ -389,19 +400,6 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     if case.evidence.one_frequency and not taken.isdisjoint(first.physics.needs):
         return None
     return first.physics
-
-
-def _first_named(diagnosis: Diagnosis) -> Candidate:
-    """The candidate that the headline names first, and the next step with it.
-
-    Else the first of the table.
-
-    The table may begin with one of a pair, of which another effect does more by itself than either.
-    """
-    for candidate in diagnosis.candidates:
-        if diagnosis.leading and candidate.effect == diagnosis.leading[0]:
-            return candidate
-    return diagnosis.candidates[0]
 
 
 def _explained(steps: list[Step], sets: Sequence[int] = ()) -> list[Step]:

@@ -46,7 +46,7 @@ from .grown import Search, Seek
 from .in_practice import Accuracy, Misfit, in_practice
 from .ladder import Case
 from .result import Diagnosis, Fitted, Progress, silent, unseen
-from .search import search_from
+from .search import go_on_from, search_from
 from .verdict import facts_of, rule_for
 
 
@@ -253,7 +253,7 @@ def _in_sharper_noise(
     if (noisier := remembered(search.base, gain - tried)) is not None:
         return seek(noisier, library, rng)
     if gain >= SEARCH.decisive and (sharper := sharpened(search.base, nearest)) is not None:
-        return seek(sharper, library, rng)
+        return go_on_from(seek(sharper, library, rng), search, rng)
     return search
 
 

@@ -36,6 +36,7 @@ from .grown import Search, Untold, key_of
 from .in_practice import Accuracy
 from .result import (
     SEEN,
+    Candidate,
     Diagnosis,
     Fitted,
     NextExperiment,
@@ -488,6 +489,23 @@ class Rungs(ABC, Generic[F]):
                 others.remove(effect)
                 stay.append(effect)
         return replaced_by(self, steps, found._replace(effects=(*stay, *others)), progress)
+
+
+def first_named(diagnosis: Diagnosis) -> Candidate:
+    """The candidate that the headline names first, and the next step with it.
+
+    Else the first of the table, which may begin with one of a pair of which another effect does
+    more by itself than either.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        With one candidate at least.
+    """
+    for candidate in diagnosis.candidates:
+        if diagnosis.leading and candidate.effect == diagnosis.leading[0]:
+            return candidate
+    return diagnosis.candidates[0]
 
 
 def accepted_of(steps: Sequence[Step]) -> tuple[Effect, ...]:

@@ -345,7 +345,58 @@ def fit_new(search: Search, asked: Sequence[AskedSet]) -> None:
     new = [each for each in once(asked) if each.key not in known]
     effort = effort_of(search)
     judged = [each.fitted(search.base, effort) for each in new if each.is_judged_by(search.base)]
-    search.grown += clear(search, judged)
+    search.grown += clear(search, [*judged, *_less_one(search, judged)])
+
+
+def _less_one(search: Search, tried: Sequence[Grown]) -> list[Grown]:
+    """The best of some sets without an effect that can be spared, from where the set ended.
+
+    What fitted badly by itself, as what is large is no tangent, may be all that is missing.
+    """
+    best = max(tried, key=lambda grown: grown.refit.log_evidence, default=None)
+    if best is None or len(set(best.names)) < 2:
+        return []
+    if search.grown and best.refit.log_evidence <= search.best.log_evidence:
+        return []
+    foretold = {score.influence.effect: score.predicted for score in search.scan.scores}
+    less = []
+    for spared in best.effects:
+        effects = tuple(effect for effect in best.effects if effect is not spared)
+        model = best.refit.model - spared.name
+        start = model.picked(best.refit.model.named(best.refit.theta))
+        fit = refit(model, search.base.data, search.base.noise, [start], starts=0)
+        if fit.log_evidence > best.refit.log_evidence:
+            less.append(Grown(effects, fit, foretold.get(effects[0], fit.rss)))
+    return less
+
+
+def go_on_from(search: Search, before: Search, rng: np.random.Generator) -> Search:
+    """A search in another noise, with the best that one before it has found.
+
+    Parameters
+    ----------
+    search : Search
+        The later one.
+    before : Search
+        The former one, of the same model.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+    if not before.grown:
+        return search
+    known = before.grown[0]
+    base = search.base
+    again = refit(known.refit.model, base.data, base.noise, [known.refit.theta], starts=0)
+    if again.log_evidence > search.best.log_evidence + SEARCH.better:
+        search.grown += clear(search, [replace(known, refit=again)])
+        # What is narrow is scanned only where it is asked for.
+        there = [score.influence.effect.name for score in search.scan.scores]
+        asked = set(known.names).difference(there)
+        alone = scan_effects(base, search.frame, [e for e in known.effects if e.name in asked])
+        search.scan.scores.extend(alone.scores)
+        sort_by_evidence(search)
+        search.left = battery(search.best.frame(), rng)
+    return search
 
 
 def _exchange(search: Search, effects: Sequence[Effect]) -> None:

@@ -18,6 +18,7 @@ from springpot.diagnosis.ladder import (
     Step,
     accepted_of,
     climbed,
+    first_named,
     in_order,
 )
 from springpot.diagnosis.result import Fitted, Progress, silent, unseen
@@ -29,7 +30,7 @@ from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.thresholds import EVIDENCE, SEARCH
+from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .diagnosis import examine
 from .fitting import identify
@@ -297,13 +298,16 @@ class TimeRungs(Rungs[Identification]):
         return best_set(_case(steps[-1]), 1)
 
     def decisive(self, steps: Sequence[Step]) -> Effect | None:
-        """The effect that the evidence asks for, if it is the only one that does what it does.
+        """The effect that the evidence asks for.
 
-        Of a class whose members the tests cannot tell apart the first is not proved: a user or
-        another test decides.
+        Of a class whose members the tests cannot tell apart the first, if that is likelier than all
+        the others: else a user or another test decides.
         """
         leading = steps[-1].diagnosis.leading
-        if len(leading) != 1:
+        if not leading:
+            return None
+        likeliest = first_named(steps[-1].diagnosis)
+        if len(leading) > 1 and not likeliest.probability >= VERDICT.likely:
             return None
         # What one test alone has is named with it.
         there = (each for effect in self.effects for each in at_tests(effect, list(self.tests)))
