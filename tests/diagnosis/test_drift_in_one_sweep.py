@@ -43,6 +43,17 @@ def test_the_headline_names_the_drift_beside_the_phase(drifted):
     assert float(told.partition(" %")[0]) / 100.0 == pytest.approx(drift, rel=0.25)
 
 
+@pytest.mark.parametrize(
+    ("given", "drifts"),
+    [({"drift": 0.05}, True), pytest.param({"phase": 0.01}, False, marks=pytest.mark.soak)],
+    ids=["drift", "phase"],
+)
+def test_the_users_own_model_is_told_of_a_drift_that_does_as_well(given, drifts):
+    found = springpot.diagnose(sweep(np.random.default_rng(2), **given), "fractional-zener")
+    assert found.leading == ("phase-error",)
+    assert (" in place of phase-error a gain that drifts by 5 %" in found.says) == drifts
+
+
 @pytest.mark.soak_cases("-3%", "+5%")
 def test_the_next_experiment_is_the_opposite_order(drifted):
     _, found = drifted

@@ -23,7 +23,6 @@ import numpy as np
 from springpot.identification.held_material import is_passive
 from springpot.identification.known_factors import refused_laws
 from springpot.identification.leastsquares import Effort
-from springpot.identification.material import is_material
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
@@ -263,7 +262,7 @@ def drift_in_place(search: Search) -> SweepDrift | None:
 
     None without one.
 
-    Asked only of one sweep from one end of the frequencies to the other, beside a free spectrum.
+    Asked only of one sweep from one end of the frequencies to the other.
 
     Parameters
     ----------
@@ -273,7 +272,7 @@ def drift_in_place(search: Search) -> SweepDrift | None:
     data, grown = search.base.data.raw, search.grown
     steps = np.diff(data.omega)
     one_way = bool(np.all(steps > 0) or np.all(steps < 0))
-    if not grown or not is_material(search.base.model) or not one_way or len(sweeps_of(data)) > 1:
+    if not grown or not one_way or len(sweeps_of(data)) > 1:
         return None
     best = grown[0]
     as_good = best.refit.fair_rss + 2.0 * EVIDENCE.as_good
