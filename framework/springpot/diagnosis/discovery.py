@@ -284,9 +284,11 @@ class SweepRungs(Rungs[Refit]):
         """The rungs that explain something, each the likeliest beside all others."""
         explained = _spared(self._explained(steps))
         settled = _spared(super().settled(explained, progress))
-        # What a set adds to them, or puts in their place, is asked for the same proof, and is worth
-        # its price by the noise of its own rung as well.
-        if len(self._explained(settled)) < len(settled) or _likelier(explained[-1], settled[-1]):
+        # What a set adds to them, or puts in their place, is asked for the same proof, and what it
+        # adds is worth its price by the noise of its own rung as well.
+        more = len(settled) > len(explained)
+        unproved = len(self._explained(settled)) < len(settled)
+        if unproved or (more and _likelier(explained[-1], settled[-1])):
             return explained
         return settled
 
