@@ -25,7 +25,17 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .grown import AskedSet, Grown, Search, beside, in_each_place, once, one_more, two_more
+from .grown import (
+    AskedSet,
+    Grown,
+    Search,
+    beside,
+    in_each_place,
+    once,
+    one_more,
+    two_more,
+    without_one,
+)
 from .result import Fitted, TriedEffect, unseen
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 
@@ -362,8 +372,7 @@ def _less_one(search: Search, tried: Sequence[Grown]) -> list[Grown]:
     less = []
     for spared in best.effects:
         effects = tuple(effect for effect in best.effects if effect is not spared)
-        model = best.refit.model - spared.name
-        start = model.picked(best.refit.model.named(best.refit.theta))
+        model, start = without_one(best, spared)
         fit = refit(model, search.base.data, search.base.noise, [start], starts=0)
         if fit.log_evidence > best.refit.log_evidence:
             less.append(Grown(effects, fit, foretold.get(effects[0], fit.rss)))
@@ -392,8 +401,8 @@ def go_on_from(search: Search, before: Search, rng: np.random.Generator) -> Sear
         # What is narrow is scanned only where it is asked for.
         there = [score.influence.effect.name for score in search.scan.scores]
         asked = set(known.names).difference(there)
-        alone = scan_effects(base, search.frame, [e for e in known.effects if e.name in asked])
-        search.scan.scores.extend(alone.scores)
+        effects = [effect for effect in known.effects if effect.name in asked]
+        search.scan.scores.extend(scan_effects(base, search.frame, effects).scores)
         sort_by_evidence(search)
         search.left = battery(search.best.frame(), rng)
     return search
