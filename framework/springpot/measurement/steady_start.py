@@ -100,7 +100,8 @@ def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
     """The loading with a step at its first sample, where the response to what is held then is new.
 
     A specimen that had been held there before has come to rest; one that creeps or relaxes from the
-    first sample on was loaded just then (von Neumann 1941, doi:10.1214/aoms/1177731677).
+    first sample on was loaded just then (von Neumann 1941, doi:10.1214/aoms/1177731677). A swing
+    that is recorded from its end on is slow there, and is not held.
 
     Parameters
     ----------
@@ -126,6 +127,10 @@ def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
     moved = np.abs(loading.value - first) > STEADY * size
     held = int(np.argmax(moved))
     if loading.time[0] != 0.0 or abs(first) <= STEADY * size or held < SHORTEST:
+        return loading
+    early, late = loading.value[: held // 2], loading.value[held // 2 : held]
+    # What turns there lies half of the way out apart; medians, for a ramp may end what is held.
+    if abs(float(np.median(late) - np.median(early))) > 0.25 * STEADY * size:
         return loading
     answer = np.sign(first) * response[:held]
     later = float(np.mean(answer[held // 2 :]) - np.mean(answer[: held // 2]))
