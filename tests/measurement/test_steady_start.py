@@ -256,3 +256,13 @@ def test_a_ramp_after_what_is_held_does_not_hide_that_it_was_held():
     held = np.clip(2.0 - 0.003 * (time - 120.0), 0.0, 2.0)
     creep = 1.0 + 0.3 * np.log1p(time) + 0.002 * np.random.default_rng(2).normal(size=120)
     assert stepped_to(Loading(time, held, sampled=True), "force", creep).jumps[1] == [2.0]
+
+
+def test_a_force_that_sets_off_ever_faster_does_not_relax():
+    time = np.arange(400) / 300.0
+    moved = 3.0 + np.where(time < 0.1, 0.0, np.cos(2.0 * np.pi * (time - 0.1)) - 1.0)
+    noise = 0.003 * np.random.default_rng(5).normal(size=len(time))
+    loading = Loading(time, moved + noise, sampled=True)
+    assert stepped_to(loading, "displacement", -30.0 * time**2 + noise) is loading
+    relaxes = 1.0 + np.exp(-30.0 * time) + noise
+    assert stepped_to(loading, "displacement", relaxes).jumps[1] == pytest.approx([3.0], abs=0.01)
