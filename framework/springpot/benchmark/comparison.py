@@ -484,7 +484,7 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
         best_name,
         success,
         float(times[first]),
-        float(bands(race.values[first, :, mark], (0.5,))[0]),
+        float(bands(race.cells[first].values[race.shared[first], mark], (0.5,))[0]),
         tuple(labels[i] for i in alike[1:]),
         next_name,
         advantage,

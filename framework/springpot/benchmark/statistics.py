@@ -364,12 +364,16 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
     They are values themselves, as infinity allows no mean.
     """
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
-    found = np.empty((len(places), *values.shape[1:]))
-    # One column after the other, in a copy in which it lies together: a sort across memory takes
-    # several times as long, and a copy of all as much memory as they do.
-    for column in np.ndindex(values.shape[1:]):
-        found[:, *column] = np.sort(values[:, *column])[places]
-    return found
+    columns = values.reshape(len(values), -1)
+    found = np.empty((len(places), columns.shape[1]))
+    # Some columns at once, in a copy in which each lies together and that stays within the
+    # processor's cache: a sort across memory takes several times as long.
+    step = max(1, 2**15 // max(1, len(values)))
+    for first in range(0, columns.shape[1], step):
+        each = columns[:, first : first + step].T.copy()
+        each.sort(axis=1)
+        found[:, first : first + step] = each[:, places].T
+    return found.reshape(-1, *values.shape[1:])
 
 
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
