@@ -21,6 +21,7 @@ from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_s
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
 from springpot.memory import autocorrelation_time
+from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.residual_scatter import (
     FEWEST,
     Imposed,
@@ -29,15 +30,15 @@ from springpot.misfit.residual_scatter import (
     scatter_of_record,
     scatter_of_sweep,
 )
-from springpot.misfit.where import Where
+from springpot.misfit.where import Where, where
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real, complex_form, real_form
+from springpot.rheology.points import Complex, Real, complex_form, real_form
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .recording import recorded, spread
 from .start import apparent
-from .where import places, places_in_sweep
+from .where import places
 
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
@@ -519,9 +520,19 @@ class SweepPart(TestPart):
         """K' comes first and then K'': its neighbours are told by K' alone."""
         return residual[: len(self.test)]
 
+    def modelled(self, residual: Real) -> Complex:
+        """K (n,) of the model that leaves a residual (2 n,) over the standard deviations."""
+        return np.asarray(self.test.stiffness + complex_form(residual * self.sd))
+
     def places(self, residual: Real) -> list[Where]:
-        """Between which frequencies."""
-        return places_in_sweep(self.test, residual)
+        """As of a sweep that stands alone, by its name among the other tests."""
+        unmoved = np.zeros((0, len(self.test)), dtype=np.complex128)
+        weights = complex_form(1.0 / self.sd)
+        frame = NoiseFrame(self.test, self.modelled(residual), weights, unmoved)
+        name = self.test.name
+        return [
+            replace(place, condition=name, says=f"{name}: {place.says}") for place in where(frame)
+        ]
 
 
 @dataclass(frozen=True, eq=False)
