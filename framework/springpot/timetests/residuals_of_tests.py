@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, complex_form, real_form
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from .convex import ConvexSpectrum, apparent, lines_of_record, lines_of_sweep
 from .recording import recorded, spread
-from .start import apparent
 from .where import places
 
 COARSE = 60
@@ -67,9 +67,6 @@ class TestPart(ABC):
     scale : float
         By how much its noise is taken to be larger than its scatter says.
     """
-
-    convex: ClassVar[bool] = True
-    """Whether its numbers are a sum of what spring, dashpot and exponentials show."""
 
     test: Test
     scale: float = 1.0
@@ -136,8 +133,8 @@ class TestPart(ABC):
         return self.test.units.stiffness
 
     @property
-    def apparent(self) -> Measurement | None:
-        """The sweep that the test amounts to, where one is known."""
+    def lines(self) -> ConvexSpectrum | None:
+        """The material that it shows where nothing but one has made it; None where none is read."""
         return None
 
     @property
@@ -378,9 +375,14 @@ class InTimePart(TestPart):
         return strays(self.test)
 
     @cached_property
+    def lines(self) -> ConvexSpectrum:
+        """Of relaxation; under a force those of its retardation tell them."""
+        return lines_of_record(self.test, self.sd)
+
+    @cached_property
     def apparent(self) -> Measurement | None:
         """The sweep that the test amounts to; None where no sum of exponentials follows it."""
-        return apparent(self.test, self.sd)
+        return apparent(self.test, self.lines)
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """What the test records of a model and of what it did itself."""
@@ -520,6 +522,11 @@ class SweepPart(TestPart):
         """K' comes first and then K'': its neighbours are told by K' alone."""
         return residual[: len(self.test)]
 
+    @cached_property
+    def lines(self) -> ConvexSpectrum:
+        """By K' and K''."""
+        return lines_of_sweep(self.test, self.sd)
+
     def modelled(self, residual: Real) -> Complex:
         """K (n,) of the model that leaves a residual (2 n,) over the standard deviations."""
         return np.asarray(self.test.stiffness + complex_form(residual * self.sd))
@@ -544,8 +551,6 @@ class OtherPart(TestPart):
     noise : ndarray, shape (m,), optional
         Standard deviations in the place of its own.
     """
-
-    convex = False
 
     test: OtherTest
     noise: Real | None = None
