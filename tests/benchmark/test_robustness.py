@@ -9,6 +9,7 @@ from synthetic import synthetic_store
 
 from springpot.benchmark import Findings, Store, run_study, store_path
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
+from springpot.benchmark.plan import stream_of
 from springpot.benchmark.report.study import write_study_report
 from springpot.benchmark.robustness import WithoutSome, _moved, without_each
 from springpot.benchmark.standings import RANKING, study_tables
@@ -66,6 +67,23 @@ def test_the_posterior_is_that_of_the_published_example():
     expected = np.mean(w**2 + 2 * w * (1 - w) > (1 - w) ** 2)
     assert below == 0.0
     assert above == pytest.approx(expected, abs=0.02)
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 12])
+def test_the_posterior_is_that_of_all_means_of_two(n):
+    # Hundredths: some are equal, and some means of two lie on an end of the region.
+    gaps = np.round(np.random.default_rng(n).normal(0.02, 0.1, (20, n)), 2)
+    rng = np.random.default_rng(stream_of(0, "signed rank", n))
+    weights = rng.dirichlet([0.5, *[1.0] * n], 4000)
+    for row, found in zip(gaps, signed_rank_posterior(gaps), strict=True):
+        every = np.array([0.0, *row])
+        means = 0.5 * (every[:, None] + every)
+        below, above = (
+            np.einsum("di,ij,dj->d", weights, beyond, weights)
+            for beyond in ((means < -ROPE) * 1.0, (means > ROPE) * 1.0)
+        )
+        most = np.stack([below, 1.0 - below - above, above]).argmax(axis=0)
+        np.testing.assert_array_equal(found, np.bincount(most, minlength=3) / 4000)
 
 
 def test_few_problems_make_no_certainty():

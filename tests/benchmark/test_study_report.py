@@ -24,9 +24,10 @@ from springpot.benchmark.report.plot import (
     scatter,
 )
 from springpot.benchmark.report.study import write_study_report
-from springpot.benchmark.report.study_plots import share_text
+from springpot.benchmark.report.study_plots import pools, share_text, verdict
 from springpot.benchmark.statistics import wilson
 from springpot.identification import Optimiser
+from springpot.writing import joined
 
 NASTY = '<script>alert("&")</script>'
 
@@ -99,6 +100,18 @@ def test_nothing_is_loaded_and_nothing_runs(page):
     assert "url(" not in page
     assert any(value and value.startswith("default-src 'none'") for _, value in reader.attributes)
     assert 'name="viewport"' in page
+
+
+def test_the_first_sentence_says_who_takes_derivatives(tmp_path):
+    one = small_study(
+        datasets=[artificial()], models=["own"], optimisers=[Walk(), Lazy()], budget=50
+    )
+    outcome = run_study(one, engine="serial", out=tmp_path, quiet=True, tables=False)
+    with Store(outcome.store) as store:
+        found = Findings.of(store)
+    graded = [replace(summary, gradients=1.0) for summary in found.summaries]
+    for findings, told in ((found, ""), (replace(found, summaries=graded), ", which takes deriv")):
+        assert f"use <b>walk</b>{told}" in str(joined(verdict(findings, pools(findings)[-1])))
 
 
 def test_data_cannot_break_the_page(page):

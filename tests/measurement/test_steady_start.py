@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.measurement import TimeTest
 from springpot.measurement.imposed import Loading
-from springpot.measurement.steady_start import gone_on
+from springpot.measurement.steady_start import gone_on, stepped_to
 from springpot.timetests import diagnose, identify, recorded
 
 HERTZ, PERIOD = 50.0, 1.0
@@ -237,3 +237,32 @@ def test_what_creeps_from_its_first_sample_on_was_loaded_just_then():
     # What had been held for long before is at rest until it is let go.
     rested = TimeTest.of_history(time, np.where(held > 0.0, 1.0, 0.3) + noise, held, "mm", "N")
     assert len(rested.loading.jumps[0]) == 0
+
+
+@pytest.mark.parametrize("control", ["force", "displacement"])
+@pytest.mark.parametrize("lead", [-0.01, 0.0, 0.02])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_swing_recorded_from_its_end_on_is_not_held(control, lead, sign):
+    time = np.arange(2000) / 1000.0
+    moved = 3.0 + np.cos(2.0 * np.pi * (time + lead))
+    noise = 0.003 * np.random.default_rng(5).normal(size=len(time))
+    answer = sign * np.cos(2.0 * np.pi * (time + lead) + 0.4) + noise
+    loading = Loading(time, moved + noise, sampled=True)
+    assert stepped_to(loading, control, answer) is loading
+
+
+def test_a_ramp_after_what_is_held_does_not_hide_that_it_was_held():
+    time = 2.5 * np.arange(120)
+    held = np.clip(2.0 - 0.003 * (time - 120.0), 0.0, 2.0)
+    creep = 1.0 + 0.3 * np.log1p(time) + 0.002 * np.random.default_rng(2).normal(size=120)
+    assert stepped_to(Loading(time, held, sampled=True), "force", creep).jumps[1] == [2.0]
+
+
+def test_a_force_that_sets_off_ever_faster_does_not_relax():
+    time = np.arange(400) / 300.0
+    moved = 3.0 + np.where(time < 0.1, 0.0, np.cos(2.0 * np.pi * (time - 0.1)) - 1.0)
+    noise = 0.003 * np.random.default_rng(5).normal(size=len(time))
+    loading = Loading(time, moved + noise, sampled=True)
+    assert stepped_to(loading, "displacement", -30.0 * time**2 + noise) is loading
+    relaxes = 1.0 + np.exp(-30.0 * time) + noise
+    assert stepped_to(loading, "displacement", relaxes).jumps[1] == pytest.approx([3.0], abs=0.01)

@@ -118,7 +118,7 @@ def test_places_of_the_test_that_is_missed_most_come_first(rng: np.random.Genera
     place = next(place for place in found.where if place.condition == "late")
     # A delay grows with frequency and takes from the loss.
     assert place.high == pytest.approx(200.0 / (2.0 * np.pi))
-    assert "the model's loss is" in place.says
+    assert "late: loss " in place.says
 
 
 @pytest.mark.soak

@@ -13,9 +13,9 @@ from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.rheology.elements import Continuum
 from springpot.thresholds import EVIDENCE
 from springpot.timetests import (
+    convex,
     hypotheses,
     screening,
-    start,
     temperatures,
     verdict,
     where,
@@ -91,32 +91,22 @@ def test_a_loop_is_missed_after_its_turns_in_the_first_quarter_of_each_way(after
     assert where._after_turn(imposed[:64], 9.0 * fresh[:64] + 1.0) != ""
 
 
-def test_a_dashpot_a_spring_and_exponentials_add_up_as_they_are_driven():
-    omega, times = np.array([0.5, 2.0]), np.array([1.5])
-    amounts = np.array([3.0, 0.7, 2.0])
-    s = 1j * omega
-    stiffness = 3.0 + 0.7 * s + 2.0 * s * 1.5 / (1.0 + s * 1.5)
-    np.testing.assert_allclose(start._sum_at(omega, times, amounts, "displacement"), stiffness)
-    compliance = 3.0 + 0.7 / s + 2.0 / (1.0 + s * 1.5)
-    np.testing.assert_allclose(start._sum_at(omega, times, amounts, "force"), 1.0 / compliance)
-
-
 def test_the_answer_to_a_step_is_that_of_its_elements():
     t, when = np.array([0.0, 1.0, 3.0]), 0.5
     loading = SimpleNamespace(jumps=(np.array([when]), np.array([2.0])), smooth=None)
     after, since = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.5, 2.5])
     fading = np.exp(-since / 4.0)
-    found = start.answers_of(loading, "displacement", np.array([4.0]), t)
+    found = convex.answers_of(loading, "displacement", np.array([4.0]), t)
     nothing = np.zeros(3)
     np.testing.assert_allclose(
         found, np.array([2.0 * after, nothing, nothing, 2.0 * after * fading]).T
     )
-    found = start.answers_of(loading, "force", np.array([4.0]), t)
+    found = convex.answers_of(loading, "force", np.array([4.0]), t)
     np.testing.assert_allclose(
         found,
         np.array([2.0 * after, 2.0 * since, nothing, 2.0 * after * (1.0 - fading)]).T,
     )
-    mixed = start.answers_of(loading, "force", np.array([4.0]), t, np.array([[1.0, 2, 3, 4]]).T)
+    mixed = convex.answers_of(loading, "force", np.array([4.0]), t, np.array([[1.0, 2, 3, 4]]).T)
     np.testing.assert_allclose(mixed, found @ np.array([[1.0, 2, 3, 4]]).T)
 
 
@@ -124,11 +114,11 @@ def test_the_answer_to_a_ramp_of_force_is_its_integral():
     grid = np.linspace(0.0, 2.0, 5)
     loading = Loading(grid, 3.0 * grid)
     t = np.array([0.5, 1.7])
-    found = start.answers_of(loading, "force", np.array([4.0]), t)
+    found = convex.answers_of(loading, "force", np.array([4.0]), t)
     np.testing.assert_allclose(found[:, 0], 3.0 * t)
     np.testing.assert_allclose(found[:, 1], 1.5 * t**2)
     np.testing.assert_allclose(found[:, 3], 3.0 * (t - 4.0 * (1.0 - np.exp(-t / 4.0))))
-    found = start.answers_of(loading, "displacement", np.array([4.0]), t)
+    found = convex.answers_of(loading, "displacement", np.array([4.0]), t)
     np.testing.assert_allclose(found[:, 1], 3.0)
     np.testing.assert_allclose(found[:, 3], 12.0 * (1.0 - np.exp(-t / 4.0)))
 

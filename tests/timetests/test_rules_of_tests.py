@@ -152,13 +152,11 @@ def test_a_material_as_lines_is_nearest_in_shares_of_its_stiffness():
     matrix = np.concatenate([columns.real, columns.imag])
     target = np.concatenate([exact.real, exact.imag]) / np.tile(np.abs(exact), 2)
     amounts, _ = nnls(matrix, target)
-    np.testing.assert_allclose([found[0], found[1], *found[3]], amounts, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(found.amounts, amounts, rtol=1e-6, atol=1e-9)
     # Lines of its own are told as they are.
     zener = parse_model("zener")
     own = floor.as_lines(zener, zener.theta(k1=5.0, k2=7.0, c=0.7), np.array([0.1, 10.0, 50.0]))
-    assert own[0] == pytest.approx(5.0)
-    assert own[1] == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_allclose(own[3], [0.0, 7.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(own.amounts, [5.0, 0.0, 0.0, 7.0, 0.0], atol=1e-9)
     asking = replace(zener, material=SimpleNamespace(needs=frozenset({"amplitude"})))
     with pytest.raises(ModelError, match="its material is none of one temperature"):
         floor.as_lines(asking, np.zeros(3), rates)

@@ -16,8 +16,8 @@ from springpot.measurement import TimeTest
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
-from springpot.timetests import exponentials, hypotheses as trying, verdict, where
-from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests import exponentials, hypotheses as trying, verdict
+from springpot.timetests.residuals_of_tests import SweepPart, parts_of_specimen
 
 
 def tried(name="friction", evidence=0.0, delta=0.0, helps=False, prior=1.0, fit=None, left=None):
@@ -307,20 +307,18 @@ def test_the_beginning_of_a_step_is_left_out_where_it_fails_from_the_first_sampl
     assert [step.exclude for step in steps] == ([(1, 2)] if told else [])
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("part", "word"), [(0, "storage"), (1, "loss")])
-@pytest.mark.parametrize(
-    ("errors", "side"), [([6.0, -1.0, -1.0], "larger"), ([2.0, 2.0, -5.0], "smaller")]
-)
-def test_what_misses_a_sweep_most_is_larger_or_smaller_by_its_mean(sign, part, word, errors, side):
-    """Further from nothing, whatever the sign of what was measured."""
-    omega, values = np.geomspace(1.0, 100.0, 6), np.full(6, sign * (1.0 + 1.0j))
-    sweep = springpot.Measurement(omega, values)
-    residual = np.zeros((2, 6))
-    residual[part, 3:] = sign * np.array(errors)
-    (place,) = where.places_in_sweep(sweep, residual.ravel())
-    assert f"the model's {word} is {side} there" in place.says
-    assert (place.low, place.high) == pytest.approx(sweep.frequency[[3, 5]])
+@pytest.mark.parametrize(("sign", "side"), [(1.0, "low"), (-1.0, "high")])
+def test_a_sweep_beside_others_is_missed_where_it_would_be_alone(part, word, sign, side):
+    """In the words of a sweep that stands alone, by its name."""
+    omega = np.geomspace(1.0, 100.0, 12)
+    sd = np.full(12, 0.01 * (1.0 + 1.0j))
+    sweep = springpot.Measurement(omega, np.full(12, 1.0 + 1.0j), sd=sd, name="sweep.csv")
+    residual = np.zeros((2, 12))
+    residual[part, 6:] = -6.0 * sign
+    (place,) = SweepPart(sweep).places(residual.ravel())
+    assert place.says.startswith(f"sweep.csv: {word} modulus 4.2 % of |G*| too {side} above")
+    assert (place.low, place.high) == pytest.approx(sweep.frequency[[6, 11]])
 
 
 @pytest.mark.parametrize("control", ["displacement", "force"])

@@ -213,3 +213,24 @@ def test_less_than_the_noise_is_no_likelier_than_the_noise():
     assert half == scatter.deviance(np.zeros(200))
     assert whole <= half * 1.2
     assert scatter.deviance(2.0 * white) > 2.0 * half
+
+
+@pytest.mark.parametrize("at", [100, 480, 900])
+def test_a_jump_of_few_samples_of_a_long_record_is_no_noise(at):
+    noise = np.random.default_rng(at).normal(size=1000)
+    corner = np.linspace(0.0, 4.0, 12)
+    noise[at - 12 : at] += corner
+    noise[at : at + 12] -= corner[::-1]
+    assert scatter_of(noise).misfit
+
+
+def test_a_channel_that_stands_still_for_a_while_is_no_noise_with_a_memory():
+    noise = np.random.default_rng(3).normal(size=120)
+    noise[60:70] += np.linspace(2.0, 20.0, 10)
+    assert scatter_of(noise).misfit
+
+
+def test_a_spike_that_fades_as_the_noise_does_is_noise():
+    new = np.random.default_rng(4).normal(size=400)
+    new[200] = 12.0
+    assert scatter_of(lfilter([1.0], [1.0, -0.6], new)).excess < 12.0

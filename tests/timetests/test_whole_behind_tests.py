@@ -33,7 +33,6 @@ from springpot.timetests import (
     convex,
     exponentials,
     floor,
-    start,
     where,
 )
 from springpot.timetests.disturbances import lines_in
@@ -82,7 +81,7 @@ def test_a_test_as_numbers(name, stays):
             part.neighbours(missed), part.sampled(missed), part.rounded(missed),
             part.places(missed), list(lines_in(part, missed)),
         ],
-        "spectrum": convex.lines_of(part),
+        "spectrum": part.lines,
         "felt": noise_answer(part, model, theta, 293.15),
         "scatter": vars(part.scatter(missed)),
     }  # fmt: skip
@@ -225,6 +224,6 @@ def test_a_start_is_told_by_what_tests_look_like(stays):
         [
             [found.omega, found.stiffness]
             for test in tests
-            if (found := start.apparent(test, part_of(test).sd)) is not None
+            if (found := part_of(test).apparent) is not None
         ]
     )

@@ -190,7 +190,17 @@ def hits_of(cell: CellRow, trials: CellTrials, bests: Real, scale: JudgingScale)
     No trace is read of which the best shows already that it missed.
     """
     goals = goals_of(_references(cell, trials), bests, scale.target)
-    return _traces(trials, trials.numbers("best") <= goals).hits(goals)
+    there, hits = trials.numbers("best") <= goals, np.empty(len(trials))
+    for own in _parts(len(trials), scale):
+        hits[own] = _traces(trials[own], there[own]).hits(goals[own])
+    return hits
+
+
+def _parts(trials: int, scale: JudgingScale) -> Iterator[slice]:
+    """Some trials at once: what is unpacked of a trace is many times what is kept of it."""
+    step = max(1, AT_ONCE // len(scale.grid))
+    for first in range(0, trials, step):
+        yield slice(first, first + step)
 
 
 def score_cell(
@@ -201,10 +211,7 @@ def score_cell(
     hits, area = np.empty((2, len(trials)))
     along = np.empty((len(trials), len(scale.grid)))
     reached = np.zeros(len(scale.grid))
-    # Some trials at once: what is unpacked of a trace is many times what is kept of it.
-    step = max(1, AT_ONCE // len(scale.grid))
-    for first in range(0, len(trials), step):
-        own = slice(first, first + step)
+    for own in _parts(len(trials), scale):
         references = _references(cell, trials[own])
         # A trial that failed keeps its infinite time: it is never given a number.
         traces = _traces(trials[own], ~dead[own])
@@ -484,7 +491,7 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
         best_name,
         success,
         float(times[first]),
-        float(bands(race.values[first, :, mark], (0.5,))[0]),
+        float(bands(race.cells[first].values[race.shared[first], mark], (0.5,))[0]),
         tuple(labels[i] for i in alike[1:]),
         next_name,
         advantage,

@@ -25,6 +25,7 @@ from .statistics import (
     mean_ranks,
     median,
     pooled_ranks,
+    ranked,
     wilson,
 )
 
@@ -63,12 +64,19 @@ def anytime_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) 
 
 def attainment_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
     """The attainment function: the chance to be below an excess by a number of evaluations."""
-    levels = [*LEVELS[1.01 * scale.target < LEVELS], scale.target]
+    levels = np.append(LEVELS[1.01 * scale.target < LEVELS], scale.target)
     rows: list[tuple[Entry, ...]] = []
-    for i, label in enumerate(races[0].labels if races else ()):
-        for level in levels:
-            shares = np.array([(race.values[i] <= level).mean(axis=0) for race in races])
-            rows.append((label, level, *map(float, shares.mean(axis=0))))
+    if races:
+        # Of one problem at a time, (problems, k, levels, m) when all are there.
+        shares = np.array(
+            [(race.values[:, None] <= levels[:, None, None]).mean(axis=2) for race in races]
+        )
+        means = shares.mean(axis=0)
+        rows = [
+            (label, float(level), *map(float, own))
+            for label, each in zip(races[0].labels, means, strict=True)
+            for level, own in zip(levels, each, strict=True)
+        ]
     note = (
         "Empirical attainment function: the share of trials whose excess is at most that of the row"
         " by the evaluations of the column, mean over problems. Read along a row it says when an"
@@ -111,18 +119,19 @@ class WithoutSome:
 
 def without_each(races: Sequence[ProblemRace], scale: JudgingScale) -> Iterator[WithoutSome]:
     """The ranking at the whole budget: of all, then without each problem and without each model."""
-    blocks = rank_blocks(races, -1, scale.target)
-    yield WithoutSome("", mean_ranks(blocks))
+    # What another problem ranks moves no rank within this one.
+    ranks = ranked(rank_blocks(races, -1, scale.target))
+    yield WithoutSome("", ranks.mean(axis=0))
     if len(races) < 2:
         return
     for i, race in enumerate(races):
         told = f"{race.problem.model} on {race.problem.dataset}, {race.problem.objective}"
-        yield WithoutSome(told, mean_ranks(np.delete(blocks, i, axis=0)))
+        yield WithoutSome(told, np.delete(ranks, i, axis=0).mean(axis=0))
     models = [race.problem.model for race in races]
     for model in dict.fromkeys(models):
         left = [own != model for own in models]
         if any(left) and models.count(model) > 1:
-            yield WithoutSome(f"all of {model}", mean_ranks(blocks[left]))
+            yield WithoutSome(f"all of {model}", ranks[left].mean(axis=0))
 
 
 def sensitivity_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:

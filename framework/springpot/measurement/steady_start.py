@@ -100,7 +100,8 @@ def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
     """The loading with a step at its first sample, where the response to what is held then is new.
 
     A specimen that had been held there before has come to rest; one that creeps or relaxes from the
-    first sample on was loaded just then (von Neumann 1941, doi:10.1214/aoms/1177731677).
+    first sample on was loaded just then (von Neumann 1941, doi:10.1214/aoms/1177731677), and does
+    so ever more slowly. A swing that is recorded from its end on is slow there, and is not held.
 
     Parameters
     ----------
@@ -120,22 +121,35 @@ def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
     >>> stepped_to(held, "force", 1.0 + noise) is held
     True
     """
-    from scipy.special import ndtr
-
     first, size = loading.value[0], float(np.abs(loading.value).max())
     moved = np.abs(loading.value - first) > STEADY * size
     held = int(np.argmax(moved))
     if loading.time[0] != 0.0 or abs(first) <= STEADY * size or held < SHORTEST:
         return loading
-    answer = np.sign(first) * response[:held]
-    later = float(np.mean(answer[held // 2 :]) - np.mean(answer[: held // 2]))
-    unrest = float(np.mean(np.diff(answer) ** 2)) / max(2.0 * float(np.var(answer)), SMALLEST)
-    chance = float(ndtr((unrest - 1.0) / np.sqrt((held - 2.0) / (held**2 - 1.0))))
+    early, late = loading.value[: held // 2], loading.value[held // 2 : held]
+    # What turns there lies half of the way out apart; medians, for a ramp may end what is held.
+    if abs(float(np.median(late) - np.median(early))) > 0.25 * STEADY * size:
+        return loading
     # What is held creeps on under a force, and relaxes under a displacement.
-    if chance >= RULED_OUT or (later > 0.0) != (control == "force"):
+    onwards = np.sign(first) if control == "force" else -np.sign(first)
+    if not _comes_to_rest(onwards * response[:held]):
         return loading
     step = np.concatenate([loading.time[:1], loading.time])
     return replace(loading, time=step, value=np.concatenate([[0.0], loading.value]))
+
+
+def _comes_to_rest(answer: Real) -> bool:
+    """Whether samples rise beyond their noise, and rise no faster in the end than at first."""
+    from scipy.special import ndtr
+
+    count, noise = len(answer), float(np.mean(np.diff(answer) ** 2)) / 2.0
+    unrest = noise / max(float(np.var(answer)), SMALLEST)
+    chance = float(ndtr((unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))))
+    begins, then, later, ends = (float(np.mean(part)) for part in np.array_split(answer, 4))
+    # Of the four means, each of a quarter of the samples.
+    faster = ((ends - later) - (then - begins)) / max(np.sqrt(16.0 * noise / count), SMALLEST)
+    rises = chance < RULED_OUT and later + ends > begins + then
+    return bool(rises and ndtr(-faster) >= RULED_OUT)
 
 
 def rise_is_presumed(loading: Loading, kind: str, first: float) -> bool:

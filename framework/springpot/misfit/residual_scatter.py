@@ -18,6 +18,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view as windows
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf, f_sf, gamma_sf, normal_sf
@@ -76,8 +77,8 @@ NEIGHBOURS, ROUGHER = 15, 2.0
 """Samples of which the differences of neighbours tell whether the noise is larger there, and ratio
 to the usual ones from which it is."""
 TAILS = 3.0
-"""Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
-that is further off is an outlier."""
+"""Standard deviations of noise to which a sample is cut before a jump is looked for: one that is
+further off, and not in the middle of others, is an outlier."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 LEVEL = 4
@@ -306,10 +307,8 @@ def _coloured(
     spectrum = colour.spectrum(frequencies(len(residual)))
     # White in time as in frequency: with no delay, a misfit stays where it is.
     white = transformed(transformed(residual) / np.sqrt(spectrum), back=True)
-    power, omega = powers(residual)
-    first = _log_likelihood(power, spectrum_of(omega, *_fitted(power)))
     # Where a first-order memory makes all of it likelier, that is the story without a misfit.
-    alone = max(first - _log_likelihood(power, spectrum), 0.0)
+    alone = max(_likeliest(residual)[0] - _log_likelihood(powers(residual)[0], spectrum), 0.0)
     smooth = _gain_by_octaves(transformed(residual / rougher(residual)) ** 2 / spectrum)
     excess = 2.0 * (max(smooth, _gain_of_jump(white)) - alone) - usual
     # What is missed in one part of a record is no noise of all of it.
@@ -428,10 +427,10 @@ def _gain_of_smooth_misfit(residual: Real) -> float:
     It has a size for each octave below the upper part, and must earn them.
     """
     # Where the noise is plainly larger its slow part is too.
-    power, omega = powers(residual / rougher(residual))
+    even = residual / rougher(residual)
+    power, omega = powers(even)
     noise = spectrum_of(omega, *_fitted(power, upper=True))
-    likely = _gain_by_octaves(power / noise) + _log_likelihood(power, noise)
-    return likely - _log_likelihood(power, spectrum_of(omega, *_fitted(power)))
+    return _gain_by_octaves(power / noise) + _log_likelihood(power, noise) - _likeliest(even)[0]
 
 
 def _gain_by_octaves(ratio: Real) -> float:
@@ -455,31 +454,51 @@ def _gain_by_octaves(ratio: Real) -> float:
 
 
 def _gain_of_jump(residual: Real) -> float:
-    """By how much one jump beside the noise is likelier than noise alone, its place chosen from n.
+    """By how much one jump beside the noise is likelier than noise alone, all its numbers paid.
 
-    A jump is what the mean of some samples differs by from that of as many before them: of what
-    slips or lets go a smooth model leaves a corner on either side, whose spectrum is that of noise
-    with a memory. Such means are Haar's wavelets at every place (Percival & Walden 2000,
+    Its place costs ln n, and each of the four coefficients half as much (Schwarz 1978,
+    doi:10.1214/aos/1176344136). Noise with a memory keeps a single large number for a while: that
+    story has a place and a size, too, and is noise (an innovation outlier, Fox 1972,
+    doi:10.1111/j.2517-6161.1972.tb00912.x).
+    """
+    even, price = _standardised(residual), float(np.log(len(residual)))
+    (alone, _), (jump, memory) = _likeliest(even), _likeliest(_without_jump(even))
+    new = even[1:] - memory * even[:-1]
+    largest = int(np.argmax(np.abs(new)))
+    calm = even.copy()
+    calm[largest + 1 :] -= new[largest] * memory ** np.arange(len(even) - 1 - largest)
+    return jump - 3.0 * price - max(alone, _likeliest(calm)[0] - 1.5 * price)
+
+
+def _likeliest(residual: Real) -> tuple[float, float]:
+    """Log likelihood of a residual that is all noise with a memory, and that memory."""
+    power, omega = powers(residual)
+    fitted = _fitted(power)
+    return _log_likelihood(power, spectrum_of(omega, *fitted)), fitted[1]
+
+
+def _without_jump(residual: Real) -> Real:
+    """A residual (n,) less a straight line on either side of its plainest jump.
+
+    A jump is where the mean of some samples differs from that of as many before them: of what
+    slips, lets go or stands still a smooth model leaves a corner there, whose spectrum is that of
+    noise with a memory. Such means are Haar's wavelets at every place (Percival & Walden 2000,
     doi:10.1017/CBO9780511841040).
     """
-    even, n = _standardised(residual), len(residual)
-    sums = np.concatenate([[0.0], np.cumsum(even)])
-    taken, plainest, edge = even, 0.0, edge_of(n)
+    n, sums = len(residual), np.concatenate([[0.0], np.cumsum(residual)])
+    plainest, at, beside = -1.0, 0, 0
     for width in LEVEL * 2 ** np.arange(int(np.log2(n / LEVEL))):
-        first = max(int(width), edge)
-        middle = np.arange(first, n - first + 1)
-        jumps = sums[middle + width] - 2.0 * sums[middle] + sums[middle - width]
+        first = max(int(width), edge_of(n))
+        jumps = sums[first + width : n + 1 - first + width] - 2.0 * sums[first : n + 1 - first]
+        jumps += sums[first - width : n + 1 - first - width]
         best = int(np.argmax(np.abs(jumps)))
         if jumps[best] ** 2 / width > plainest:
-            plainest, height = jumps[best] ** 2 / width, jumps[best] / (2.0 * width)
-            taken = even.copy()
-            taken[best : best + width] += height
-            taken[best + width : best + 2 * width] -= height
-    likely = []
-    for story in (even, taken):
-        power, omega = powers(story)
-        likely.append(_log_likelihood(power, spectrum_of(omega, *_fitted(power))))
-    return likely[1] - likely[0] - float(np.log(n))
+            plainest, at, beside = jumps[best] ** 2 / width, first + best, int(width)
+    straight = np.linalg.qr(np.vander(np.arange(beside), 2))[0]
+    taken = residual.copy()
+    for side in (slice(at - beside, at), slice(at, at + beside)):
+        taken[side] = projected_out(residual[side], straight)
+    return taken
 
 
 def edge_of(n: int) -> int:
@@ -502,8 +521,8 @@ def rougher(residual: Real) -> Real:
     usual = float(np.median(bends))
     if not usual > 0.0:
         return np.ones(len(residual))
-    padded = np.pad(bends, NEIGHBOURS // 2 + 1, mode="reflect")
-    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
+    beside = np.pad(bends, NEIGHBOURS // 2 + 1, mode="reflect")
+    around = np.median(windows(beside, NEIGHBOURS), axis=1)
     return np.where(around > ROUGHER * usual, around / usual, 1.0)
 
 
@@ -511,11 +530,12 @@ def _standardised(residual: Real) -> Real:
     """A residual without what noise of one size and normal tails cannot do.
 
     Over its own size where neighbours differ plainly more than usual, and no sample is further off
-    than `TAILS`.
+    than `TAILS` where its neighbours are not.
     """
     even = residual / rougher(residual)
     limit = TAILS * NORMAL * float(np.median(np.abs(even)))
-    return np.asarray(np.clip(even, -limit, limit), dtype=float)
+    level = np.median(windows(np.pad(even, LEVEL // 2, mode="reflect"), LEVEL + 1), axis=1)
+    return np.asarray(np.clip(even, np.minimum(level, 0.0) - limit, np.maximum(level, 0.0) + limit))
 
 
 def _fitted(power: Real, upper: bool = False) -> tuple[float, float]:

@@ -6,8 +6,9 @@ against the noise and against what any material reaches.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,27 +20,149 @@ from springpot.identification.population import Specimens
 from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.measurement.opening import together
-from springpot.misfit.error import times
+from springpot.misfit.error import Error, times
+from springpot.misfit.frame import is_beyond_noise
 from springpot.misfit.material import effects_of, lowest_error, material_floors
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from .fitting import identify
 from .floor import TimeFloor, material_floor
-from .hypotheses import FitResiduals, bic_of, delta_bic, independent_samples
-from .residuals_of_tests import (
-    Test,
-    parts_of_specimen,
-)
+from .hypotheses import FitResiduals, bic_of, chi_square_gain, delta_bic, independent_samples
+from .residuals_of_tests import Test, TestPart, parts_of_specimen
 from .verdict import error_of, misfit_of, where_missed
 
 UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
 """What is said of a model that is far from the noise, and no test says how."""
 MORE = "what is left is more than noise"
 """What is said of a model that is missed nowhere in particular."""
+
+
+@dataclass(frozen=True, eq=False)
+class RankedInTime:
+    """A model fitted to tests in time, beside the best of all or any material.
+
+    Attributes
+    ----------
+    fit : Identification
+        The fit.
+    left : FitResiduals
+        What it leaves of each test.
+    beside : FitResiduals
+        What the other leaves.
+    noise : sequence of ResidualScatter
+        Of each test, the same for all models.
+    parts : sequence of TestPart
+        The tests.
+    wider : float
+        By how much the variance that evidence is told in exceeds that noise's.
+    """
+
+    fit: Identification
+    left: FitResiduals
+    beside: FitResiduals
+    noise: Sequence[ResidualScatter]
+    parts: Sequence[TestPart]
+    wider: float = 1.0
+
+    @classmethod
+    def of(cls, fit: Identification) -> RankedInTime:
+        """A fit by itself, in the noise about it."""
+        parts = parts_of_specimen(fit.data)
+        left = FitResiduals.of(fit, parts)
+        return cls(fit, left, left, left.noise, parts)
+
+    @property
+    def model(self) -> Model:
+        """What was fitted."""
+        return self.fit.model
+
+    @property
+    def theta(self) -> Real:
+        """Its parameters, shape (p,)."""
+        return self.fit.theta
+
+    @cached_property
+    def rss(self) -> float:
+        """Sum of squares of the residual over the noise."""
+        return self.beside.squares(self.noise) - chi_square_gain(self.beside, self.left, self.noise)
+
+    @property
+    def numbers(self) -> float:
+        """How many samples it was judged by, those counted once whose noise is alike."""
+        return independent_samples(self.left.residuals, self.noise)
+
+    @property
+    def dof(self) -> float:
+        """Those that its parameters, and the lines of a spectrum, do not follow."""
+        return self.numbers - self.left.count - self.left.lines
+
+    @property
+    def noise_dof(self) -> float:
+        """Degrees of freedom of the noise, which what the other leaves has told."""
+        return max(self.numbers - self.beside.count - self.beside.lines, 1.0)
+
+    @cached_property
+    def error(self) -> Error:
+        """Its error beside the noise."""
+        return self._error(self.noise_with_imposed)
+
+    @property
+    def noise_with_imposed(self) -> list[ResidualScatter]:
+        """The noise, with what it answers more to noise of imposed channels than the other."""
+        return self.left.noise_with_imposed(self.noise, self.beside)
+
+    @property
+    def own_floor(self) -> float:
+        """What the noise about itself leaves."""
+        return self._error(self.left.noise).noise_floor
+
+    def _error(self, noise: Sequence[ResidualScatter]) -> Error:
+        return error_of(self.left.rows(self.parts, noise, self.fit.tests), noise)
+
+    @property
+    def floor(self) -> float:
+        """The relative error that noise alone leaves."""
+        return self.error.noise_floor
+
+    @property
+    def least_error(self) -> float:
+        """Below which its relative error is not: that error itself."""
+        return self.error.relative_rms
+
+    @property
+    def relative_rms(self) -> float:
+        """Above which it is not."""
+        return self.error.relative_rms
+
+    @property
+    def beyond(self) -> bool:
+        """Whether its error is beyond the noise by more than chance, as of a sweep.
+
+        Of few samples no test of their own sees it: they may be noise with any memory.
+        """
+        return is_beyond_noise(self.error.over_floor, max(self.dof, 1.0), self.noise_dof)
+
+    @property
+    def hardly_known(self) -> bool:
+        """Whether so few numbers are left over that neither error nor noise says anything."""
+        return min(self.dof, self.noise_dof) < VERDICT.fewest_spare
+
+    @cached_property
+    def log_evidence(self) -> float:
+        """Minus half the Bayesian information criterion, beside that of the other."""
+        by = float(np.sqrt(self.wider))
+        unit = [replace(each, size=each.size * by) for each in self.noise]
+        return 0.5 * delta_bic(self.beside, self.left, unit)
+
+    @cached_property
+    def curve(self) -> Real:
+        """What it says of each sample over the noise, less what was measured, shape (m,)."""
+        return np.concatenate(self.left.whitened(self.noise))
 
 
 def compare(
@@ -87,62 +210,44 @@ def compare(
             left_out[model.name] = str(error)
     if not fits:
         raise DataError(next(iter(left_out.values()), "there is no model to compare"))
-    lefts = [_left(fit) for fit in fits]
-    best = min(lefts, key=bic_of)
+    found = [RankedInTime.of(fit) for fit in fits]
+    best = min((one.left for one in found), key=bic_of)
     # One noise for all, that about the best model; by what it leaves, where that is more.
-    wider = max(
-        1.0, best.squares(best.scatters) / independent_samples(best.residuals, best.scatters)
-    )
-    unit = [replace(each, size=each.size * float(np.sqrt(wider))) for each in best.scatters]
-    gains = [delta_bic(best, left, unit) for left in lefts]
-    floors = material_floors(fits, material_floor)
-    judged = [
-        judgement_of(
-            fit,
-            max(gains) - gain,
-            floors[effects_of(fit.model)],
-            left.noise_with_imposed(best.scatters, best),
-            left,
-        )
-        for gain, fit, left in sorted(zip(gains, fits, lefts, strict=True), key=lambda row: -row[0])
-    ]
+    noise = best.scatters
+    wider = max(1.0, best.squares(noise) / independent_samples(best.residuals, noise))
+    found = [replace(one, beside=best, noise=noise, wider=wider) for one in found]
+    judged = judgements(found, material_floors(fits, material_floor))
+    judged.sort(key=lambda one: one.delta_bic)
     names = together(test.name for test in fits[0].tests)
     return Comparison(names, tuple(judged), (), (), "", left_out=left_out)
 
 
-def _left(fit: Identification) -> FitResiduals:
-    return FitResiduals.of(fit, parts_of_specimen(fit.data))
+def judgements(
+    fits: Sequence[RankedInTime], floors: Mapping[tuple[str, ...], TimeFloor]
+) -> list[Judgement]:
+    """Fits in units of one noise, each beside the material floor with the same effects."""
+    best = max(found.log_evidence for found in fits)
+    return [
+        judgement_of(found, 2.0 * (best - found.log_evidence), floors[effects_of(found.model)])
+        for found in fits
+    ]
 
 
-def judgement_of(
-    fit: Identification,
-    delta: float,
-    floor: TimeFloor,
-    noise: Sequence[ResidualScatter] | None = None,
-    left: FitResiduals | None = None,
-) -> Judgement:
+def judgement_of(found: RankedInTime, delta: float, floor: TimeFloor) -> Judgement:
     """One model against the tests that it was fitted to.
 
     Parameters
     ----------
-    fit : Identification
-        Of tests of which one at least is in time.
+    found : RankedInTime
+        The model.
     delta : float
         Its information criterion above that of the best model.
     floor : TimeFloor
         What any material reaches with the same effects.
-    noise : sequence of ResidualScatter, optional
-        Of each test; by default that about this model.
-    left : FitResiduals, optional
-        What it leaves of each test, where that is known.
     """
-    parts = parts_of_specimen(fit.data)
-    if left is None:
-        left = _left(fit)
-    if noise is None:
-        noise = left.noise
-    tests = left.rows(parts, noise, fit.tests)
-    error, left = error_of(tests, noise, floor), left.beside(noise)
+    fit, noise = found.fit, found.noise_with_imposed
+    tests, left = found.left.rows(found.parts, noise, fit.tests), found.left.beside(noise)
+    error = error_of(tests, noise, floor)
     where: tuple[Where, ...] = ()
     says, spare = ONLY_NOISE, sum(test.points for test in fit.tests) - len(fit.theta)
     # Of so few numbers no test sees a pattern.
@@ -151,18 +256,19 @@ def judgement_of(
     if unclear:
         says = UNCLEAR
     if left.misfit:
-        where, says = where_missed(parts, left, noise), MORE
+        where, says = where_missed(found.parts, left, noise), MORE
     if where:
         says = where[0].says
     known = {
+        "ranked": found,
         "model": fit.model,
         "chi_square": fit.cost,
         "degrees_of_freedom": spare,
         "free_parameters": len(fit.theta),
         "fails": left.misfit,
         "unclear": unclear,
-        "at_noise": not left.doubtful,
-        "beyond": left.misfit,
+        "at_noise": not (left.doubtful or found.beyond or found.hardly_known),
+        "beyond": left.misfit or found.beyond,
         "computed": error.relative_rms < VERDICT.arithmetic,
         "says": f"error {times(error.over_floor)} the noise; {says}",
         "parameters": fit.parameters,
@@ -238,7 +344,7 @@ def _of_sweep(identified: Identification) -> Standing | None:
 
 def _of_tests(identified: Identification) -> Standing:
     """The same of tests of which one at least is in time."""
-    judged = judgement_of(identified, 0.0, material_floor([identified]))
+    judged = judgement_of(RankedInTime.of(identified), 0.0, material_floor([identified]))
     error = judged.error
     good = not judged.fails
     lowest = error.material_floor

@@ -8,33 +8,40 @@ each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.material import CLOSER
+from springpot.errors import SpringpotError
+from springpot.identification.material import CLOSER, REFINEMENTS
+from springpot.identification.native import fit
+from springpot.measurement.imposed import Loading
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timetest import TimeTest
 from springpot.numerics import (
     DECADE,
     ENOUGH,
     HALVINGS,
     PER_DECADE,
+    SMALLEST,
     evenly,
     non_negative,
-    projected_out,
 )
-from springpot.rheology.points import Real, real_form
-
-from .residuals_of_tests import InTimePart, TestPart
-from .start import answers_of
+from springpot.rheology.effect import ALL
+from springpot.rheology.elements import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.motion import acceleration, velocity
+from springpot.rheology.points import Complex, Real, real_form
+from springpot.rheology.terms import Modes, driven
 
 SLOWER, FASTER = 1.0, 0.5
 """Decades beyond the times of the tests.
 
 What relaxes more slowly is a spring there, and of what is gone before the
 first sample, but for a few per cent, any amount could have been."""
-SPACINGS = (CLOSER, CLOSER * CLOSER)
+SPACINGS = tuple(CLOSER**k for k in range(1, REFINEMENTS + 1))
 """Spacings, over that of the first lattice, at which lines are looked for about those that carry.
 """
 APART = 0.2
@@ -42,21 +49,35 @@ APART = 0.2
 
 The exact response tells those apart that differ by more than a twentieth.
 """
-SHARES = (1.0, 0.3, 0.1, 0.03)
-"""Of a step that are tried until one leaves less."""
-SETTLING = 5
-"""Steps by which lines come to rest where they leave least."""
-MOVED = 1e-4
-"""Distance in ln tau by which a line is moved for its slope."""
 
 
-class ConvexSpectrum(NamedTuple):
+def shown_by(rates: Real, omega: Real) -> Complex:
+    """What spring, dashpot and lines of these rates are at angular frequencies (2 + m, n)."""
+    return Continuum(tuple(rates.tolist())).basis(np.log(omega), False)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexSpectrum:
     """K = K_e + c s + sum of weight s / (s + rate), none of them negative."""
 
     equilibrium: float
     viscosity: float
     rates: Real
     weights: Real
+
+    @classmethod
+    def of(cls, amounts: Real, rates: Real) -> ConvexSpectrum:
+        """By amounts (2 + m,) of spring, dashpot and lines of these rates (m,) in 1/s."""
+        return cls(float(amounts[0]), float(amounts[1]), rates, np.asarray(amounts[2:]))
+
+    @property
+    def amounts(self) -> Real:
+        """K_e, c and the weights (2 + m,)."""
+        return np.concatenate([[self.equilibrium, self.viscosity], self.weights])
+
+    def stiffness(self, omega: Real) -> Complex:
+        """K (n,) at angular frequencies in rad/s."""
+        return np.asarray(self.amounts @ shown_by(self.rates, omega))
 
     def among(self, others: Real) -> tuple[Real, Real]:
         """Rates (m,) of these lines and of others apart from them, and all weights (2 + m,)."""
@@ -71,53 +92,92 @@ class ConvexSpectrum(NamedTuple):
         found = self
         for other in others:
             rates, weights = found.among(other.rates)
-            found = found._replace(rates=rates, weights=weights[2:])
+            found = replace(found, rates=rates, weights=weights[2:])
         return found
 
 
-@lru_cache(maxsize=256)
-def lines_of(part: TestPart) -> ConvexSpectrum:
-    """The material that a test shows when nothing but a material has made it."""
-    low, high = part.test.seen
+Columns: TypeAlias = Callable[[Real], tuple[Real, Real]]
+"""Of times (m,) what spring, dashpot and exponentials do to a test (n, 2 + m), and the test (n,).
+
+In standard deviations.
+"""
+
+
+def nearest_lines(columns: Columns, seen: tuple[float, float]) -> ConvexSpectrum:
+    """The sum of exponentials with weights >= 0 that is nearest to a test.
+
+    Parameters
+    ----------
+    columns : callable
+        What each of them does to the test.
+    seen : tuple of float
+        Angular frequencies in rad/s between which it tells something.
+    """
+    low, high = seen
     step = DECADE / PER_DECADE
     ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
+
+    def amounts_at(logs: Real) -> Real:
+        return non_negative(*columns(np.exp(logs)))[0]
+
     logs = np.arange(ends[0], ends[1] + step, step)
-    amounts = _amounts(part, logs)
+    amounts = amounts_at(logs)
     for share in SPACINGS:
         carrying = logs[amounts[2:] > 0.0]
         near = carrying[:, None] + share * step * np.arange(-4.0, 5.0)
         logs = np.unique(np.round(near.ravel() / (share * step))) * share * step
         logs = logs[(logs > ends[0] - share * step) & (logs < ends[1] + share * step)]
-        amounts = _amounts(part, logs)
+        amounts = amounts_at(logs)
     logs = _apart(logs[amounts[2:] > 0.0], amounts[2:][amounts[2:] > 0.0])
-    logs, amounts = _settled(part, logs, ends)
-    kept = amounts[2:] > 0.0
-    times, weights = np.exp(logs[kept]), amounts[2:][kept]
-    if isinstance(part, InTimePart) and part.test.control == "force":
-        return relaxation_of(float(amounts[0]), float(amounts[1]), times, weights)
-    return ConvexSpectrum(float(amounts[0]), float(amounts[1]), 1.0 / times, weights)
+    amounts = amounts_at(logs)
+    kept = amounts > 0.0
+    kept[:2] = True
+    return ConvexSpectrum.of(amounts[kept], np.exp(-logs[kept[2:]]))
 
 
-def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> ConvexSpectrum:
-    """The relaxation of a retardation J = glass + fluidity t + sum of weight (1 - exp(-t / time)).
+def lines_of_record(test: TimeTest, sd: Real) -> ConvexSpectrum:
+    """Of relaxation, by the response over its noise (n,); of retardation these are turned."""
+    rows = evenly(len(test), ENOUGH)
+    rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
+
+    def columns(times: Real) -> tuple[Real, Real]:
+        shown = answers_of(test.loading, test.control, times, test.time[rows])
+        # Without the mass, which is no part of such a sum.
+        return np.delete(shown, 2, axis=1) / sd[rows, None], test.response[rows] / sd[rows]
+
+    found = nearest_lines(columns, test.seen)
+    return relaxation_of(found) if test.control == "force" else found
+
+
+def lines_of_sweep(sweep: Measurement, sd: Real) -> ConvexSpectrum:
+    """By K' and then K'' over their noise (2 n,)."""
+
+    def columns(times: Real) -> tuple[Real, Real]:
+        shown = real_form(shown_by(1.0 / times, sweep.omega).T)
+        return shown / sd[:, None], real_form(sweep.stiffness) / sd
+
+    return nearest_lines(columns, sweep.seen)
+
+
+def relaxation_of(retardation: ConvexSpectrum) -> ConvexSpectrum:
+    """The relaxation of a retardation J = J_g + t / eta + sum of weight (1 - exp(-rate t)).
 
     Parameters
     ----------
-    glass, fluidity : float
-        J_g in 1/Pa, and 1/eta in 1/(Pa s).
-    times, weights : ndarray, shape (m,)
-        Of retardation, in s and 1/Pa.
+    retardation : ConvexSpectrum
+        J_g in 1/Pa, 1/eta in 1/(Pa s), rates in 1/s and weights in 1/Pa.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.timetests.convex import relaxation_of
-    >>> found = relaxation_of(0.5, 0.0, np.array([2.0]), np.array([0.5]))
+    >>> from springpot.timetests.convex import ConvexSpectrum, relaxation_of
+    >>> found = relaxation_of(ConvexSpectrum(0.5, 0.0, np.array([0.5]), np.array([0.5])))
     >>> found.equilibrium, found.viscosity, found.rates.round(6), found.weights.round(6)
     (1.0, 0.0, array([1.]), array([1.]))
     """
-    poles = np.sort(1.0 / times)
-    amounts = (weights / times)[np.argsort(1.0 / times)]
+    glass, fluidity = retardation.equilibrium, retardation.viscosity
+    order, weights = np.argsort(retardation.rates), retardation.weights
+    poles, amounts = retardation.rates[order], (weights * retardation.rates)[order]
     # A flow is a retardation without end.
     if fluidity > 0.0:
         poles, amounts = np.append(0.0, poles), np.append(fluidity, amounts)
@@ -140,63 +200,6 @@ def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> 
     return ConvexSpectrum(equilibrium, viscosity, rates, 1.0 / (rates * slopes))
 
 
-def _settled(part: TestPart, logs: Real, ends: tuple[float, float]) -> tuple[Real, Real]:
-    """Lines at places of their own, and their amounts: two that became one stand a little off."""
-    amounts, left = _nearest(part, logs)
-    for _ in range(SETTLING):
-        kept = amounts[2:] > 0.0
-        logs = logs[kept]
-        amounts = np.concatenate([amounts[:2], amounts[2:][kept]])
-        # Variable projection: the slopes by the places, less what the amounts could do instead.
-        columns, target = _columns(part, logs)
-        ahead, behind = (_columns(part, logs + by)[0][:, 2:] for by in (MOVED, -MOVED))
-        slopes = (ahead - behind) / (2.0 * MOVED) * amounts[2:]
-        basis = np.linalg.qr(columns)[0]
-        move = np.linalg.lstsq(
-            projected_out(slopes, basis), target - columns @ amounts, rcond=1e-8
-        )[0]
-        for share in SHARES:
-            moved = np.clip(logs + share * move, *ends)
-            if np.all(np.diff(moved) >= APART):
-                others, less = _nearest(part, moved)
-                if less < left:
-                    break
-        else:
-            break
-        logs, amounts, left = moved, others, less
-    return logs, amounts
-
-
-def _amounts(part: TestPart, logs: Real) -> Real:
-    """Amounts (2 + m,) of spring, dashpot and exponentials of these times nearest to a test."""
-    return _nearest(part, logs)[0]
-
-
-def _nearest(part: TestPart, logs: Real) -> tuple[Real, float]:
-    return non_negative(*_columns(part, logs))
-
-
-def _columns(part: TestPart, logs: Real) -> tuple[Real, Real]:
-    """What each amount does to a test (n, 2 + m), and the test (n,), in standard deviations."""
-    if not isinstance(part, InTimePart):
-        return _columns_of_sweep(part, logs)
-    test = part.test
-    rows = evenly(len(test), ENOUGH)
-    rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
-    answers = answers_of(test.loading, test.control, np.exp(logs), test.time[rows])
-    # Without the mass, which is no part of such a sum.
-    columns = np.delete(answers, 2, axis=1) / part.sd[rows, None]
-    return columns, test.response[rows] / part.sd[rows]
-
-
-def _columns_of_sweep(part: TestPart, logs: Real) -> tuple[Real, Real]:
-    s = 1j * np.split(part.rate, 2)[0][:, None]
-    turned = s * np.exp(logs)
-    shown = np.hstack([np.ones_like(s), s, turned / (1.0 + turned)])
-    columns = real_form(shown) / part.sd[:, None]
-    return columns, part.measured / part.sd
-
-
 def _apart(logs: Real, amounts: Real) -> Real:
     """Places of lines, those that stand too near to one another as one in their middle."""
     placed: list[float] = []
@@ -216,3 +219,138 @@ def lattice(bands: Sequence[tuple[float, float]], per_decade: int) -> Real:
     low, high = min(each[0] for each in bands), max(each[1] for each in bands)
     decades = np.log10(high / low) + SLOWER + FASTER
     return np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(per_decade * decades) + 2)
+
+
+FREQUENCIES = 5
+"""Frequencies a decade at which a test in time is looked at as a sweep."""
+
+
+def start_of(
+    model: Model, made: Sequence[Measurement | None], sweeps: Sequence[Measurement]
+) -> list[Real]:
+    """Parameters near those that fit tests in time, from sweeps that say about the same.
+
+    Parameters
+    ----------
+    model : Model
+        What is to be fitted.
+    made : sequence of Measurement or None
+        The sweeps that tests in time amount to, in the same units; see `apparent`.
+    sweeps : sequence of Measurement
+        Tests at frequencies, in these units too.
+
+    Returns
+    -------
+    list of ndarray, shape (p,)
+        Starts, best first; none where no sweep can be made.
+    """
+    # A start is of the specimen, whichever test an effect is of.
+    model = replace(model, effects=tuple(each.at(ALL) for each in model.effects))
+    together = [each for each in made if each is not None] + [_bare(sweep) for sweep in sweeps]
+    if not together:
+        return []
+    try:
+        return [fit(model, _stacked(together)).theta]
+    except SpringpotError:
+        # A model with a condition that a sweep made of time lacks begins at its typical values
+        # instead.
+        return []
+
+
+def apparent(test: TimeTest, lines: ConvexSpectrum) -> Measurement | None:
+    """The sweep that a test in time amounts to by its lines, where it saw something."""
+    low, high = test.seen
+    omega = np.geomspace(low, high, max(4, int(FREQUENCIES * np.log10(high / low))))
+    stiffness = lines.stiffness(omega)
+    # A compliance of nothing has no stiffness.
+    good = np.isfinite(stiffness) & (np.abs(stiffness) > 0.0)
+    if np.count_nonzero(good) < 2:
+        return None
+    moved = test.response
+    if test.control == "displacement":
+        moved = test.loading.value
+    amplitude = max(float(np.abs(moved).max()), SMALLEST)
+    conditions = {"amplitude": np.full(int(good.sum()), amplitude)}
+    if test.temperature is not None:
+        conditions["temperature"] = np.full(int(good.sum()), test.temperature)
+    return Measurement(
+        omega[good], stiffness[good], conditions=conditions, units=test.units, name=test.name
+    )
+
+
+def answers_of(
+    loading: Loading, control: str, times: Real, t: Real, mix: Real | None = None
+) -> Real:
+    """The unit responses (n, 3 + m) of spring, dashpot, mass and an exponential of each time.
+
+    Under a force they are compliances, and a mass has no part in them. With a `mix` (3 + m, c) of
+    amounts the answer is that of the c mixtures (n, c), which takes less time than each alone.
+    """
+    if mix is None:
+        mix = np.eye(3 + len(times))
+    # The first three amounts are those of spring, dashpot and mass.
+    one = mix[3:]
+    faded: Modes = np.zeros((len(t), mix.shape[1]))
+    followed, moving, pushed = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
+    for when, size in zip(*loading.jumps, strict=True):
+        since = np.maximum(t - when, 0.0)
+        after = t >= when
+        faded += (size * after[:, None] * np.exp(-since[:, None] / times)) @ one
+        followed += size * after
+        # A dashpot under a force moves on and on; a step of displacement meets it at one instant
+        # only.
+        moving += size * since * (control == "force")
+    if loading.smooth is not None:
+        smooth = loading.smooth
+        motion = smooth.motion
+        if motion is not None:
+            motion = motion.at(t)
+            grid, imposed, changes = motion.time, motion.value, motion.changes
+        else:
+            grid = np.union1d(smooth.time, t)
+            imposed = np.interp(grid, smooth.time, smooth.value)
+            changes = np.diff(imposed, prepend=imposed[0])
+        steps, place = np.diff(grid, prepend=grid[0]), np.searchsorted(grid, t)
+        faded = faded + driven(1.0 / times, steps, changes, one, np.zeros_like(one))[place]
+        followed += imposed[place]
+        if control == "force":
+            mean = 0.5 * (imposed[1:] + imposed[:-1])
+            moving += np.concatenate([[0.0], np.cumsum(mean * steps[1:])])[place]
+        elif motion is not None:
+            moving += motion.speed[place]
+            pushed += motion.push[place]
+        # Of what is straight between its samples they take differences: for whom nobody asks.
+        elif mix[1:3].any():
+            moving += velocity(grid, imposed)[place]
+            pushed += acceleration(grid, imposed)[place]
+    modes = faded
+    # A Kelvin element under a force has moved by what its Maxwell twin has forgotten.
+    if control != "displacement":
+        modes = np.outer(followed, one.sum(axis=0)) - faded
+    answers: Real = np.column_stack([followed, moving, pushed]) @ mix[:3] + modes.real
+    return answers
+
+
+def _bare(sweep: Measurement) -> Measurement:
+    """The columns that all of them may have."""
+    kept = {
+        name: column
+        for name, column in sweep.conditions.items()
+        if name in ("amplitude", "temperature")
+    }
+    return Measurement(
+        sweep.omega, sweep.stiffness, conditions=kept, units=sweep.units, name=sweep.name
+    )
+
+
+def _stacked(sweeps: Sequence[Measurement]) -> Measurement:
+    common = set.intersection(*(set(sweep.conditions) for sweep in sweeps))
+    return Measurement(
+        np.concatenate([sweep.omega for sweep in sweeps]),
+        np.concatenate([sweep.stiffness for sweep in sweeps]),
+        conditions={
+            name: np.concatenate([sweep.conditions[name] for sweep in sweeps]) for name in common
+        },
+        units=sweeps[0].units,
+        name=sweeps[0].name,
+    )

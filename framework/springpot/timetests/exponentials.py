@@ -28,9 +28,9 @@ from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real, real_form
 
 from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
+from .convex import answers_of
 from .recording import Clock, at_loading, at_stage, at_work, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Residual, TestPart
-from .start import answers_of
 
 PER_DECADE = 4
 """Exponentials a decade: a part in a thousand of a springpot's response, or better."""

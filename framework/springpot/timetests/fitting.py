@@ -31,7 +31,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import SMALLEST, rms
-from .convex import lines_of
+from .convex import ConvexSpectrum
 from .exponentials import quick_parts
 from .floor import coordinates_around
 from .hypotheses import FitResiduals
@@ -492,9 +492,9 @@ def _of_material(
         return search, search.coordinates.u(found.theta, search.size)
 
     def alone_in(part: TestPart) -> tuple[TimeSearch, Real, int]:
-        if part.convex:
+        if part.lines is not None:
             # What it has of the model is some other material, or no more is needed to follow it.
-            search, u = _by_lines(part, reference)
+            search, u = _by_lines(part, part.lines, reference)
             if is_material_alone(model, part) or search.scale(part, u) == 1.0:
                 return search, u, 0
         found = spectral(model, [part], reference, coordinates, own)
@@ -516,10 +516,8 @@ def _of_material(
 
 
 @lru_cache(maxsize=256)
-def _by_lines(part: TestPart, reference: float) -> tuple[TimeSearch, Real]:
+def _by_lines(part: TestPart, lines: ConvexSpectrum, reference: float) -> tuple[TimeSearch, Real]:
     """A test as any material alone follows it, whatever else other tests have."""
-    lines = lines_of(part)
     alone = Model("material", Continuum(tuple(lines.rates.tolist())))
     search = TimeSearch(alone, [part], reference, thorough=False)
-    theta = np.concatenate([[lines.equilibrium, lines.viscosity], lines.weights])
-    return search, search.coordinates.u(theta, search.size)
+    return search, search.coordinates.u(lines.amounts, search.size)

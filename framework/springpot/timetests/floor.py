@@ -22,7 +22,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real, real_form
 
-from .convex import ConvexSpectrum, lattice
+from .convex import ConvexSpectrum, lattice, shown_by
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
 from .residuals_of_tests import TestPart, parts_of_specimen
@@ -110,13 +110,10 @@ def as_lines(model: Model, theta: Real, rates: Real) -> ConvexSpectrum:
     if model.material.needs:
         raise ModelError(f"{model.name}: its material is none of one temperature and amplitude")
     alone = replace(model, effects=())
-    s = 1j * rates[:, None]
     stiffness = alone.stiffness(theta[: len(alone.parameters)], rates)
     size = np.abs(stiffness)
-    columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / size[:, None]
-    wanted = stiffness / size
-    amounts, _ = non_negative(real_form(columns), real_form(wanted))
-    return ConvexSpectrum(float(amounts[0]), float(amounts[1]), rates, amounts[2:])
+    columns = real_form((shown_by(rates, rates) / size).T)
+    return ConvexSpectrum.of(non_negative(columns, real_form(stiffness / size))[0], rates)
 
 
 def _missed(part: TestPart, model: Model, theta: Real, reference: float) -> Real:

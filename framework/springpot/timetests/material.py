@@ -37,7 +37,7 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
 from ..numerics import rms
-from .convex import SPACINGS, ConvexSpectrum, lattice, lines_of
+from .convex import SPACINGS, ConvexSpectrum, lattice, shown_by
 from .residuals_of_tests import InTimePart, TestPart, typical_stiffness
 from .specimen import Scales, tries_of
 from .temperatures import StackedResiduals, is_law, lawful, seen_by
@@ -77,9 +77,7 @@ def spectrum_of(model: Model, theta: Real) -> ConvexSpectrum:
     """The lines (m,) of a material that has them, K_e, c and weights first in its theta (p,)."""
     assert isinstance(model.material, Continuum), "no other material has lines"
     rates = np.array(model.material.rates)
-    return ConvexSpectrum(
-        float(theta[0]), float(theta[1]), rates, np.asarray(theta[2 : 2 + len(rates)])
-    )
+    return ConvexSpectrum.of(theta[: 2 + len(rates)], rates)
 
 
 class UntoldError(ModelError):
@@ -140,7 +138,7 @@ def spectral(
     ends = [(each, each.descended(start, MOST_STEPS)) for each, start in begun]
     # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
     # tells where it lies. Of many tests those do that all of them are nearest to.
-    known, convex = [lines_of(part) for part in parts if part.convex], []
+    known, convex = [part.lines for part in parts if part.lines is not None], []
     for lines in known:
         other = _Search(model, parts, reference, coordinates, lines.beside(known))
         # One that flows cannot have stood under a load that was there before.
@@ -179,9 +177,9 @@ def descended_from(
             part.with_scale(max(_left_by(found, part, reference), ALIKE)) for part, found in pairs
         ]
         known += [found.spectrum for found in alone]
-    elif parts[0].convex:
+    elif parts[0].lines is not None:
         # Of one test without effects the convex form is the answer.
-        known = [*known[: len(around.own)], lines_of(parts[0])]
+        known = [*known[: len(around.own)], parts[0].lines]
     starts = []
     for each in known:
         lines = each.beside(known)
@@ -291,7 +289,7 @@ class _Search:
         self.count = 2 + len(self.rates)
         self.model = with_rates(model, self.rates.tolist())
         self.together = StackedResiduals(self.model, self.parts, self.reference)
-        self.shown = Continuum(tuple(self.rates)).basis(np.log(self.rates), False)[0]
+        self.shown = shown_by(self.rates, self.rates)
         self.evaluations = 0
         self.last: tuple[Real, tuple[Real, Real]] | None = None
 

@@ -31,10 +31,10 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import MOST_STEPS, rms
+from .convex import start_of
 from .exponentials import UnfollowedError, quick_parts
 from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, typical_stiffness
 from .specimen import Scales, runs_against, tries_of, words_of
-from .start import start_of
 
 QUICK = 20
 """Steps with some of the samples."""

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_s
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
 from springpot.memory import autocorrelation_time
+from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.residual_scatter import (
     FEWEST,
     Imposed,
@@ -29,15 +30,15 @@ from springpot.misfit.residual_scatter import (
     scatter_of_record,
     scatter_of_sweep,
 )
-from springpot.misfit.where import Where
+from springpot.misfit.where import Where, where
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real, complex_form, real_form
+from springpot.rheology.points import Complex, Real, complex_form, real_form
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from .convex import ConvexSpectrum, apparent, lines_of_record, lines_of_sweep
 from .recording import recorded, spread
-from .start import apparent
-from .where import places, places_in_sweep
+from .where import places
 
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
@@ -66,9 +67,6 @@ class TestPart(ABC):
     scale : float
         By how much its noise is taken to be larger than its scatter says.
     """
-
-    convex: ClassVar[bool] = True
-    """Whether its numbers are a sum of what spring, dashpot and exponentials show."""
 
     test: Test
     scale: float = 1.0
@@ -135,8 +133,8 @@ class TestPart(ABC):
         return self.test.units.stiffness
 
     @property
-    def apparent(self) -> Measurement | None:
-        """The sweep that the test amounts to, where one is known."""
+    def lines(self) -> ConvexSpectrum | None:
+        """The material that it shows where nothing but one has made it; None where none is read."""
         return None
 
     @property
@@ -377,9 +375,14 @@ class InTimePart(TestPart):
         return strays(self.test)
 
     @cached_property
+    def lines(self) -> ConvexSpectrum:
+        """Of relaxation; under a force those of its retardation tell them."""
+        return lines_of_record(self.test, self.sd)
+
+    @cached_property
     def apparent(self) -> Measurement | None:
         """The sweep that the test amounts to; None where no sum of exponentials follows it."""
-        return apparent(self.test, self.sd)
+        return apparent(self.test, self.lines)
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """What the test records of a model and of what it did itself."""
@@ -519,9 +522,24 @@ class SweepPart(TestPart):
         """K' comes first and then K'': its neighbours are told by K' alone."""
         return residual[: len(self.test)]
 
+    @cached_property
+    def lines(self) -> ConvexSpectrum:
+        """By K' and K''."""
+        return lines_of_sweep(self.test, self.sd)
+
+    def modelled(self, residual: Real) -> Complex:
+        """K (n,) of the model that leaves a residual (2 n,) over the standard deviations."""
+        return np.asarray(self.test.stiffness + complex_form(residual * self.sd))
+
     def places(self, residual: Real) -> list[Where]:
-        """Between which frequencies."""
-        return places_in_sweep(self.test, residual)
+        """As of a sweep that stands alone, by its name among the other tests."""
+        unmoved = np.zeros((0, len(self.test)), dtype=np.complex128)
+        weights = complex_form(1.0 / self.sd)
+        frame = NoiseFrame(self.test, self.modelled(residual), weights, unmoved)
+        name = self.test.name
+        return [
+            replace(place, condition=name, says=f"{name}: {place.says}") for place in where(frame)
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -533,8 +551,6 @@ class OtherPart(TestPart):
     noise : ndarray, shape (m,), optional
         Standard deviations in the place of its own.
     """
-
-    convex = False
 
     test: OtherTest
     noise: Real | None = None

@@ -367,8 +367,7 @@ def misfit_of(part: TestPart, base: Identification) -> Misfit:
     value = part.over_noise(base.model, base.theta, base.reference).value
     if not isinstance(part, SweepPart):
         return Misfit(np.abs(value * part.relative_sd), np.zeros(0))
-    storage, loss = np.split(value * part.sd, 2)
-    return Misfit.of_stiffness(part.test.stiffness + storage + 1j * loss, part.test.stiffness)
+    return Misfit.of_stiffness(part.modelled(value), part.test.stiffness)
 
 
 def _is_plain(tried: Sequence[Hypothesis]) -> bool:
@@ -404,11 +403,11 @@ def where_missed(
 ) -> tuple[Where, ...]:
     """Where the model fails: first in the test that it misses most, the worst place first."""
     located = [
-        (times_noise(residual, scatter.size), place.size, place)
+        (times_noise(residual, scatter.size), place)
         for part, residual, scatter in zip(parts, before.residuals, noise, strict=True)
         for place in part.places(residual / scatter.size)
     ]
-    return tuple(place for *_, place in sorted(located, key=lambda one: one[:2], reverse=True))
+    return tuple(place for _, place in sorted(located, key=lambda one: -one[0]))
 
 
 def _class(

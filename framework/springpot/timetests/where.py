@@ -1,6 +1,6 @@
-"""Where in a test a model fails.
+"""Where in a test in time a model fails.
 
-Between which times or frequencies, and where in the loop of force and displacement.
+Between which times, and where in the loop of force and displacement.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import plain, times
 from springpot.misfit.where import Where
@@ -62,7 +61,10 @@ def places(test: TimeTest, residual: Real) -> list[Where]:
     candidates = [_in_time(test, residual)]
     if test.kind in ("history", "recovery") and _goes_back(test):
         candidates.append(_in_loop(test, residual))
-    return [place for place in candidates if place is not None and place.size > VERDICT.agrees]
+    missed = (place for place in candidates if place is not None)
+    return sorted(
+        (place for place in missed if place.size > VERDICT.agrees), key=lambda place: -place.size
+    )
 
 
 def _in_time(test: TimeTest, residual: Real) -> Where | None:
@@ -88,44 +90,6 @@ def _in_time(test: TimeTest, residual: Real) -> Where | None:
         f"the model's {test.words[1]} is {side} there{_manner(test, residual)}"
     )
     return Where("signal", test.name, first, last, size, says)
-
-
-def places_in_sweep(sweep: Measurement, residual: Real) -> list[Where]:
-    """Between which frequencies a sweep is missed by more than noise.
-
-    Parameters
-    ----------
-    sweep : Measurement
-        The test, of n points.
-    residual : ndarray, shape (2 n,)
-        Predicted less measured, over the noise, of K' and then of K''.
-
-    Returns
-    -------
-    list of Where
-        One at most, over the frequency in Hz.
-    """
-    both = residual.reshape(2, -1)
-    order = np.argsort(sweep.frequency, kind="stable")
-    # Of single points the largest is hardly a place.
-    rows = np.array_split(order, min(PIECES, max(len(order) // FEWEST, 1)))
-    worst = max(rows, key=lambda piece: rms(both[:, piece]))
-    size = rms(both[:, worst])
-    if not size > VERDICT.agrees:
-        return []
-    part = int(rms(both[1, worst]) > rms(both[0, worst]))
-    measured = (sweep.storage, sweep.loss)[part][worst]
-    # Larger is further from nothing, whatever the sign, as of a record.
-    side = "smaller"
-    if float(np.mean(np.sign(measured) * both[part, worst])) > 0.0:
-        side = "larger"
-    low, high = (float(end(sweep.frequency[worst])) for end in (np.min, np.max))
-    between, word = f"{sweep.units.on_clock(low):.3g} to", ("storage", "loss")[part]
-    says = (
-        f"{sweep.name} is missed most from {between} {sweep.units.at(high)}, by {times(size)} the"
-        f" noise: the model's {word} is {side} there"
-    )
-    return [Where("stiffness", sweep.name, low, high, size, says)]
 
 
 def _speed(test: TimeTest) -> tuple[Real, NDArray[np.bool_]]:

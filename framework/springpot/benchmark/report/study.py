@@ -33,6 +33,7 @@ from .study_plots import (
     progress,
     share_text,
     verdict,
+    with_gradients,
 )
 
 STYLE = """
@@ -160,7 +161,7 @@ def _choices(findings: Findings) -> Iterator[Html]:
     if findings.rankings:
         rows.append(_all_problems(findings))
     # Marked in every cell: an optimiser with gradients needs a model that has them.
-    graded = _graded(findings)
+    graded = with_gradients(findings)
     for choices in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
         problem = choices[0].race.problem
         rows.append(
@@ -191,13 +192,8 @@ def _data(findings: Findings, problem: ProblemRow) -> str:
     return problem.dataset
 
 
-def _graded(findings: Findings) -> set[str]:
-    """Optimisers that evaluate gradients."""
-    return {summary.cell.label for summary in findings.summaries if summary.gradients}
-
-
 def _all_problems(findings: Findings) -> tuple[str, ...]:
-    graded = _graded(findings)
+    graded = with_gradients(findings)
     cells = []
     for pool in pools(findings):
         certainty = pool.ranking.doubt or _alike(pool.alike)

@@ -292,6 +292,11 @@ def _pool(findings: Findings, ranking: MeanRanks) -> Pool:
     return Pool(ranking, first, shares[first], costs[first], tuple(others))
 
 
+def with_gradients(findings: Findings) -> set[str]:
+    """Optimisers that evaluate gradients."""
+    return {summary.cell.label for summary in findings.summaries if summary.gradients}
+
+
 def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     """The sentence at the top of a report."""
     budget, ranking = findings.scale.budget, pool.ranking
@@ -299,11 +304,14 @@ def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     if not ranking.decided:
         yield joined([_too_few(ranking)])
         return
-    knowing = "Knowing nothing of the problem"
+    which = "Whichever of these problems it is"
     if len(findings.races) == 1:
-        knowing = "For this problem"
-    yield joined([f"{knowing}, with {budget} evaluations, use "])
+        which = "For this problem"
+    yield joined([f"{which}, with {budget} evaluations, use "])
     yield tag("b", pool.label)
+    # Whoever has none of the model cannot follow the advice.
+    if pool.label in with_gradients(findings):
+        yield joined([", which takes derivatives of the model"])
     yield joined([f": it reached the target in {share_text(pool.success)} of its trials here"])
     if np.isfinite(pool.running_time):
         yield joined(
