@@ -58,12 +58,13 @@ def test_a_name_is_not_withheld_for_curves_that_need_more_parameters():
     ("error", "chance", "says"),
     [
         (0.018, 0.0001, "; 1.8 x is left, which no effect explains"),
-        (0.018, 0.5, ""),
+        (0.018, 0.5, "; 1.8 x is left without a pattern: some points may be bad"),
+        (0.013, 0.5, ""),
         (0.011, 0.0001, ""),
     ],
 )
-def test_structure_that_named_effects_leave_stands_in_the_headline(error, chance, says):
-    search = SimpleNamespace(
-        best=SimpleNamespace(error=error, floor=0.01), left=SimpleNamespace(p_value=chance)
-    )
+def test_what_named_effects_leave_stands_in_the_headline(error, chance, says):
+    best = SimpleNamespace(error=error, relative_rms=error, floor=0.01, error_dof=40)
+    best.noise = SimpleNamespace(dof=40)
+    search = SimpleNamespace(best=best, left=SimpleNamespace(p_value=chance))
     assert left_of(SimpleNamespace(rest=None, search=search)) == says

@@ -66,6 +66,32 @@ def test_a_point_far_from_the_others_is_not_taken_for_the_surest(seed):
     assert shares[0] > 5.0 * np.median(shares)
 
 
+@pytest.mark.soak_cases("1")
+@pytest.mark.parametrize("seed", [1, 3])
+def test_noise_of_one_size_in_all_of_k_is_not_taken_for_one_that_rises(seed):
+    """A fit in units of |K| misses by less than that noise, and seems to scatter at the ends."""
+    rng = np.random.default_rng(seed)
+    omega = np.tile(np.geomspace(0.5, 25.0, 16), 4)
+    celsius = np.repeat(np.arange(4) * 10.0, 16)
+    s = 1j * omega * np.exp(14e3 * (1.0 / (celsius + 273.15) - 1.0 / 293.15))
+    noise = 1.2 * (rng.normal(size=64) + 1j * rng.normal(size=64))
+    exact = 2500.0 * 0.21 * s / (1.0 + 0.21 * s)
+    data = Measurement(omega, exact + noise, conditions={"temperature": celsius})
+    parts = fitted_to_floor(parse_model("maxwell + arrhenius-shift"), data).noise.parts.real
+    assert np.median(parts) == pytest.approx(1.2, rel=0.2)
+    assert np.max(parts) < 1.3 * np.min(parts)
+
+
+def test_a_gain_that_grows_along_a_column_is_no_memory_of_the_noise():
+    rng = np.random.default_rng(5)
+    omega, current = np.tile(np.geomspace(0.3, 60.0, 10), 4), np.repeat(np.arange(4.0), 10)
+    s = (0.3j * omega) ** 0.5
+    scatter = 0.005 * rng.normal(size=40) + 0.014j * rng.normal(size=40)
+    exact = 600.0 * s / (1.0 + s) * (1.0 + 0.005 * (1.0 + 0.4j) * current)
+    data = Measurement(omega, exact + np.abs(exact) * scatter, conditions={"current": current})
+    assert fitted_to_floor(parse_model("fractional-maxwell"), data).noise.memory == 0.0
+
+
 def _swept(memory, misfit=0.0, seed=3):
     """Four amplitudes of a Zener body of which the errors go on from point to point."""
     rng = np.random.default_rng(seed)

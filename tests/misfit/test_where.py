@@ -50,6 +50,11 @@ def says(fit):
     return [place.says for place in where(fit)]
 
 
+def test_a_misfit_of_which_no_sweep_holds_a_period_has_none():
+    levels = frame(temperatures=[0.0, 10.0, 20.0], off=lambda f, t, x: 0.01 * (t - 10.0))
+    assert periodic(levels).says.startswith("the misfit goes slowly along each sweep, by about")
+
+
 def test_a_misfit_that_changes_sign_with_temperature_is_told_per_temperature():
     """Its mean over the temperatures is nothing."""
     found = says(

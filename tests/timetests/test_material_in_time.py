@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,11 +13,14 @@ from springpot.errors import ModelError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose, identify, predict_test
+from springpot.timetests.hypotheses import ScanEntry
+from springpot.timetests.material import with_rates
 from springpot.timetests.recording import recorded
 
 MODEL = parse_model("fractional-zener")
 THETA = np.array([1.0, 3.0, 2.0, 0.6])
 T = np.geomspace(0.01, 1000.0, 200)
+ANY = parse_model("material")
 
 
 def scattered(values, seed):
@@ -117,3 +121,16 @@ def test_a_drift_is_named_beside_any_material():
 def test_a_material_alone_takes_a_start_that_tells_nothing_of_effects(fit):
     again = identify(RELAXED, parse_model("material"), seeds=[fit.theta[:2]], thorough=False)
     assert again.cost == pytest.approx(fit.cost, rel=1e-3)
+
+
+@pytest.mark.parametrize("rates", [(), (0.1,), (0.1, 1.0, 10.0)])
+def test_a_start_beside_a_spectrum_of_other_lines_has_the_effect_where_it_was_seen(rates):
+    """Each fit chooses its own lines: the model to be fitted may have more of them, or fewer."""
+    [inertia] = parse_model("material + inertia").effects
+    fit = SimpleNamespace(model=with_rates(ANY, (0.3, 3.0)), theta=np.ones(4))
+    entry = ScanEntry(inertia, (2.5,), fit.theta, 1.0, 1.0, np.ones(3), True)
+    model = with_rates(ANY, rates) + inertia
+    start = model.named(entry.start(fit, model))
+    assert start["inertia.m"] == 2.5
+    assert [start[name] for name in ("K_e", "c")] == [1.0, 1.0]
+    assert all(value in (0.0, 1.0) for name, value in start.items() if name.startswith("g"))

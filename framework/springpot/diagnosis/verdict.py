@@ -462,9 +462,14 @@ def left_of(evidence: Evidence) -> str:
     search = evidence.search
     over = search.best.error / search.best.floor
     # As the battery sees it: of noise alone nothing is to be told.
-    if search.left.p_value >= VERDICT.structure_alarm or over < VERDICT.noisy:
+    if over < VERDICT.noisy:
         return ""
-    return f"; {times(over)} is left, which no effect explains"
+    if search.left.p_value < VERDICT.structure_alarm:
+        return f"; {times(over)} is left, which no effect explains"
+    # Among long tails a bad point is beyond no chance, and carries most of the error all the same.
+    if beyond_floor(search.best):
+        return f"; {times(over)} is left without a pattern: some points may be bad"
+    return ""
 
 
 def _of_repeats(search: Search) -> str:

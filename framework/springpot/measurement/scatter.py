@@ -444,17 +444,30 @@ def _student_scale(size: Real) -> Real:
 
 def _student_cost(shape: Shape, scales: Real, residual: Complex) -> float:
     """Minus twice the log-likelihood, with the price of the shape and what a second scale costs."""
-    total, residual = shape.price, shape.seen(residual)
-    for part, form, scale in zip(
-        (residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True
-    ):
-        square = (part / (scale * form)) ** 2
-        tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
-        total += float(np.sum(2.0 * np.log(scale * form) + tails))
     spent = 2
     if shape.tied:
         spent = 1
-    return total + spent * float(np.log(2.0 * len(residual)))
+    cost = student_cost(shape.sd(scales), shape.seen(residual))
+    return shape.price + cost + spent * float(np.log(2.0 * len(residual)))
+
+
+def student_cost(sd: Complex, residual: Complex) -> float:
+    """Minus twice the log-likelihood of a residual (n,) by Student's t with deviations (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.scatter import student_cost
+    >>> far = np.array([0.1 + 0.1j, 8.0 + 0.1j])
+    >>> [round(student_cost(np.full(2, size + size * 1j), far), 1) for size in (1.0, 3.0)]
+    [14.2, 13.9]
+    """
+    total = 0.0
+    for part, size in ((residual.real, sd.real), (residual.imag, sd.imag)):
+        square = (part / size) ** 2
+        tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
+        total += float(np.sum(2.0 * np.log(size) + tails))
+    return total
 
 
 def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:

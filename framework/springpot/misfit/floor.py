@@ -25,6 +25,7 @@ from springpot.measurement.scatter import (
     noise_shape_along,
     plausible_variance,
     robust_noise_shape,
+    student_cost,
 )
 from springpot.memory import FittedMemory, deviance, effective_share, fitted_memory
 from springpot.rheology.model import Model
@@ -248,7 +249,8 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     relative = real_form(shape.parts) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
-    return _in_rounds(in_noise(first, shape), uneven=True)
+    # The first fit was in units of |K|, and where it misses for that the scatter seems to rise.
+    return min((_in_rounds(in_noise(first, shape), uneven=True), usual), key=_cost_of_scatter)
 
 
 def _over(fitted: Refit) -> float:
@@ -273,12 +275,23 @@ def _in_rounds(fitted: Refit, uneven: bool = False, cautious: bool = False) -> R
     free, data = fitted, fitted.data
     inside = np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
-        # Each way says at most how large the noise is: the smaller one is the better bound.
         tried = [
             _scaled(fitted, shape) for shape in _shapes(free, data.mean, inside, uneven, cautious)
         ]
-        fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
+        # Each way says at most how large the noise is: of one shape the smaller is the better
+        # bound, and of two shapes that under which the scatter without ripples is the likelier.
+        best = 0
+        if len(tried) > 1:
+            best = int(np.argmin([_cost_of_scatter(one[0]) for one in tried]))
+        fitted, free, inside = tried[best]
     return fitted
+
+
+def _cost_of_scatter(fitted: Refit) -> float:
+    """Minus twice the log-likelihood of a fit's scatter, whatever stands out of it."""
+    frame, noise = fitted.frame(), fitted.noise
+    left = noise.of_whitened(trimmed(frame).left / np.sqrt(_left_over(frame)))
+    return student_cost(noise.parts, left if noise.turn is None else left * noise.turn)
 
 
 def _scaled(before: Refit, shape: Noise) -> tuple[Refit, Refit, NDArray[np.bool_]]:
@@ -603,10 +616,11 @@ def _misfits(measurement: Measurement, products: Real) -> Iterator[MisfitShapes]
             yield MisfitShapes.of_sweeps(*sums)
     for number in settings_of(measurement).values():
         at_each = (number == np.arange(int(number.max()) + 1)[:, None]).astype(np.float64)
-        # At each value of a column a level, a slope or a bend.
-        for degree in range(3):
-            shapes = (slow[: degree + 1, None, :n] * at_each).reshape(1, -1, 1, n)
-            yield MisfitShapes.of_sweeps(*_summed(shapes, products[together]))
+        # At each value of a column a level, a slope or a bend; or one that grows along the column.
+        for way in (at_each, (number - np.mean(number))[None]):
+            for degree in range(3):
+                shapes = (slow[: degree + 1, None, :n] * way).reshape(1, -1, 1, n)
+                yield MisfitShapes.of_sweeps(*_summed(shapes, products[together]))
 
 
 def _side_by_side(measurement: Measurement) -> tuple[Real, NDArray[np.intp]]:

@@ -342,8 +342,11 @@ def periodic(frame: NoiseFrame) -> Where:
     length = ""
     if decades:
         length = f" ({period * step:.2g} decades)"
-    share = f"{plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
-    says = f"the misfit swings by about {share} with a period of {period:.2g} points{length}"
+    share = f"about {plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
+    says = f"the misfit swings by {share} with a period of {period:.2g} points{length}"
+    # Of which no sweep holds one whole period is no wave along them.
+    if period > len(longest.rows):
+        says = f"the misfit goes slowly along each sweep, by {share}"
     low, high = float(frequency.min()), float(frequency.max())
     return Where("stiffness", _conditions(frame.measurement), low, high, size, says)
 

@@ -406,10 +406,15 @@ class ScanEntry:
         if moved:
             theta = self.theta
         known = base.model.named(theta)
+        if is_material(model):
+            # Lines of a free spectrum are found anew, however many the fit and the model have.
+            known = {
+                **dict.fromkeys((line.name for line in model.material.parameters), 0.0),
+                **known,
+            }
         new = [parameter for parameter in model.parameters if parameter.name not in known]
         for parameter, value in zip(new, self.values, strict=True):
             known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
-        # Lines of a free spectrum, which the fit has and the model not yet, are found anew.
         return model.picked(known)
 
 

@@ -5,26 +5,26 @@ What a fitted model says of it, with a band, and whether it holds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
-from springpot.errors import DataError
 from springpot.identification.prediction import Known
 from springpot.identification.uncertainty import spread_of
 from springpot.lazy import Drawn
 from springpot.measurement.covered import Covered
 from springpot.measurement.opening import Test
+from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
 from springpot.misfit.error import plain
-from springpot.rheology.points import Points, Real
+from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import DEVIATIONS, SMALLEST, rms
-from .residuals_of_tests import TestPart, part_of
+from .residuals_of_tests import part_of
 from .specimen import require_its_conditions
 
 NEAR = 2.0
@@ -232,31 +232,30 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
     """
     known = known.of_specimen
     require_its_conditions(known.model, test)
-    # The fit is brought to the test, and not the test to the fit: what is printed is in the units
-    # that were measured.
-    theta, factors = _in_units_of(known, test.units)
-    part = part_of(test)
+    # The test is brought to the fit, for not every parameter has a unit of its own; what it says is
+    # told as it was measured.
+    own, part, back = part_of(test), part_of(test.in_units(known.units)), _back(test, known.units)
     rows = np.flatnonzero(part.sure)
-    answer = part.answer(known.model, theta, known.reference, rows)
-    value, measured, noise, size = answer.value, part.measured[rows], part.sd[rows], part.size[rows]
+    answer = part.answer(known.model, known.theta, known.reference, rows)
+    value, by_theta = back * answer.value, back * answer.by_theta
+    measured, noise, size = own.measured[rows], own.sd[rows], own.size[rows]
     # A test that was not measured is its own prediction: nothing is missed, and nothing judged.
-    if not part.judged:
+    if not own.judged:
         measured, noise, size = value, np.zeros(len(rows)), np.full(len(rows), rms(value))
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share, counted = (value - measured) / size, part.counted[rows]
-    by_theta = answer.by_theta * factors
     down, up = known.ways(spread_of(by_theta, known.theta_covariance), by_theta)
     times, known_sd = student(level, known.dof), np.maximum(down, up)
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(known_sd, noise) / size
     # One over a time is a frequency only nearly: what lies near the ends was seen.
-    asked = part.rate[rows], _settings(part, rows, known.units)
+    asked = part.rate[rows], {name: column[rows] for name, column in part.conditions.items()}
     inside = ~known.covered.outside(*asked, NEAR)
     return TestPrediction(
         model=known.model.name,
         test=test.name,
         kind=test.kind,
-        at=part.at[rows],
+        at=own.at[rows],
         value=value,
         low=value - times * down,
         high=value + times * up,
@@ -267,63 +266,22 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         bias=float(np.mean((share * np.sign(measured))[counted])),
         inside=float(np.mean(inside)),
         error_inside=rms(share[inside & counted]) if inside.any() else float("nan"),
-        unit=part.unit,
+        unit=own.unit,
         outside=~inside,
         covered=known.covered,
         notes=tuple(filter(None, [known.covered.remark(*asked, known.units, NEAR)])),
-        judged=part.judged,
-        quantity=part.quantity,
+        judged=own.judged,
+        quantity=own.quantity,
         clock=test.units.clock,
         level=level,
     )
 
 
-def _settings(part: TestPart, rows: NDArray[np.intp], units: Units) -> dict[str, Real]:
-    """All conditions of some numbers of a test, amplitudes in the units of the fit."""
-    settings = {name: column[rows] for name, column in part.conditions.items()}
-    if "amplitude" in settings:
-        longer = AMPLITUDE_UNITS[part.test.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
-        settings["amplitude"] = settings["amplitude"] * longer
-    return settings
-
-
-def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
-    """Parameters in the units of a test, and by what factors."""
-    own = known.units
-    stiffer = own.factor_to(units, "the fit", "the test")
-    one_modulus([("the fit", own), ("the test", units)])
-    longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
-    # Time is in s everywhere: it needs no factor.
-    units_of_parameters = [parameter.unit for parameter in known.model.parameters]
-    factors = np.array([unit.size(stiffer, 1.0, longer, 0.0) for unit in units_of_parameters])
-    _require_same_model(known, factors, stiffer, longer, units)
-    return known.theta * factors, factors
-
-
-def _require_same_model(
-    known: Known, factors: Real, stiffer: float, longer: float, units: Units
-) -> None:
-    """Check that converted parameters are the same model.
-
-    The force of a power law has no whole power of a length.
-
-    Raises
-    ------
-    DataError
-        If they are not.
-    """
-    if longer == 1.0 or "amplitude" not in known.model.needs:
-        return
-    # Two frequencies: one could agree by chance.
-    rates, one = np.log(np.array([1.0, 10.0])), np.ones(2)
-    kelvin = np.full(2, known.reference)
-    here = Points(rates, amplitude=one, temperature=kelvin, reference_temperature=known.reference)
-    there = replace(here, amplitude=longer * one)
-    before = stiffer * known.model.stiffness(known.theta, here)
-    after = known.model.stiffness(known.theta * factors, there)
-    if not np.allclose(after, before, rtol=1e-6):
-        raise DataError(
-            f"{known.model.name} cannot be converted from {known.units.amplitude} to"
-            f" {units.amplitude}: the unit of a parameter depends on another parameter; give the"
-            f" test in {known.units.amplitude}"
-        )
+def _back(test: Test, units: Units) -> float:
+    """By how much what a test tells is more in its own units than in others."""
+    one_modulus([("the fit", units), ("the test", test.units)])
+    stiffer = units.factor_to(test.units, "the fit", "the test")
+    longer = AMPLITUDE_UNITS[units.amplitude] / AMPLITUDE_UNITS[test.units.amplitude]
+    if not isinstance(test, TimeTest):
+        return stiffer
+    return longer if test.control == "force" else stiffer * longer

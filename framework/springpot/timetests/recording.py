@@ -447,9 +447,10 @@ def _carried(law: Node, values: Real, before: Loading, slope: Loading) -> Loadin
 def _either_way(loading: Loading, slope: Loading) -> tuple[float, list[Loading]]:
     """A loading with a little more and a little less of its change, and how much apart they are."""
     # Relative to the load itself: a step of any fixed size would be rounding in one unit and a leap
-    # in another.
-    size = DIFFERENCE * np.abs(loading.value).max()
-    size = float(size / max(float(np.abs(slope.value).max()), SMALLEST))
+    # in another. Where nothing is left of the load, as behind a slack that takes all of it, to the
+    # change.
+    change_of_all = max(float(np.abs(slope.value).max()), SMALLEST)
+    size = DIFFERENCE * (float(np.abs(loading.value).max()) or change_of_all) / change_of_all
     times = np.union1d(loading.time, slope.time)
     there, change = (np.interp(times, each.time, each.value) for each in (loading, slope))
     return 2.0 * size, [Loading(times, there + sign * size * change) for sign in (1.0, -1.0)]
