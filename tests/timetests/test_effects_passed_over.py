@@ -15,9 +15,10 @@ from springpot.registry import plugins
 from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.hypotheses import FitResiduals, Hypothesis
+from springpot.timetests.native import STARTS
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
-from springpot.timetests.screening import STARTS, left_by_screening
+from springpot.timetests.screening import left_by_screening
 
 MODEL = springpot.parse_model("zener")
 TIME = np.geomspace(0.01, 100.0, 60)

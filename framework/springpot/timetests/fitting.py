@@ -37,7 +37,7 @@ from .floor import coordinates_around
 from .hypotheses import FitResiduals
 from .intervals import with_intervals
 from .material import FoundLines, UntoldError, spectral
-from .native import Minimum, TimeSearch
+from .native import STARTS, Minimum, TimeSearch
 from .residuals_of_tests import (
     Test,
     TestPart,
@@ -144,8 +144,6 @@ BUDGET = 2000
 
 Each takes some milliseconds, so that this is a matter of ten seconds.
 """
-STARTS = 2
-"""Places of a force that is not linear, of those that a scan finds, from which a search begins."""
 
 
 def identify(

@@ -15,7 +15,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Solution, levenberg_marquardt, one_by_one
 from springpot.identification.material import is_material
-from springpot.identification.native import NEAR
+from springpot.identification.native import LAST, NEAR
 from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
 from springpot.identification.task import FLAT_SHAPES
@@ -38,8 +38,6 @@ from .specimen import Scales, runs_against, tries_of, words_of
 
 QUICK = 20
 """Steps with some of the samples."""
-LAST = 30
-"""Steps with all of them."""
 ORDERS = (0.3, 0.5, 0.8)
 """Of springpots, to begin at.
 
@@ -47,8 +45,8 @@ Real ones lie between, and from each of these the search reaches the next.
 """
 EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
-TRIED = 6
-"""Places in the parameters of effects of time tests from which a search begins."""
+STARTS = 4
+"""Places in the parameters of an effect from which a fit begins."""
 WRONG = 0.5
 """Relative error from which the signs of a test are doubted.
 
@@ -172,7 +170,7 @@ class TimeSearch:
                 return []
             best = theta[0]
             theta = sorted([np.concatenate([best, place]) for place in places], key=self._misfit)
-        return theta[:TRIED]
+        return theta[:STARTS]
 
     def _misfit(self, theta: Real) -> float:
         """Sum of squares at a start that may lack the parameters of the last effects."""

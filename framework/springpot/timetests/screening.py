@@ -31,19 +31,15 @@ from .hypotheses import (
     independent_samples,
 )
 from .material import UntoldError
-from .native import TimeSearch
+from .native import STARTS, TimeSearch
 from .score import TimeScan
 from .temperatures import is_law
 
-LEADING = 14
-"""Effects that are fitted, nearly: the others fell behind by a linear step already."""
 FEWEST = 3
 """Effects that are fitted even where the scan foretells little.
 
 So that the answer says how little they would help.
 """
-STARTS = 4
-"""Places in the parameters of an effect from which its fit begins."""
 EXACT = 5
 """Effects that are fitted exactly, of those that are near the best.
 
@@ -72,7 +68,9 @@ def leading_of_scan(
     # lead.
     ranked = sorted(_by_rig(entries), key=hope, reverse=True)
     worth = [
-        of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > TWO_DEVIATIONS
+        of_effect
+        for of_effect in ranked[: SEARCH.singles]
+        if of_effect[0].drop / unit > TWO_DEVIATIONS
     ]
     # Of what does not go as its size, such as a limit or a fading, a linear step tells too little.
     # Beside other tests each such fit would take as long as all others.
