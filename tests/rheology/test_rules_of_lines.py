@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from springpot.registry import parse_model, plugins
-from springpot.rheology import dimensional, grammar, hysteresis, named, nodes
+from springpot.rheology import dimensional, grammar, hysteresis, named, nodes, poles
 from springpot.rheology.elements import Compliance, Continuum, KnownMass, Relaxation
-from springpot.rheology.nodes import FULL, GRADIENT
-from springpot.rheology.points import Points
+from springpot.rheology.nodes import FULL, GRADIENT, Response
+from springpot.rheology.points import HALF_PI, Points
 
 
 def slope_of(function, x, step=1e-6):
@@ -39,6 +39,21 @@ def test_lines_of_a_spectrum_are_those_of_maxwell_elements():
         found = node.basis(log_omega, False)[0]
         np.testing.assert_allclose(found[1], s, rtol=1e-12)
         np.testing.assert_allclose(found[2:], s / (s + rates[:, None]), rtol=1e-12)
+
+
+def test_poles_that_rounding_moves_on_are_found_once_steps_no_longer_shrink():
+    """Poles at all whole numbers, of a curve that is known to 3e-12 of its places."""
+    asked = []
+
+    def respond(where, depth):
+        asked.append(depth)
+        u = where - HALF_PI + 3e-12 * np.random.default_rng(len(asked)).normal(size=len(where))
+        return Response(np.pi / np.tan(np.pi * u) + 0j, None, -((np.pi / np.sin(np.pi * u)) ** 2))
+
+    branch = SimpleNamespace(respond=respond)
+    edge = poles.edge_of(branch, 0.6, 40.4)
+    np.testing.assert_allclose(poles._poles(branch, edge), np.arange(1, 41), rtol=0.0, atol=1e-10)
+    assert len(asked) < 30
 
 
 @pytest.mark.parametrize(

@@ -322,6 +322,7 @@ def _poles(branch: Branch, edge: Edge) -> Real:
     # the level then changes its sign at the line alone, and its inverse is zero there.
     level = 0.5 * (edge.value.real[steps] + edge.value.real[steps + 1])
     u = 0.5 * (low + high)
+    last = np.inf
     for _ in range(MOST_STEPS):
         response = branch.respond(u + HALF_PI, FULL)
         value = response.value.real - level
@@ -330,9 +331,12 @@ def _poles(branch: Branch, edge: Edge) -> Real:
         # Of Newton's method for 1 / (K - level), whose slope is -K' / (K - level)^2.
         step: Real = value / response.by_log_omega.real
         moved = inside(u + step, u, low, high)
-        if settled(moved, u):
+        left = float(np.abs(moved - u).max())
+        # Of thousands of lines one is always moved on by what K is rounded by: steps that no longer
+        # shrink are at their end.
+        if settled(moved, u) or last <= left < ALIKE:
             return moved
-        u = moved
+        u, last = moved, left
     return u
 
 
