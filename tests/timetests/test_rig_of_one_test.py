@@ -6,7 +6,10 @@ import pytest
 from springpot import parse_model
 from springpot.measurement import TimeTest
 from springpot.registry import plugins
-from springpot.timetests import diagnose
+from springpot.timetests import diagnose, identify
+from springpot.timetests.exponentials import quick_parts
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.score import TimeScan
 
 TIME = np.geomspace(0.01, 100.0, 100)
 MATERIAL = {"k": 400.0, "c": 60.0, "alpha": 0.5}
@@ -37,3 +40,15 @@ def test_what_the_rig_of_the_creep_test_has_is_said_of_it_alone(name, size):
     found = diagnose(tests, "fractional-maxwell", library)
     assert found.verdict == "effect-missing"
     assert f"{name}:creep" in found.leading
+
+
+def test_what_gives_way_in_one_rig_changes_no_other_test():
+    """At sizes to which no small step leads, too: K of the other test stays as it is."""
+    tests = [shown("fractional-maxwell", kind, 4) for kind in ("relaxation", "creep")]
+    base = identify(tests, parse_model("fractional-maxwell"))
+    scan = TimeScan(base, quick_parts(parts_of_specimen(tests)))
+    there = scan._giving(plugins().effect("series-spring").of_one("creep"), [()])
+    first = len(scan.views[0].residual)
+    for atom in there:
+        np.testing.assert_array_equal(atom.column[:first], 0.0)
+        assert np.linalg.norm(atom.column[first:]) > 0.0
