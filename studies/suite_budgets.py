@@ -1,6 +1,6 @@
 """Who is ahead at 50, 200, 1,000, 8,000 and 100,000 evaluations, and where they overtake.
 
-    python studies/suite_budgets.py [--every 3] [--repeats 2] [--last 1] [--workers 2] [--out DIR]
+    python studies/suite_budgets.py [--every 3] [--repeats 2] [--last 5] [--workers 2] [--out DIR]
 
 Question: does the answer to "which optimiser?" hang on the budget? Measure: mean ranks, and the
 share of trials at the target, over every third problem of springpot-60, among them a record, a
@@ -174,7 +174,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--every", type=int, default=3, help="take every so manieth problem")
     parser.add_argument("--repeats", type=int, default=2)
-    parser.add_argument("--last", type=int, default=1, help="repetitions at the longest")
+    parser.add_argument("--last", type=int, default=5, help="repetitions at the longest")
     parser.add_argument("--workers", type=int)
     parser.add_argument("--out", type=Path, default=Path("results"))
     given = parser.parse_args(arguments)

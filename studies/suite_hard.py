@@ -7,7 +7,7 @@ On the hard half of springpot-60 `auto`, which came after it, reaches every targ
 problems from the library's own models, effects and tests (`drawn_problems.py`), of them those with
 ten parameters or more, ladders of three effects, and what is not smooth. Kept are the first twenty
 of which none of 64 descents by exact derivatives, from points uniform in the box, ends at the
-target. No optimiser's result has a part in this. Raced are the four that reached most targets on
+target. No trial of a race has a part in this. Raced are the four that reached most targets on
 the hard half of springpot-60, the best there without derivatives and residuals, and two that are
 well known.
 """

@@ -10,7 +10,7 @@ by one kind of descent, from starts of one scale. Here sweeps without further co
 or more and is kept if none of 1,024 descents arrives, by logarithms and by the parameters
 themselves, from points that are uniform in the box and uniform by logarithms. That is several times
 what 8,000 evaluations pay for, so that whoever only descends again and again seldom arrives; no
-optimiser's result has a part in it. Raced are `auto`, the ten that reached most targets on the hard
+trial of a race has a part in it. Raced are `auto`, the ten that reached most targets on the hard
 half of springpot-60, and the paper's swarm.
 """
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
 from springpot.measurement import TimeTest
 from springpot.misfit.coloured_noise import colour_of
@@ -98,3 +98,15 @@ def test_what_repeats_with_a_motion_is_no_noise():
     (told,) = identify(test, parse_model("kelvin")).tests
     assert told.noise_floor == pytest.approx(0.2 / np.sqrt(np.mean(force**2)), rel=0.15)
     assert told.over_floor > 25.0
+
+
+def test_noise_behind_a_low_pass_filter_is_noise():
+    white = np.random.default_rng(1).normal(size=(20, 700))
+    rows = lfilter(*butter(2, 0.25), white)[:, 100:]
+    assert np.mean([scatter_of(row).misfit for row in rows]) <= 0.15
+
+
+def test_a_mean_over_five_samples_is_noise():
+    rows = np.random.default_rng(1).normal(size=(20, 604))
+    misses = [scatter_of(np.convolve(row, np.full(5, 0.2), "valid")).misfit for row in rows]
+    assert np.mean(misses) <= 0.15

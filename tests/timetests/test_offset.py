@@ -105,3 +105,15 @@ def test_a_rise_that_was_recorded_tells_a_constant_from_a_spring(rise, offered):
     test = held(rise)
     assert test.kind == "relaxation"
     assert len(at_tests(plugins().effect("force-offset"), [test])) == offered
+
+
+def test_a_start_up_tells_a_constant_from_a_spring_too():
+    """At a steady rate a spring's force grows: the zero of the transducer is no part of it."""
+    time = np.arange(60) / 10.0
+    force = 4.0 + 0.3 * 5.0 * time + 20.0 * (1.0 - np.exp(-time))
+    noise = np.random.default_rng(1).normal(0.0, 0.05, len(time))
+    pulled = TimeTest.of_history(time, 5.0 * time, force + noise, "mm", "N")
+    assert pulled.kind == "startup"
+    found = diagnose(pulled, "zener", tried("force-offset", "force-drift"))
+    assert found.leading[0] == "force-offset"
+    assert found.best.parameters["size"].value == pytest.approx(4.0, abs=0.2)

@@ -147,18 +147,18 @@ def test_an_effect_that_lowers_nothing_leaves_what_was_left(monkeypatch, left, t
         assert (found.left.count, found.fit) == (7, None)
 
 
-def test_an_autoregression_has_the_covariances_of_its_spectrum():
-    """One of the first order, of memory 0.6 and variance 4: further orders add nothing."""
+def test_cosines_are_read_from_the_logarithm_of_a_spectrum():
+    """Of a memory of 0.6 the k-th is 2 0.6^k / k; what rises beside it is taken out before."""
     omega = np.pi * (np.arange(4000) + 0.5) / 4000
     level = 4.0 * (1.0 - 0.36) / (1.36 - 1.2 * np.cos(omega))
-    white, first, *more = colour._autoregressions(level, omega, 0.1)
-    assert (white.variance, white.past) == (pytest.approx(4.0), (1.0,))
-    assert (first.variance, first.past) == (pytest.approx(2.56), pytest.approx((1.0, -0.6)))
-    assert len(more) == colour.ORDERS - 1
-    for order, one in enumerate(more, 2):
+    white, *more = colour._exponentials(level, omega, 0.1)
+    assert white.variance == pytest.approx(4.0 * (1.0 - 0.36))
+    assert (white.cosines, white.corner) == ((), 0.1)
+    assert len(more) == colour.ORDERS
+    for order, one in enumerate(more, 1):
+        k = np.arange(1, order + 1)
         assert one.variance == pytest.approx(2.56)
-        assert one.past == pytest.approx((1.0, -0.6, *[0.0] * (order - 1)), abs=1e-9)
-        assert one.corner == 0.1
+        assert one.cosines == pytest.approx(2.0 * 0.6**k / k, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -334,8 +334,9 @@ def test_the_worst_part_of_a_residual_is_judged_by_its_size_and_by_how_it_bends(
 
 
 def test_squares_of_noise_with_a_memory_are_fewer_independent_ones():
-    """Of memory 0.5: by 3 of 5; and the same of the colour that is this autoregression."""
+    """Of memory 0.5: by 3 of 5; and the same of the colour that is nearly this."""
     alone = scatter.ResidualScatter.independent_squares
     assert alone(SimpleNamespace(colour=None, memory=0.5), 100) == pytest.approx(60.0)
-    own = colour.Colour(1.0, (1.0, -0.5), 0.0)
+    k = np.arange(1, 9)
+    own = colour.Colour(1.0, tuple(2.0 * 0.5**k / k), 0.0)
     assert alone(SimpleNamespace(colour=own, memory=9.0), 4000) == pytest.approx(2400.0, rel=2e-3)

@@ -1,23 +1,23 @@
 """Spectra of noise that remembers more than the sample before, and Fisher's test of a period.
 
-A channel that swings, a mean over a few samples, and 1/f noise beside white are such spectra. They
-are read from the continuum of a residual's spectrum: from medians over neighbouring frequencies and
-over stretches of the record, which neither lines nor single events move, and without the slowest
-half waves, in which the misfit of a model lies. What these hold beyond the continuation is no
-noise. A drift as steep as a random walk is none either: nothing smooth would be missed beside it.
+A channel that swings, a filter, a mean over a few samples and 1/f noise beside white leave such.
+They are read from the continuum of a residual's spectrum: from medians over neighbouring
+frequencies and over stretches of the record, which neither lines nor single events move, and
+without the slowest half waves, in which the misfit of a model lies. What these hold beyond the
+continuation is no noise. A drift as steep as a random walk is none either: nothing smooth would be
+missed beside it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
-from springpot.thresholds import SEARCH
 
 from ..numerics import MEDIAN_WORTH, NORMAL
 
@@ -30,47 +30,46 @@ STRETCHES = 4
 AROUND = 5
 """Neighbouring frequencies of whose powers in all stretches the median is taken."""
 ORDERS = 8
-"""Samples back that an autoregression looks at most: a mean over five is followed by as many."""
+"""Cosines of a spectrum's logarithm at most: a mean over five samples is followed by as many."""
 UPPER = 0.25
-"""Share of the highest frequency above which there is noise alone, and no pole is slow.
+"""Share of the highest frequency above which there is noise alone.
 
 A misfit spans eight samples or more.
 """
-LONGEST = 0.75
-"""Memory of a slow pole from one sample to the next, at most: what is alike over longer is no
-noise."""
 
 
 @dataclass(frozen=True)
 class Colour:
-    """A spectrum: that of an autoregression, which may rise towards slow frequencies as one over f.
+    """A spectrum whose logarithm is a sum of cosines, which may rise to slow ones as one over f.
+
+    A few cosines follow a channel that rings, a filter and a mean over a few samples alike, and
+    none of them changes within the few half waves of a misfit (Bloomfield 1973,
+    doi:10.1093/biomet/60.2.217).
 
     Attributes
     ----------
     variance : float
         Of what is new with each sample.
-    past : tuple of float
-        Coefficients of the autoregression, a one first.
+    cosines : tuple of float
+        Of the logarithm, that of one radian a sample first.
     corner : float
         Frequency, in radians a sample, below which there is more 1/f noise than other; endless
         where there is no other, zero without any.
     """
 
     variance: float
-    past: tuple[float, ...]
+    cosines: tuple[float, ...]
     corner: float
 
     @property
     def count(self) -> int:
         """Numbers beside its size."""
-        return len(self.past) - 1 + (self.corner > 0.0)
+        return len(self.cosines) + (self.corner > 0.0)
 
     def spectrum(self, omega: Real) -> Real:
         """Variance at frequencies (n,) of the cosine transform of a record."""
-        turned = np.polynomial.polynomial.polyval(np.exp(-1j * omega), np.array(self.past))
-        return np.asarray(
-            self.variance / np.abs(turned) ** 2 * _rise(omega, self.corner), dtype=np.float64
-        )
+        shape = np.exp(_cosines(omega)[:, 1 : len(self.cosines) + 1] @ np.array(self.cosines))
+        return np.asarray(self.variance * shape * _rise(omega, self.corner), dtype=np.float64)
 
 
 def colour_of(residual: Real, memories: Real) -> Colour | None:
@@ -96,22 +95,12 @@ def colour_of(residual: Real, memories: Real) -> Colour | None:
     plain = min(_cost(level, shape, worth) for shape in shapes) + price
     best, found = min(_cost(level, np.ones(len(level)), worth), plain), None
     for corner in _corners(len(residual)):
-        # The slowest go on as their neighbours do, once the rise is taken out.
-        flat = level / _rise(beyond, corner)
-        whole = np.concatenate([np.full(first, flat[: 2 * first].mean()), flat])
-        for colour in _autoregressions(whole, omega, corner):
-            # A first-order memory has been looked at.
-            if len(colour.past) <= 2 and corner == 0.0:
-                continue
+        for colour in _exponentials(level / _rise(beyond, corner), beyond, corner):
             shape = colour.spectrum(beyond)
             cost = _cost(level, shape, worth) + colour.count * price
-            # Of a few numbers some higher order follows chance, and tells of slow noise what is
-            # not so.
-            if len(colour.past) > 2:
-                cost += SEARCH.decisive
-            if cost < best and not _remembers_long(colour.past):
-                scale = float(np.mean(level / shape))
-                best, found = cost, Colour(scale * colour.variance, colour.past, corner)
+            if colour.count and cost < best:
+                best, scale = cost, float(np.mean(level / shape))
+                found = replace(colour, variance=scale * colour.variance)
     return found
 
 
@@ -173,24 +162,18 @@ def _cost(level: Real, shape: Real, worth: float) -> float:
     return worth * float(np.mean(np.log(shape)) + np.log(np.mean(level / shape)))
 
 
-def _autoregressions(level: Real, omega: Real, corner: float) -> Iterator[Colour]:
-    """Those of each order that have the covariances of a spectrum (n,), by Durbin and Levinson."""
-    alike = np.array([np.mean(level * np.cos(k * omega)) for k in range(ORDERS + 1)])
-    past, variance = np.ones(1), float(alike[0])
-    yield Colour(variance, (1.0,), corner)
-    for order in range(1, ORDERS + 1):
-        turned = -float(past @ alike[order:0:-1]) / variance
-        past = np.append(past, 0.0) + turned * np.append(0.0, past[::-1])
-        variance *= 1.0 - turned**2
-        if not variance > 0.0:
-            return
-        yield Colour(variance, tuple(past.tolist()), corner)
+def _exponentials(level: Real, omega: Real, corner: float) -> Iterator[Colour]:
+    """Those of each order that come nearest to the logarithm of a spectrum (n,)."""
+    basis, triangle = np.linalg.qr(_cosines(omega))
+    along = basis.T @ np.log(level)
+    for count in range(1, ORDERS + 2):
+        mean, *cosines = np.linalg.solve(triangle[:count, :count], along[:count]).tolist()
+        yield Colour(float(np.exp(mean)), tuple(cosines), corner)
 
 
-def _remembers_long(past: tuple[float, ...]) -> bool:
-    """Whether an autoregression goes on slowly for longer than noise does."""
-    poles = np.roots(past)
-    return bool(np.any((np.abs(np.angle(poles)) < UPPER * np.pi) & (np.abs(poles) > LONGEST)))
+def _cosines(omega: Real) -> Real:
+    """Of 0 to `ORDERS` times frequencies (n,)."""
+    return np.cos(np.multiply.outer(omega, np.arange(ORDERS + 1)))
 
 
 def fisher_test(

@@ -124,7 +124,8 @@ def _beside_a_spring(test: TimeTest) -> bool:
     """
     if test.kind not in ("relaxation", "creep"):
         came_back = test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
-        return came_back or test.kind == "recovery"
+        # At a steady rate a spring's force grows, and a constant does not.
+        return came_back or test.kind in ("recovery", "startup")
     size = np.abs(test.loading.value)
     below = np.count_nonzero(size < NEAR_TOP * size.max())
     return test.loading.sampled and bool(below >= SEVERAL)
