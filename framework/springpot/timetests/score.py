@@ -523,6 +523,8 @@ class View:
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
         test = self.part.test
+        if not effect.applies_to(test):
+            return np.zeros(len(self.t))
         if not of_signal and is_eased(test):
             return self.of_course(effect, values)
         name = {"displacement": "in_time", "force": "under_force"}[test.control]
