@@ -599,3 +599,14 @@ def test_even_samples_are_driven_as_uneven_ones(rng: np.random.Generator, turned
     np.testing.assert_allclose(
         found[earlier], expected[earlier], rtol=0.0, atol=1e-12 * np.abs(expected).max()
     )
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.5, 0.9])
+def test_a_springpot_has_no_force_yet_as_a_ramp_begins(alpha: float):
+    t = np.linspace(0.0, 10.0, 101)
+    traced = of(springpot(), 2.0, alpha).respond(t, 3.0 * t)
+    exact = 6.0 * t ** (1.0 - alpha) / gamma(2.0 - alpha)
+    np.testing.assert_allclose(traced.value, exact, rtol=1e-6, atol=1e-12)
+    assert np.all(traced.by_theta[0] == pytest.approx(0.0, abs=1e-12))
+    # A dashpot has its force at once.
+    assert of(dashpot(), 2.0).respond(t, 3.0 * t).value[0] == pytest.approx(6.0)

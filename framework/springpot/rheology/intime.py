@@ -202,6 +202,9 @@ class Passive:
             moving, pushed, changes = motion.speed, motion.push, motion.changes
         value = resting * displacement[0] + modes.equilibrium * moved
         value = value + modes.viscosity * moving + modes.mass * pushed
+        # What is merely faster than the samples has not felt the motion yet as it begins.
+        own = self.parts.classical
+        value[0] -= (modes.viscosity - own.ends[1]) * moving[0]
         if not slopes:
             alone = modes.weights[:, None]
             return Traced(
@@ -210,6 +213,7 @@ class Passive:
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
         by_theta = by_theta + np.outer(moving, by.viscosity) + np.outer(pushed, by.mass)
+        by_theta[0] -= (by.viscosity - own.end_slopes[1]) * moving[0]
         # One pass over the samples serves the force and all of its derivatives.
         mix = np.column_stack([modes.weights, by.weights])
         rate_mix = np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])

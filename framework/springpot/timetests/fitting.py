@@ -106,15 +106,6 @@ class InTimeProblem(SpecimenProblem):
         twin.parts = [replace(part, test=test).with_sd(part.sd) for part, test in pairs]
         return twin
 
-    def evaluate(self, x: Real) -> Real:
-        """Sum of squares (...) at search points (..., d).
-
-        Endless where the model cannot be followed.
-        """
-        rows = x.reshape(-1, x.shape[-1])
-        squares = np.array([float(np.sum(self._one(row)[0] ** 2)) for row in rows])
-        return squares.reshape(x.shape[:-1])
-
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., m) and their derivative (..., m, d)."""
         rows = x.reshape(-1, x.shape[-1])

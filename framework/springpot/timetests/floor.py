@@ -25,7 +25,7 @@ from springpot.rheology.points import Real, real_form
 from .convex import ConvexSpectrum, lattice, shown_by
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
-from .residuals_of_tests import TestPart, parts_of_specimen
+from .residuals_of_tests import parts_of_specimen
 from .temperatures import seen_by
 
 
@@ -84,9 +84,8 @@ def material_floor(fits: Sequence[Identification]) -> TimeFloor:
     except SpringpotError:
         # Its effects have no law around lines: what remains is whether the model is a bound.
         return TimeFloor((float("nan"),) * len(parts)).beside([fit])
-    errors = [
-        rms(_missed(part, found.model, found.theta, fit.reference)[part.counted]) for part in parts
-    ]
+    missed = [part.residual(found.model, found.theta, fit.reference).value for part in parts]
+    errors = [rms(each[part.counted]) for each, part in zip(missed, parts, strict=True)]
     return TimeFloor(tuple(errors)).beside([fit])
 
 
@@ -114,7 +113,3 @@ def as_lines(model: Model, theta: Real, rates: Real) -> ConvexSpectrum:
     size = np.abs(stiffness)
     columns = real_form((shown_by(rates, rates) / size).T)
     return ConvexSpectrum.of(non_negative(columns, real_form(stiffness / size))[0], rates)
-
-
-def _missed(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
-    return part.residual(model, theta, reference).value

@@ -165,7 +165,7 @@ class TimeScan:
             # By 1/size, of which such an effect has next to nothing: d/d(1/s) = -s^2 d/ds.
             scale = -(little**2)
         values = np.array([[little, *place] for place in places])
-        change = _Change(self.model, self.theta, effect, values)
+        change = _Change(self.base, effect, values)
         # A specimen that swings answers a small mass by large ringing: no linear step leads there.
         swinging = [view for view in self.views if isinstance(view, View) and view.swings(change)]
         if swinging:
@@ -194,7 +194,7 @@ class TimeScan:
         """What gives way in series, at sizes to which no small step leads."""
         typical = self.scales.typical(effect.element.parameters[0])
         values = np.array([[typical * share, *place] for share in GIVING for place in places])
-        change = _Change(self.model, self.theta, effect, values)
+        change = _Change(self.base, effect, values)
         whole = np.concatenate([view.of_step(change) for view in self.views])
         still = np.zeros(values.shape[1])
         return [
@@ -208,12 +208,12 @@ class TimeScan:
         """An effect at the sizes at which it balances the rest of what swings in a test."""
         # It rings at the frequency at which it balances the rest.
         omega = view.loudest
-        at = points_at(omega, view.kelvin, self.base.reference)
+        at = points_at(omega, view.part.test.kelvin, self.base.reference)
         stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
         for place in places:
             next_to_nothing = np.array([[NEGLIGIBLE, *place]])
-            change = _Change(self.model, self.theta, effect, next_to_nothing)
+            change = _Change(self.base, effect, next_to_nothing)
             slope = change(at, view.part.test)[0]
             for size in stiffness / np.abs(slope):
                 values = np.array([size, *place])
@@ -380,17 +380,12 @@ def loudest(residual: Real, t: Real, edges: Real) -> Real:
 class _Change:
     """dK by the size of an effect (g, n), for g places of its parameters, at any points."""
 
-    def __init__(self, model: Model, theta: Real, effect: Effect, values: Real) -> None:
-        self.whole, self.effect = model + effect, effect
-        known = dict(zip(model.names, theta.tolist(), strict=False))
-        new = [name for name in self.whole.names if name not in known]
-        self.size = self.whole.names.index(new[0])
-        self.theta = np.empty((len(values), len(self.whole.names)))
-        for i, name in enumerate(self.whole.names):
-            if name in new:
-                self.theta[:, i] = values[:, new.index(name)]
-            else:
-                self.theta[:, i] = known[name]
+    def __init__(self, base: Identification, effect: Effect, values: Real) -> None:
+        self.whole = base.model + effect
+        self.theta = np.stack([_with_effect(base, effect, place)[1] for place in values])
+        # Its size is the first of what it brings.
+        known = set(base.model.names)
+        self.size = next(i for i, name in enumerate(self.whole.names) if name not in known)
 
     def __call__(self, at: Points, test: Test) -> Complex:
         """The change of what a test in time shows."""
@@ -401,9 +396,9 @@ class _Change:
             :, places.index(self.size), :
         ]
 
-    def stiffness_in_time(self, at: Points) -> Complex:
-        """K with the effect, of what a test in time follows by exponentials."""
-        network, places = linear_network(self.whole)
+    def stiffness(self, at: Points, test: Test) -> Complex:
+        """K with the effect (g, n), as a test in time shows it."""
+        network, places = shown_in(self.whole, test)
         return network.respond(self.theta[:, places], at).value
 
 
@@ -449,16 +444,15 @@ class View:
         """Whether its temperature moves."""
         return self.part.test.warmth is not None
 
-    @property
-    def kelvin(self) -> float | None:
-        """The temperature in kelvin."""
-        return self.part.test.kelvin
+    @cached_property
+    def at(self) -> Points:
+        """The frequencies of the exponentials, at its temperature."""
+        return points_at(self.quick.omega, self.part.test.kelvin, self.base.reference)
 
     @cached_property
     def stiffness(self) -> Complex:
         """K at the frequencies of the exponentials."""
-        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
-        return stiffness_of(self.base, at, self.part.test)
+        return stiffness_of(self.base, self.at, self.part.test)
 
     @cached_property
     def amounts(self) -> Real:
@@ -485,23 +479,21 @@ class View:
         # The last two lie far beyond the test, where no material has a meaning; these are the
         # highest of its band.
         omega = self.quick.omega[[-4, -3]]
-        at = points_at(omega, self.kelvin, self.base.reference)
+        at = points_at(omega, self.part.test.kelvin, self.base.reference)
         sizes = np.abs(change(at, self.part.test))
         steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
         return bool(np.any(steepness > STEEP))
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (n, g) for a change of K."""
-        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
-        by_size = change(at, self.part.test) * scale
+        by_size = change(self.at, self.part.test) * scale
         if self.part.test.control == "force":
             by_size = -by_size / self.stiffness**2
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
 
     def of_step(self, change: _Change) -> Real:
         """Columns (n, g) for a K that is another altogether."""
-        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
-        before, after = self.stiffness, change.stiffness_in_time(at)
+        before, after = self.stiffness, change.stiffness(self.at, self.part.test)
         if self.part.test.control == "force":
             before, after = 1.0 / before, 1.0 / after
         return (self.quick.answers @ self.quick.followed(after - before)) * self.weight[:, None]
@@ -531,6 +523,8 @@ class View:
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
         test = self.part.test
+        if not effect.applies_to(test):
+            return np.zeros(len(self.t))
         if not of_signal and is_eased(test):
             return self.of_course(effect, values)
         name = {"displacement": "in_time", "force": "under_force"}[test.control]
