@@ -234,3 +234,14 @@ def test_a_spike_that_fades_as_the_noise_does_is_noise():
     new = np.random.default_rng(4).normal(size=400)
     new[200] = 12.0
     assert scatter_of(lfilter([1.0], [1.0, -0.6], new)).excess < 12.0
+
+
+def test_a_plateau_of_repeated_digits_is_no_exact_one():
+    t = np.linspace(0.0, 40.0, 800)
+    noise = 0.2 * np.random.default_rng(1).normal(size=len(t))
+    force = np.round(200.0 * -np.expm1(-t / 2.0) + noise)
+    test = TimeTest(t, force, Loading(t, t, sampled=True), "displacement", "mm", "N")
+    assert noise_of(test).sd.min() >= 1.0 / np.sqrt(12.0)
+    found = diagnose(test, parse_model("maxwell"), ())
+    assert found.verdict == "adequate"
+    assert found.error.relative_rms < 0.003

@@ -38,6 +38,7 @@ from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS
 from .measurement import Measurement
+from .rounding import rounding_step
 from .steady_start import RULED_OUT
 from .timetest import TimeTest
 
@@ -260,6 +261,10 @@ def _noise(test: TimeTest, parts: _Parts) -> SignalNoise:
         sd = np.full(len(test), rms(sd))
     elif parts.levels is not None:
         sd = np.maximum(parts.levels.at(size), least)
+    # Digits that repeat show no scatter, and are off all the same (Widrow 1956,
+    # doi:10.1109/TCT.1956.1086334). One value throughout tells of no digit.
+    if np.ptp(test.response) > 0.0:
+        sd = np.maximum(sd, rounding_step(test.response) / np.sqrt(12.0))
     return SignalNoise(sd, absolute, parts.relative, True, parts.worth)
 
 

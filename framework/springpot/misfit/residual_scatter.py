@@ -228,9 +228,7 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
             coloured = _coloured(residual, colour, found, usual)
             if coloured.chance > found.chance:
                 return coloured
-    if found.misfit:
-        return replace(found, size=above[0], memory=above[1])
-    return found
+    return replace(found, size=above[0], memory=above[1]) if found.misfit else found
 
 
 def scatter_of_record(
@@ -257,7 +255,9 @@ def scatter_of_record(
         # as much weaker as its share of the variance.
         share = min(float(np.mean(rounded**2)) / power, 1.0)
         lines = float(np.mean([scatter_of(row).excess for row in rounded]))
-        return scatter_of(residual, share**2 * max(lines, 0.0), worth)
+        found = scatter_of(residual, share**2 * max(lines, 0.0), worth)
+        # Where digits repeat they err less than elsewhere: no part is missed by that.
+        return replace(found, local=1.0) if share > 0.5 else found
     found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
     if not (imposed.coarse or found.misfit):
         found = _beside_lines(residual, found, imposed.period, worth, followed)
@@ -586,12 +586,11 @@ def _worst_part(values: Real, memory: float, worth: float) -> float:
     of_part = count / PARTS
     chances = []
     for part in np.array_split(values / usual, PARTS):
-        size = float(np.mean(part**2))
+        size, usual_worth = float(np.mean(part**2)), MEDIAN_WORTH * count
         # Neighbours share a misfit, not the noise: where they bend more than elsewhere, the noise
         # is larger.
         bends = np.diff(part, 2)
         rough = float(bends @ bends) / max(len(bends), 1) / (6.0 - 8.0 * memory + 2.0 * memory**2)
-        usual_worth = MEDIAN_WORTH * count
         if rough > 1.0:
             size, usual_worth = size / rough, EFFICIENT * of_part
         chances.append(chance_of_squares(of_part * size, of_part, usual_worth))
