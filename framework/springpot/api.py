@@ -183,6 +183,7 @@ def identify(
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
     search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
+    search["simpler"] = [_model(part) for part in simpler]
     data = sweep_of(tests)
     if data is None:
         if robust is not None:
@@ -190,8 +191,7 @@ def identify(
         fit = timetests.identify(tests, judged, **search)
     else:
         search["robust"] = robust
-        parts = [_model(part) for part in simpler]
-        fit = identify_objects(data, judged, simpler=parts, **search)
+        fit = identify_objects(data, judged, **search)
     if (promised := _promised(accuracy, tests)) is not None:
         fit = _calibrated(fit, tests, search["objective"], promised)
     # Floors are judged by a room above identification, which must not know it: so its judge is

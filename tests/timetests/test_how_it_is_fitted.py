@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.identification.fitting import start_at
+from springpot.timetests import fitting
 
 MODEL = springpot.parse_model("fractional-maxwell")
 THETA = MODEL.theta(k=400.0, c=60.0, alpha=0.5)
@@ -53,3 +55,19 @@ def test_an_objective_weighs_samples_among_each_other():
     assert off["paper"] < 0.2 * off["relative"]
     assert off["log"] == pytest.approx(off["relative"], rel=0.05)
     assert springpot.identify(relaxed(fault), MODEL).to_dict()["objective"]["name"] == "noise"
+
+
+def test_the_search_begins_at_simpler_models_too(monkeypatch):
+    begun = []
+
+    def noted(model, start, fitted):
+        begun.append(dict(start))
+        return start_at(model, start, fitted)
+
+    monkeypatch.setattr(fitting, "start_at", noted)
+    whole = springpot.parse_model("fractional-zener")
+    exact = whole.relaxation(whole.theta(k1=20.0, k2=60.0, c=40.0, alpha=0.7), T)
+    test = springpot.TimeTest.of_relaxation(T, exact, "kPa")
+    found = springpot.identify(test, whole, simpler=["zener", "fractional-maxwell"])
+    assert [sorted(start) for start in begun] == [["c", "k1", "k2"], ["alpha", "c"]]
+    assert found.theta == pytest.approx([20.0, 60.0, 40.0, 0.7], rel=1e-4)

@@ -150,6 +150,7 @@ def identify(
     noise: Sequence[Real | None] | None = None,
     near: bool = False,
     start: Mapping[str, float] | None = None,
+    simpler: Sequence[Model] = (),
     intervals: str = "slopes",
     objective: Objective | None = None,
 ) -> Identification:
@@ -180,6 +181,8 @@ def identify(
     start : mapping of str to float, optional
         Where the native solver begins too, in the units of the first test in time; parameters that
         are left out start where they fit best beside these.
+    simpler : sequence of Model
+        Models that the model contains, at whose fits the native solver begins too.
     intervals : {"slopes", "jacobian", "profile", "bootstrap"}
         Where the intervals come from: by the slopes alone, or with those where a parameter without
         an end is elsewhere, or the last two of `springpot.identify`.
@@ -222,8 +225,11 @@ def identify(
         given, noise = [part.test for part in parts], [part.sd for part in parts]
     if optimiser is not None and optimiser.name != NATIVE:
         refuse_search(model, optimiser, start)
-    if start:
-        seeds = [*seeds, start_at(model, start, lambda rest: identify(given, rest, noise=noise))]
+    fits = [identify(given, part, noise=noise) for part in simpler]
+    known = {*model.names, *model.origins}
+    for begun in (start, *(part.model.named(part.theta) for part in fits)):
+        if mine := {name: value for name, value in (begun or {}).items() if name in known}:
+            seeds = [*seeds, start_at(model, mine, lambda rest: identify(given, rest, noise=noise))]
     effort = (budget or BUDGET, restarts, seed)
 
     def fitted(model: Model) -> Identification:
