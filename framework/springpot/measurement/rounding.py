@@ -128,7 +128,7 @@ def is_even(time: Real) -> bool:
 
 
 def digit_of(values: Real) -> float:
-    """The step between neighbouring values of a channel; 0 where it has more than a few.
+    """The step in which a channel was written or read; 0 where it has more than a few values.
 
     Parameters
     ----------
@@ -145,7 +145,8 @@ def digit_of(values: Real) -> float:
     levels = np.unique(values)
     if not FEWEST_LEVELS <= len(levels) <= MOST_LEVELS * len(values):
         return 0.0
-    return float(np.median(np.diff(levels)))
+    # What rises fast leaves values out: their distance is the step where no digits tell it.
+    return float(np.median(rounding_step(values))) or float(np.median(np.diff(levels)))
 
 
 def roundings(exact: Real, written: Real) -> Real:
