@@ -101,3 +101,10 @@ def test_where_noise_grows_on_the_way_its_largest_swings_are_no_jumps(seed):
     modulus = (100.0 + 300.0 * (1.0 + t / 3.0) ** -0.35) * (1.0 + share * wandering)
     answer = springpot.diagnose(springpot.TimeTest.of_relaxation(t, modulus, "MPa"))
     assert answer.verdict == "adequate"
+
+
+def test_where_a_burst_of_noise_begins_is_no_jump():
+    place = np.arange(1000) / 1000.0
+    burst = 1.0 + 3.0 * (np.abs(place - 0.5) < 0.1)
+    rows = burst * np.random.default_rng(3).normal(size=(60, 1000))
+    assert np.mean([scatter_of(row).misfit for row in rows]) <= 0.05

@@ -532,7 +532,9 @@ def _standardised(residual: Real) -> Real:
     Over its own size where neighbours differ plainly more than usual, and no sample is further off
     than `TAILS` where its neighbours are not.
     """
-    even = residual / rougher(residual)
+    # A sample beside plainly larger noise may belong to it.
+    near = np.pad(rougher(residual), NEIGHBOURS // 2, mode="edge")
+    even = residual / windows(near, NEIGHBOURS).max(axis=1)
     limit = TAILS * NORMAL * float(np.median(np.abs(even)))
     level = np.median(windows(np.pad(even, LEVEL // 2, mode="reflect"), LEVEL + 1), axis=1)
     return np.asarray(np.clip(even, np.minimum(level, 0.0) - limit, np.maximum(level, 0.0) + limit))
