@@ -146,7 +146,7 @@ def identify(
     start : mapping of str to float, optional
         Where the native solver begins too, in printed units.
     robust : {"huber", "soft-l1"}, optional
-        Let numbers of a sweep that lie far off count less.
+        Let numbers that lie far off count less.
     exclude : str or sequence of str
         Rows to leave out: ``"frequency=40..60"`` or ``["row=3", "temperature=20,frequency=1..2"]``.
     accuracy : Accuracy or str, optional
@@ -186,9 +186,10 @@ def identify(
     search["simpler"] = [_model(part) for part in simpler]
     data = sweep_of(tests)
     if data is None:
-        if robust is not None:
-            raise OptionError("a robust fit is one of sweeps: leave robust out beside time")
-        fit = timetests.identify(tests, judged, **search)
+        if robust is None:
+            fit = timetests.identify(tests, judged, **search)
+        else:
+            fit = timetests.identify_robustly(tests, judged, robust, **search)
     else:
         search["robust"] = robust
         fit = identify_objects(data, judged, **search)

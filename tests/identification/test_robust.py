@@ -77,8 +77,29 @@ def test_what_robust_is_not_for_is_told() -> None:
             springpot.identify(data, MODEL, **options)
     t = np.geomspace(0.1, 10.0, 20)
     test = TimeTest.of_relaxation(t, 3.0 + 2.0 * np.exp(-t))
-    with pytest.raises(OptionError, match="sweeps"):
-        springpot.identify(test, "zener", robust="huber")
+    for options in ({"robust": "tukey"}, {"robust": "huber", "optimiser": "cma-es"}):
+        with pytest.raises(OptionError):
+            springpot.identify(test, "zener", **options)
+
+
+@pytest.mark.parametrize("loss", list(TUNED))
+def test_samples_that_lie_far_off_count_less_in_time_too(loss: str) -> None:
+    rng, t = np.random.default_rng(1), np.geomspace(0.02, 50.0, 120)
+    model = springpot.parse_model("zener")
+    exact = model.relaxation(model.theta(k1=20.0, k2=60.0, c=40.0), t)
+    off = []
+    for _ in range(2):
+        force = exact * (1.0 + 0.01 * rng.normal(size=len(t)))
+        force[rng.choice(len(t), 12, replace=False)] *= 1.15
+        test = TimeTest.of_relaxation(t, force)
+        fits = [springpot.identify(test, model, robust=each) for each in (loss, None)]
+        off.append([np.abs(fit.theta / [20.0, 60.0, 40.0] - 1.0).max() for fit in fits])
+        assert "numbers count less than half" in fits[0].notes[-1]
+    robust, plain = np.mean(off, axis=0)
+    assert robust < 0.7 * plain
+    # Of what lies on the model nothing is far off.
+    fit = springpot.identify(TimeTest.of_relaxation(t, exact), model, robust=loss)
+    assert f"{loss}: no number lies off" in fit.notes
 
 
 def test_each_part_is_weighed_by_itself() -> None:

@@ -144,8 +144,14 @@ def identify(
     return Identification.of_sweep(known, low, high, name, status, **told)
 
 
-def _robust(best: Fit, loss: str, optimiser: str, intervals: str) -> tuple[Uncertainty, str]:
-    """What robust weights make of a fit."""
+def require_robust(loss: str, optimiser: str, intervals: str) -> None:
+    """Refuse what no robust fit has.
+
+    Raises
+    ------
+    OptionError
+        If the loss is none, or if another search or other intervals are wanted.
+    """
     if loss not in TUNED:
         raise OptionError(f"robust is {' or '.join(TUNED)}, not '{loss}'")
     if optimiser != NATIVE or intervals != "jacobian":
@@ -153,6 +159,11 @@ def _robust(best: Fit, loss: str, optimiser: str, intervals: str) -> tuple[Uncer
             "a robust fit is the native solver's, with intervals by its jacobian:"
             " leave out the optimiser and the intervals"
         )
+
+
+def _robust(best: Fit, loss: str, optimiser: str, intervals: str) -> tuple[Uncertainty, str]:
+    """What robust weights make of a fit."""
+    require_robust(loss, optimiser, intervals)
 
     def refit(objective: Objective, theta: Real) -> Fit:
         return fit(best.model, best.measurement, objective, starts=0, seeds_theta=[theta])

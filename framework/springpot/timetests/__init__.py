@@ -10,7 +10,11 @@ if TYPE_CHECKING:
     from .comparing import compare as compare, standing_of as standing_of
     from .diagnosis import diagnose as diagnose, examine as examine
     from .discovery import discover as discover
-    from .fitting import identify as identify, refound as refound
+    from .fitting import (
+        identify as identify,
+        identify_robustly as identify_robustly,
+        refound as refound,
+    )
     from .prediction import TestPrediction as TestPrediction, predict_test as predict_test
     from .ranking import rank as rank
     from .recording import predicted as predicted, recorded as recorded

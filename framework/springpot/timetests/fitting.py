@@ -11,15 +11,17 @@ from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.fitting import refuse_search, start_at
+from springpot.identification.fitting import refuse_search, require_robust, start_at
 from springpot.identification.material import is_material
 from springpot.identification.notes import notes_on_specimens
 from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
+from springpot.identification.robust import influence
 from springpot.identification.runs import Optimiser
 from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
@@ -30,7 +32,7 @@ from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import SMALLEST, rms
+from ..numerics import MOST_STEPS, NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .convex import ConvexSpectrum
 from .exponentials import quick_parts
 from .floor import coordinates_around
@@ -245,6 +247,50 @@ def identify(
     left = FitResiduals.of(result, parts)
     # One noise in all answers: that about the model, and not what the signal alone tells.
     return _told(replace(result, parts=left.rows(parts, left.noise, result.tests)))
+
+
+def identify_robustly(
+    tests: Sequence[Test], model: Model, loss: str, **search: Any
+) -> Identification:
+    """The same with samples that lie far off counting less, by the weights of a sweep's robust fit.
+
+    Parameters
+    ----------
+    tests, model
+        As of `identify`.
+    loss : {"huber", "soft-l1"}
+        By which a sample counts less, as far as it is off in the scatter of its own test.
+    **search
+        Options of `identify`, but for the noise.
+
+    Raises
+    ------
+    SpringpotError
+        As of `identify`, or if another search or other intervals than its own are wanted.
+    """
+    wanted: Optimiser | None = search.get("optimiser")
+    intervals = search.setdefault("intervals", "jacobian")
+    require_robust(loss, wanted.name if wanted else NATIVE, intervals)
+    fit = identify(tests, model, **search)
+    objective, parts = search.get("objective"), parts_of_specimen(tests)
+    if objective is not None:
+        parts = [part.weighed_by(objective) for part in parts]
+    counts = [np.ones(len(part.sd)) for part in parts]
+    for _ in range(MOST_STEPS):
+        off = [part.over_noise(fit.model, fit.theta, fit.reference).value for part in parts]
+        # Of a fit that goes through its data nothing is far off.
+        off = [each / max(NORMAL * float(np.median(np.abs(each))), NEGLIGIBLE) for each in off]
+        found = [np.sqrt(influence(each, loss)[0]) for each in off]
+        moved = max(float(np.abs(a - b).max()) for a, b in zip(found, counts, strict=True))
+        counts = found
+        if moved < NEGLIGIBLE:
+            break
+        noise = [part.sd / count for part, count in zip(parts, counts, strict=True)]
+        again = {"thorough": False, "noise": noise, "intervals": intervals}
+        fit = identify(tests, fit.model, seeds=[fit.theta], **again)
+    half = sum(int(np.count_nonzero(count**2 < 0.5)) for count in counts)
+    told = f"{loss}: {half} of {sum(map(len, counts))} numbers count less than half"
+    return replace(fit, notes=(*fit.notes, told if half else f"{loss}: no number lies off"))
 
 
 def refound(
