@@ -124,7 +124,8 @@ def sentence(
     place = ""
     if where:
         place = f"; {where[0].says}"
-    names = " or ".join(leading_of(candidates))
+    leading = leading_of(candidates)
+    names = " or ".join(leading)
     if jump and names:
         return f"{size}; missing is {names}, or it is {jump}{place}"
     if jump:
@@ -147,6 +148,9 @@ def sentence(
     size = f"the error is {times(before, left)} the noise"
     after = f"{times(left, before)} with it{beside}"
     if verdict == "unexplained":
+        # Where many do so equally well their names say nothing of the cause.
+        if len(leading) > VERDICT.most_alike:
+            names = f"{leading[0]}, as any of {len(leading) - 1} others,"
         helps = f"{names} helps ({after}) but is not all"
         if apart:
             return f"{size}; {apart}; {helps}{place}"
