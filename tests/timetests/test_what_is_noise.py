@@ -245,3 +245,18 @@ def test_a_plateau_of_repeated_digits_is_no_exact_one():
     found = diagnose(test, parse_model("maxwell"), ())
     assert found.verdict == "adequate"
     assert found.error.relative_rms < 0.003
+
+
+def test_where_few_samples_are_small_noise_is_not_told_to_vanish():
+    t = np.linspace(0.0, 12.0, 260)
+    exact, rng = 100.0 * -np.expm1(-t / 2.0), np.random.default_rng(10)
+    noise = 0.01 * np.hypot(20.0, exact)
+    test = TimeTest(
+        t,
+        exact + noise * rng.normal(size=len(t)),
+        Loading(t, t, sampled=True),
+        "displacement",
+        "mm",
+        "N",
+    )
+    assert np.all(noise_of(test).sd > 0.4 * noise)

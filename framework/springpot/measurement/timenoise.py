@@ -236,25 +236,30 @@ class _Levels(NamedTuple):
 
 
 class _Parts(NamedTuple):
-    """A constant and a proportional part of noise, the levels that rule both out, and its worth."""
+    """A constant and a proportional part of noise, the levels that rule both out, and its worth.
+
+    Below the `lowest` level, `WIDE` below the last that tells of it, none is known to be smaller.
+    """
 
     absolute: float
     relative: float
     levels: _Levels | None
     worth: float
+    lowest: float = 0.0
 
     def at(self, size: Real) -> Real:
         """Standard deviation of signals of these sizes (n,)."""
         if self.levels is not None:
             return self.levels.at(size)
-        return np.maximum(np.hypot(self.relative * size, self.absolute), SMALLEST)
+        told = self.relative * np.maximum(size, self.lowest)
+        return np.maximum(np.hypot(told, self.absolute), SMALLEST)
 
 
 def _noise(test: TimeTest, parts: _Parts) -> SignalNoise:
     """Noise of these parts for a test's signal."""
     size, least = _smooth(np.abs(test.response)), ALIKE * float(np.abs(test.response).max())
     absolute = max(parts.absolute, least)
-    sd = np.hypot(parts.relative * size, absolute)
+    sd = np.hypot(parts.relative * np.maximum(size, parts.lowest), absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
         # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
         # not outvote it.
@@ -344,12 +349,14 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
     # Both kinds at once only where the data plainly ask for it.
     if both[1] < cost.min() - TWO_DEVIATIONS:
         constant, in_proportion = both[0]
-        return _Parts(float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels, whole)
+        absolute, relative = float(np.sqrt(constant)), float(np.sqrt(in_proportion))
+        return _Parts(absolute, relative, levels, whole, float(size[0]) / WIDE)
     # Where they do not tell one from the other, the mean of what these say: else a few small
     # samples would count for all others.
     chance = np.exp(-0.5 * (cost - cost.min()))
     constant, in_proportion = chance @ parts / chance.sum()
-    return _Parts(float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels, whole)
+    absolute, relative = float(np.sqrt(constant)), float(np.sqrt(in_proportion))
+    return _Parts(absolute, relative, levels, whole, float(size[0]) / WIDE)
 
 
 def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:
