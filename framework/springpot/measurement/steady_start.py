@@ -127,7 +127,8 @@ def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
     if loading.time[0] != 0.0 or abs(first) <= STEADY * size or held < SHORTEST:
         return loading
     early, late = loading.value[: held // 2], loading.value[held // 2 : held]
-    # What turns there lies half of the way out apart; medians, for a ramp may end what is held.
+    # The halves of what turns there lie half of the way out apart, and half of that is motion
+    # already. By medians, for a ramp may end what is held.
     if abs(float(np.median(late) - np.median(early))) > 0.25 * STEADY * size:
         return loading
     # What is held creeps on under a force, and relaxes under a displacement.

@@ -348,15 +348,14 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
     parts, cost = map(np.array, zip(*alone, strict=True))
     # Both kinds at once only where the data plainly ask for it.
     if both[1] < cost.min() - TWO_DEVIATIONS:
-        constant, in_proportion = both[0]
-        absolute, relative = float(np.sqrt(constant)), float(np.sqrt(in_proportion))
-        return _Parts(absolute, relative, levels, whole, float(size[0]) / WIDE)
-    # Where they do not tell one from the other, the mean of what these say: else a few small
-    # samples would count for all others.
-    chance = np.exp(-0.5 * (cost - cost.min()))
-    constant, in_proportion = chance @ parts / chance.sum()
-    absolute, relative = float(np.sqrt(constant)), float(np.sqrt(in_proportion))
-    return _Parts(absolute, relative, levels, whole, float(size[0]) / WIDE)
+        amounts = both[0]
+    else:
+        # Where they do not tell one from the other, the mean of what these say: else a few small
+        # samples would count for all others.
+        chance = np.exp(-0.5 * (cost - cost.min()))
+        amounts = chance @ parts / chance.sum()
+    absolute, relative = np.sqrt(amounts).tolist()
+    return _Parts(absolute, relative, levels, whole, float(told.size[0]) / WIDE)
 
 
 def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:

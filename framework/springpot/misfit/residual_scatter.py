@@ -256,7 +256,8 @@ def scatter_of_record(
         share = min(float(np.mean(rounded**2)) / power, 1.0)
         lines = float(np.mean([scatter_of(row).excess for row in rounded]))
         found = scatter_of(residual, share**2 * max(lines, 0.0), worth)
-        # Where digits repeat they err less than elsewhere: no part is missed by that.
+        # Where digits repeat they err less than elsewhere, and if they are most of what is left no
+        # part is missed by that.
         return replace(found, local=1.0) if share > 0.5 else found
     found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
     if not (imposed.coarse or found.misfit):

@@ -281,7 +281,7 @@ def identify_robustly(
         # Of a fit that goes through its data nothing is far off.
         off = [each / max(NORMAL * float(np.median(np.abs(each))), NEGLIGIBLE) for each in off]
         found = [np.sqrt(influence(each, loss)[0]) for each in off]
-        moved = max(float(np.abs(a - b).max()) for a, b in zip(found, counts, strict=True))
+        moved = max(float(np.abs(new - old).max()) for new, old in zip(found, counts, strict=True))
         counts = found
         if moved < NEGLIGIBLE:
             break
