@@ -110,3 +110,13 @@ def test_each_part_is_weighed_by_itself() -> None:
     weights = fit.fit.objective.weights(data)
     assert weights.real == pytest.approx(1.0 / data.storage)
     assert weights.imag == pytest.approx(1.0 / np.maximum(data.loss, 1e-3 * np.abs(data.stiffness)))
+
+
+@pytest.mark.parametrize("loss", list(TUNED))
+def test_a_point_far_off_exact_data_counts_nothing(loss: str) -> None:
+    omega = np.geomspace(0.1, 10.0, 20)
+    stiffness = MODEL.stiffness(THETA, omega)
+    stiffness[5] *= 1.3
+    fit = springpot.identify(springpot.Measurement(omega, stiffness), MODEL, robust=loss)
+    assert fit.theta == pytest.approx(THETA, rel=1e-6)
+    assert "count less than half" in fit.notes[0]

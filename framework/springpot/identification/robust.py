@@ -8,17 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import MOST_STEPS, NEGLIGIBLE, NORMAL
+from ..numerics import MOST_STEPS, NEGLIGIBLE, NORMAL, SMALLEST
 from .fitted import Fit
 from .problem import Objective
 from .uncertainty import Uncertainty
+
+Fitted = TypeVar("Fitted")
 
 TUNED = {"huber": 1.345, "soft-l1": 1.29}
 """Standard deviations at which a loss bends: of normal noise 95 % of the efficiency is kept."""
@@ -60,6 +62,36 @@ def influence(off: Real, loss: str) -> tuple[Real, Real]:
     return count, count**3
 
 
+def until_at_rest(
+    begun: Fitted,
+    off: Callable[[Fitted], list[Real]],
+    refit: Callable[[Fitted, list[Real]], Fitted],
+    loss: str,
+) -> tuple[Fitted, list[Real]]:
+    """A fit and the roots of what its numbers count, each by the other until both stand still.
+
+    Parameters
+    ----------
+    begun
+        The fit in which all count alike.
+    off : callable
+        Of a fit, how far its numbers are off in standard deviations, test by test.
+    refit : callable
+        From a fit, by the roots of what the numbers count.
+    loss : {"huber", "soft-l1"}
+        By which they count less.
+    """
+    best, counts = begun, [np.ones(len(each)) for each in off(begun)]
+    for _ in range(MOST_STEPS):
+        found = [np.sqrt(influence(each, loss)[0]) for each in off(best)]
+        moved = max(float(np.abs(new - old).max()) for new, old in zip(found, counts, strict=True))
+        counts = found
+        if moved < NEGLIGIBLE:
+            break
+        best = refit(best, counts)
+    return best, counts
+
+
 def robust_fit(
     begun: Fit, loss: str, refit: Callable[[Objective, Real], Fit]
 ) -> tuple[Uncertainty, str]:
@@ -74,19 +106,27 @@ def robust_fit(
     refit : callable
         Fits again by an objective, from parameters (p,).
     """
-    base, best = begun.objective, begun
-    spare, counts = max(begun.dof, 1), np.ones(len(begun.residual))
-    for _ in range(MOST_STEPS):
-        residual = replace(best, objective=base).residual
+    base, spare = begun.objective, max(begun.dof, 1)
+    # So far off are numbers that a fit goes through.
+    rounding = max(float(np.sqrt(begun.task.floor[0] / spare)), SMALLEST)
+
+    def scaled(fit: Fit) -> tuple[Real, float]:
+        residual = replace(fit, objective=base).residual
         scale = NORMAL * float(np.median(np.abs(residual))) * np.sqrt(len(residual) / spare)
-        # Of a fit that goes through its data nothing is far off.
-        if not scale**2 * spare > begun.task.floor[0]:
-            return Uncertainty.of(begun), f"{loss}: no number lies off"
-        found = np.sqrt(influence(residual / scale, loss)[0])
-        moved, counts = float(np.max(np.abs(found - counts))), found
-        if moved < NEGLIGIBLE:
-            break
-        best = refit(counted(base, counts, loss), best.theta)
+        return residual, max(scale, rounding)
+
+    def off(fit: Fit) -> list[Real]:
+        residual, scale = scaled(fit)
+        return [residual / scale]
+
+    def again(fit: Fit, counts: list[Real]) -> Fit:
+        return refit(counted(base, counts[0], loss), fit.theta)
+
+    # Of a fit that goes through its data nothing is far off.
+    if scaled(begun)[1] == rounding:
+        return Uncertainty.of(begun), f"{loss}: no number lies off"
+    best, (counts,) = until_at_rest(begun, off, again, loss)
+    residual, scale = scaled(best)
     known = replace(Uncertainty.of(best), spread=_spread(best, residual / scale, scale, loss))
     return known, _told(best, counts, loss)
 

@@ -21,7 +21,7 @@ from springpot.identification.material import is_material
 from springpot.identification.notes import notes_on_specimens
 from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
-from springpot.identification.robust import influence
+from springpot.identification.robust import until_at_rest
 from springpot.identification.runs import Optimiser
 from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
@@ -32,7 +32,7 @@ from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, NEGLIGIBLE, NORMAL, SMALLEST, rms
+from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .convex import ConvexSpectrum
 from .exponentials import quick_parts
 from .floor import coordinates_around
@@ -275,19 +275,18 @@ def identify_robustly(
     objective, parts = search.get("objective"), parts_of_specimen(tests)
     if objective is not None:
         parts = [part.weighed_by(objective) for part in parts]
-    counts = [np.ones(len(part.sd)) for part in parts]
-    for _ in range(MOST_STEPS):
-        off = [part.over_noise(fit.model, fit.theta, fit.reference).value for part in parts]
+
+    def off(fit: Identification) -> list[Real]:
+        left = [part.over_noise(fit.model, fit.theta, fit.reference).value for part in parts]
         # Of a fit that goes through its data nothing is far off.
-        off = [each / max(NORMAL * float(np.median(np.abs(each))), NEGLIGIBLE) for each in off]
-        found = [np.sqrt(influence(each, loss)[0]) for each in off]
-        moved = max(float(np.abs(new - old).max()) for new, old in zip(found, counts, strict=True))
-        counts = found
-        if moved < NEGLIGIBLE:
-            break
-        noise = [part.sd / count for part, count in zip(parts, counts, strict=True)]
-        again = {"thorough": False, "noise": noise, "intervals": intervals}
-        fit = identify(tests, fit.model, seeds=[fit.theta], **again)
+        return [each / max(NORMAL * float(np.median(np.abs(each))), NEGLIGIBLE) for each in left]
+
+    def again(fit: Identification, counts: list[Real]) -> Identification:
+        options: dict[str, Any] = {"thorough": False, "intervals": intervals}
+        options["noise"] = [part.sd / count for part, count in zip(parts, counts, strict=True)]
+        return identify(tests, fit.model, seeds=[fit.theta], **options)
+
+    fit, counts = until_at_rest(fit, off, again, loss)
     half = sum(int(np.count_nonzero(count**2 < 0.5)) for count in counts)
     told = f"{loss}: {half} of {sum(map(len, counts))} numbers count less than half"
     return replace(fit, notes=(*fit.notes, told if half else f"{loss}: no number lies off"))
