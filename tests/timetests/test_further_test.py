@@ -11,9 +11,9 @@ import pytest
 import springpot
 from springpot import TimeTest
 from springpot.errors import DataError, ModelError
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests import identify
 from springpot.timetests.diagnosis import AfterTest, _answer, _of_one_class, planned_tests
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("fractional-zener")
 THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.5)

@@ -13,8 +13,8 @@ import springpot
 from springpot.constraints import marked
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests.diagnosis import planned_tests
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("zener")
 STIFF = (400.0, 440.0, 380.0)

@@ -48,6 +48,15 @@ from springpot.misfit.error import plain
 from springpot.misfit.residual_scatter import (
     scatter_of,
 )
+from springpot.misfit.residuals_of_tests import (
+    InTimePart,
+    SweepPart,
+    Test,
+    TestPart,
+    parts_of_specimen,
+    reach_of,
+    units_of,
+)
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.intime import Traced
@@ -74,15 +83,6 @@ from .hypotheses import (
     sum_of_squares,
 )
 from .intervals import beside_limits
-from .residuals_of_tests import (
-    InTimePart,
-    SweepPart,
-    Test,
-    TestPart,
-    parts_of_specimen,
-    reach_of,
-    units_of,
-)
 from .score import TimeScan
 from .screening import (
     alone,
