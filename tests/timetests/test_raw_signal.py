@@ -14,9 +14,9 @@ import pytest
 
 from springpot.measurement import TimeTest, noise_of
 from springpot.misfit.residual_scatter import scatter_of
+from springpot.misfit.where_in_time import places
 from springpot.registry import parse_model, plugins
 from springpot.timetests import compare, diagnose, discover, identify, recorded
-from springpot.timetests.where import places
 
 MODEL = parse_model("fractional-zener")
 THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)

@@ -11,9 +11,9 @@ from scipy.optimize import nnls
 
 from springpot.errors import ModelError
 from springpot.measurement import Loading, Measurement, TimeTest
+from springpot.misfit.residuals_of_tests import COARSE, part_of
 from springpot.registry import parse_model
 from springpot.timetests import floor, hypotheses as left, material, specimen
-from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
 def scatter(size=1.0, memory=0.0):
@@ -188,3 +188,12 @@ def test_the_reference_is_the_measured_temperature_in_the_middle():
     sweeps = [Measurement(time, time + 1j, conditions=each) for each in (hot, {})]
     assert specimen.reference_of([*steps, *sweeps]) == pytest.approx(50.0 + 273.15)
     assert specimen.reference_of([steps[1], sweeps[1]]) == specimen.ROOM
+
+
+def test_another_noise_of_a_part_is_none_of_its_test():
+    """A robust fit weighs by a noise of its own: the sweep that it tells of stays as it was."""
+    sweep = Measurement([1.0, 2.0], [3.0 + 1.0j, 4.0 + 2.0j], sd=[0.1 + 0.2j] * 2)
+    for part in (part_of(sweep, np.full(4, 0.5)), part_of(sweep).with_sd(np.full(4, 0.5))):
+        assert part.test is sweep
+        assert part.sd.tolist() == [0.5] * 4
+    assert part_of(sweep).sd.tolist() == [0.1, 0.1, 0.2, 0.2]

@@ -66,6 +66,11 @@ class Refit:
         return self.fit.theta
 
     @property
+    def reference(self) -> float:
+        """Temperature in kelvin at which shifts are one."""
+        return self.fit.measurement.reference_temperature
+
+    @property
     def rss(self) -> float:
         """Whitened residual sum of squares."""
         return self.fit.cost

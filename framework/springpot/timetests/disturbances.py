@@ -30,11 +30,11 @@ from springpot.measurement.timenoise import ORDER as ENDS
 from springpot.misfit.coloured_noise import UPPER
 from springpot.misfit.error import plain
 from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, rougher, scatter_of
+from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, DECADE, SMALLEST, rms
 from .hypotheses import FitResiduals, delta_bic
-from .residuals_of_tests import InTimePart, Residual, TestPart
 from .specimen import Tangent, stepped
 
 SHOWN = 0.5

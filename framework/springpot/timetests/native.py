@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import SpringpotError
+from springpot.identification.convex import start_of
 from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Solution, levenberg_marquardt, one_by_one
 from springpot.identification.material import is_material
@@ -25,15 +26,20 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.steady_start import lasting
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
+from springpot.misfit.residuals_of_tests import (
+    InTimePart,
+    SweepPart,
+    TestPart,
+    reach_of,
+    typical_stiffness,
+)
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import MOST_STEPS, rms
-from .convex import start_of
 from .exponentials import UnfollowedError, quick_parts
-from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, typical_stiffness
 from .specimen import Scales, runs_against, tries_of, words_of
 
 QUICK = 20

@@ -19,6 +19,8 @@ from springpot.diagnosis.scan import PARALLEL
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
+from springpot.measurement.recording import Clock, at_loading, is_eased, reached, recorded
+from springpot.misfit.residuals_of_tests import Residual, TestPart
 from springpot.rheology.effect import Effect, acting, on_clock, on_response
 from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.named import Placed
@@ -29,8 +31,6 @@ from springpot.rheology.points import Complex, Points, Real
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
 from .hypotheses import Atom, ScanEntry
-from .recording import Clock, at_loading, is_eased, reached, recorded
-from .residuals_of_tests import Residual, TestPart
 from .specimen import MOST, Scales, Tangent, stepped, tries_of
 
 STEEP = 1.2

@@ -19,13 +19,13 @@ from springpot.measurement.conversion import FILE, file_of, refuse_copies
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
+from springpot.misfit.residuals_of_tests import TestPart, part_of, reach_of, typical_stiffness
 from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer, StageLaw
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, ROOM, Real
 
 from ..numerics import ALIKE, projected_out
-from .residuals_of_tests import TestPart, part_of, reach_of, typical_stiffness
 
 RIGS = (ALL, SWEEPS)
 
