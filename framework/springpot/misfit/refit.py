@@ -66,6 +66,11 @@ class Refit:
         return self.fit.theta
 
     @property
+    def reference(self) -> float:
+        """Temperature in kelvin at which shifts are one."""
+        return self.fit.measurement.reference_temperature
+
+    @property
     def rss(self) -> float:
         """Whitened residual sum of squares."""
         return self.fit.cost
@@ -247,6 +252,7 @@ class Refit:
             estimated,
             self.noise.turn,
             self.noise.memory,
+            self.noise.tails,
         )
 
     # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.

@@ -30,7 +30,8 @@ from springpot.measurement.units import Units, one_modulus
 from springpot.memory import autocorrelation_time
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
-from springpot.rheology.points import Complex, Real, complex_form, real_form
+from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.points import Complex, Points, Real, complex_form, real_form
 
 from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
 from .frame import NoiseFrame
@@ -497,15 +498,21 @@ class SweepPart(TestPart):
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """K' and K'' of a model."""
-        at = replace(self.test, reference=reference).points
-        own, places = model.had_by(self.test)
-        value, slopes = own.stiffness(theta[places], at), own.jacobian(theta[places], at)
-        both = Traced(
-            real_form(value)[rows],
-            real_form(slopes)[rows],
-        )
         # Effects of other tests leave a sweep as it is.
+        own, places = model.had_by(self.test)
+        at = replace(self.points, reference_temperature=reference)
+        found = self.network_of(own).respond(theta[places], at, GRADIENT)
+        both = Traced(real_form(found.value)[rows], real_form(found.by_theta.T)[rows])
         return spread(both, places, len(theta))
+
+    @property
+    def points(self) -> Points:
+        """Where K is asked for."""
+        return self.test.points
+
+    def network_of(self, own: Model) -> Node:
+        """What stands in the rig, of a model without effects of other tests."""
+        return own.network
 
     @property
     def view(self) -> Measurement:
