@@ -158,31 +158,6 @@ def _with_effects(model: Model, effects: Sequence[Effect]) -> Model:
     return replace(model, effects=tuple(effects))
 
 
-def runs_against(test: TimeTest) -> bool:
-    """Whether force and displacement have opposite signs all along, as if one column were reversed.
-
-    A mass pushes back too, but gives no work from one turn of its motion to another: so both are
-    asked for.
-    """
-    imposed = np.interp(test.time, test.loading.time, test.loading.value)
-    moved, pulled = imposed, test.response
-    if test.control == "force":
-        moved, pulled = pulled, moved
-    # After a step one of the two does not move at all: there the signs themselves are looked at.
-    if len(test.loading.jumps[0]):
-        return bool(np.sum(moved * pulled) < 0.0)
-    # Work over whole cycles: what a spring gives and takes cancels there.
-    steps = np.diff(moved)
-    turns = np.flatnonzero(np.diff(np.sign(steps)) != 0.0) + 1
-    # What moves when the record begins brings work of its own.
-    if len(turns) > 1:
-        steps[: turns[0]] = 0.0
-        steps[turns[-1] :] = 0.0
-    work = np.sum(0.5 * (pulled[1:] + pulled[:-1]) * steps)
-    together = np.sum((moved - moved.mean()) * (pulled - pulled.mean()))
-    return bool(work < 0.0 and together < 0.0)
-
-
 def reference_of(tests: Sequence[Test]) -> float:
     """Temperature in kelvin at which shifts are one.
 
