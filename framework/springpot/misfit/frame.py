@@ -336,6 +336,8 @@ class NoiseFrame:
         Unit numbers by which differences of K are multiplied before they are weighed.
     memory : float
         Correlation of the noise of neighbouring points of a sweep.
+    tails : float
+        Degrees of freedom of Student's t by which known noise is spread; endless if normal.
     """
 
     measurement: Measurement
@@ -346,6 +348,7 @@ class NoiseFrame:
     estimated: bool = False
     turn: Complex | None = None
     memory: float = 0.0
+    tails: float = inf
 
     def whiten(self, values: Complex) -> Real:
         """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
@@ -385,21 +388,22 @@ class NoiseFrame:
         the relative deviations of the points change places and signs, each with its gain and its
         phase, or with its storage and its loss where the noise of these is of unequal size. The
         draws have the tails of the data, and scatter as they do (Freedman and Lane 1983,
-        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are
-        normal; where a good part of the noise is that the values were written with few digits, they
-        are written with as many.
+        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise draws are
+        normal, or have the tails that repeats show; where a good part of the noise is that the
+        values were written with few digits, they are written with as many.
         """
         noise: Drawn
         if self._steps is not None:
             noise = self._as_written(self._steps, count, rng)
         elif not self._deals_out:
             parts = rng.standard_normal((count, 2, self.size // 2), dtype=DRAWN)
+            if self.tails < inf:
+                # Of variance one, as the noise was measured by its variance.
+                parts *= np.sqrt((self.tails - 2.0) / rng.chisquare(self.tails, parts.shape))
             noise = self._remembered(parts).reshape(count, self.size)
         else:
             order = self._dealt(count, rng)
-            sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(
-                2
-            ) - np.int8(1)
+            sign = rng.integers(0, 2, order.shape, dtype=np.int8) * np.int8(2) - np.int8(1)
             new = self._deviations.astype(np.complex64)[order] * sign
             noise = self._in_their_places(self._remembered(new))
         # The measured residual has lost what the parameters follow; so must the noise (no refit of
@@ -507,13 +511,9 @@ class NoiseFrame:
         return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-30))[:, None])
 
     def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
-        """Whitened residuals (m, 2n) of relative deviations (m, n), by the noise at their place."""
+        """Whitened residuals (m, 2n) of deviations (m, n) in units of the noise."""
         turned = deviations * self._turned_phase.astype(np.complex64)
-        by_part = [
-            (self.weights.real * self._sd).astype(DRAWN),
-            (self.weights.imag * self._sd).astype(DRAWN),
-        ]
-        return np.concatenate([turned.real * by_part[0], turned.imag * by_part[1]], axis=-1)
+        return np.concatenate([turned.real, turned.imag], axis=-1)
 
     def _dealt(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Rows (count, n) in whose order the deviations are dealt out.
@@ -538,14 +538,6 @@ class NoiseFrame:
         return self.estimated and self.rough_dof >= FEWEST_OWN
 
     @cached_property
-    def _sd(self) -> Real:
-        """Standard deviation (n,) of each point, the mean of both parts."""
-        # One for both parts: where a deviation is turned with K as it falls elsewhere, storage
-        # becomes loss.
-        variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
-        return np.asarray(np.sqrt(variance), dtype=np.float64)
-
-    @cached_property
     def _phase(self) -> Complex:
         """K over |K| (n,)."""
         return phase_of(self.model_stiffness, self.measurement)
@@ -553,29 +545,25 @@ class NoiseFrame:
     @cached_property
     def _turned_phase(self) -> Complex:
         """The same as differences of K are weighed."""
-        if self.turn is not None:
-            return self._phase * self.turn
-        # Storage and loss with noise of unequal size keep it: turned with K they would mix.
-        if not np.allclose(self.weights.real, self.weights.imag, atol=0.0):
-            return np.ones_like(self._phase)
-        return self._phase
+        # Parts of unequal size keep theirs: turned with K they would mix.
+        if self.turn is None and np.allclose(self.weights.real, self.weights.imag, atol=0.0):
+            return self._phase
+        return np.ones_like(self._phase)
 
     @cached_property
     def _deviations(self) -> Complex:
-        """Residual of each point relative to K in units of its noise (n,), as before the fit.
+        """Residual of each point in units of its noise (n,), turned with K, as before the fit.
 
         Slow structure is left in it: the part without has lost of its peaks what the curves follow,
         loses it once more when it is dealt out, and single points stand out where there is nothing
         (measured: 14 instead of 5 % of pure noise below a chance of 0.05). How large structure
         makes the draws is of no matter, as each is brought to units of its own scatter.
         """
-        n = self.size // 2
-        rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
-        relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
+        real, imag = np.reshape(self.rest, (2, -1)) * np.sqrt(self.size / free)
         links = Links.along([rows for rows, _ in sweeps_of(self.measurement)])
-        relative = prewhitened(relative, self.memory, links)
-        return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
+        turned = (real + 1j * imag) / self._turned_phase
+        return np.asarray(prewhitened(turned, self.memory, links), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
         """Columns (2n, m) without what the fitted parameters can follow."""

@@ -256,6 +256,7 @@ class Refit:
             estimated,
             self.noise.turn,
             self.noise.memory,
+            self.noise.tails,
         )
 
     # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.
