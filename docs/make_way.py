@@ -86,7 +86,7 @@ SIDES = [
     Side(
         "timetests",
         ("the same four steps, where a test", "in time is among the data"),
-        tuple(f"timetests/{name}.py" for name in ("fitting", "where", "diagnosis", "discovery")),
+        tuple(f"timetests/{name}.py" for name in ("fitting", "score", "diagnosis", "discovery")),
         2,
         5,
     ),

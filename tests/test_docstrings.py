@@ -26,7 +26,7 @@ MODULES = [
     "springpot.comparison.result",
     "springpot.invention.result",
     "springpot.timetests.diagnosis",
-    "springpot.timetests.residuals_of_tests",
+    "springpot.misfit.residuals_of_tests",
 )
 @pytest.mark.usefixtures("asked_once")
 @pytest.mark.parametrize("name", MODULES)

@@ -11,7 +11,7 @@ import springpot
 from soaked import soaked
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import Evidence, Explanation
-from springpot.diagnosis.experiment import Clash, actions
+from springpot.diagnosis.experiment import actions, clash
 from springpot.diagnosis.grown import Grown
 from springpot.diagnosis.marginal import _refund
 from springpot.identification import Window, shown
@@ -165,11 +165,15 @@ def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     smaller = min(plan, key=lambda a: a.action["amplitude"][0])
     usual = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 0.75)))
     tiny = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 1e-9)))
-    clashes = [
-        Clash(found["friction"], found["power-law-damper"], action) for action in (usual, tiny)
+    truth, rival = found["friction"], found["power-law-damper"]
+    quiet, loud = (clash(truth, rival, action).parts[1] for action in (usual, tiny))
+    sizes = [
+        np.tile(np.abs(truth.model.stiffness(truth.theta, part.points)), 2)
+        for part in (quiet, loud)
     ]
-    assert clashes[0]._quieter() == 1.0
-    assert clashes[1]._quieter() == pytest.approx(0.75e9)
+    level = np.median(truth.noise.sd.real / np.abs(truth.stiffness))
+    np.testing.assert_allclose(quiet.sd[:20], level * sizes[0][:20])
+    np.testing.assert_allclose(loud.sd / sizes[1], 0.75e9 * quiet.sd / sizes[0])
 
 
 def test_a_matrix_on_which_the_usual_algorithm_gives_up_has_a_basis_all_the_same(monkeypatch):

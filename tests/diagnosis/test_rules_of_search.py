@@ -18,6 +18,9 @@ from springpot.diagnosis import (
     search as searching,
 )
 from springpot.diagnosis.search import NEGLIGIBLE
+from springpot.measurement import Measurement
+from springpot.misfit.residuals_of_tests import SweepPart
+from springpot.rheology.points import Points
 from springpot.thresholds import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
 
 SETTLED = EXPERIMENT.settled
@@ -109,21 +112,20 @@ def test_bad_points_are_measured_again_and_close_beside():
 
 
 @pytest.mark.parametrize(("scale", "size"), [(1.0, 1.0), (0.0, 4.0)])
-def test_further_points_are_as_noisy_as_the_median_and_quieter_by_repeats(scale, size):
-    stiffness = np.array([3.0 + 0.0j, 4.0j, 5.0 + 0j])
-    noise = np.array([0.3 + 0.6j, 0.8 + 0.4j, 1.5 + 2.0j])
-    truth = SimpleNamespace(theta=None, stiffness=stiffness, noise=SimpleNamespace(sd=noise))
-    trial = SimpleNamespace(
-        truth=truth,
-        action=SimpleNamespace(scale=scale, repeats=4),
-        _evaluated=lambda model, theta: (np.array([0.6 + 0.8j]), None),
-        _quieter=lambda: 1.0,
+def test_further_points_are_as_noisy_as_the_median_and_quieter_by_repeats(scale, size, monkeypatch):
+    made = SweepPart(
+        Measurement([1.0, 2.0, 3.0], [3.0, 4.0j, 5.0]),
+        noise=np.array([0.3, 0.8, 1.5, 0.6, 0.4, 2.0]),
     )
-    target, weights = vars(experiment.Clash)["_target"].func(trial)
-    np.testing.assert_array_equal(target, [*stiffness, 0.6 + 0.8j])
-    np.testing.assert_allclose(weights[:3], 1.0 / noise.real + 1j / noise.imag)
+    action = experiment.Action("", Points(np.zeros(1)), scale=scale, repeats=4)
+    shown = {3: np.array([3.0, 0.0, 5.0, 0.0, 4.0, 0.0]), 1: np.array([0.6, 0.8])}
+    answer = SimpleNamespace(theta=None)
+    monkeypatch.setattr(
+        experiment, "_answer", lambda fit, part, _: SimpleNamespace(value=shown[part.count() // 2])
+    )
+    plan = experiment.planned_sweep(action, made, answer)
     # Of 0.1, 0.2, 0.3 the median, and of 0.2, 0.1, 0.4; the mean of four repeats.
-    assert weights[3] == pytest.approx(2.0 / size * (1.0 / 0.2 + 1j / 0.2))
+    assert plan.sd == pytest.approx(0.5 * size * np.array([0.2, 0.2]))
 
 
 @pytest.mark.parametrize(

@@ -72,6 +72,20 @@ def test_specimens_that_differ_are_told_in_place_of_noise():
     assert "specimens differ by" in fit.standing.says
 
 
+@pytest.mark.parametrize("points", [1, 4])
+def test_files_that_share_no_frequency_are_parts_of_one_sweep(points):
+    exact = MODEL.stiffness(TRUTH, OMEGA)
+    noise = 0.005 * np.random.default_rng(2).normal(size=(2, 12))
+    measured = exact * (1.0 + noise[0] + 1j * noise[1])
+    parts = [
+        Measurement(OMEGA[i : i + points], measured[i : i + points], name=f"{i}.csv")
+        for i in range(0, 12, points)
+    ]
+    joint, whole = (identify(data, MODEL) for data in (joined(parts), Measurement(OMEGA, measured)))
+    assert not any("specimens" in note for note in joint.notes)
+    np.testing.assert_allclose(joint.high - joint.low, whole.high - whole.low, rtol=1e-6)
+
+
 def test_of_two_specimens_it_is_said_that_intervals_are_too_narrow():
     fit = springpot.identify(specimens(2, np.random.default_rng(1)), "fractional-maxwell")
     assert any("too narrow; three or more specimens" in note for note in fit.notes)

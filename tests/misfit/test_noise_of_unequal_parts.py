@@ -23,3 +23,20 @@ def test_a_larger_noise_of_the_loss_does_not_become_one_of_the_storage():
     drawn = frame.draws(50, rng)
     of_storage, of_loss = np.abs(drawn[:, :n]), np.abs(drawn[:, n:])
     assert np.allclose(of_loss / of_storage, 2.0, rtol=1e-4)
+
+
+def test_noise_of_each_part_keeps_its_size_at_every_loss_factor():
+    """Proportional to K' and to K'' each: dealt to another loss factor, it has their size there."""
+    n, rng = 60, np.random.default_rng(2)
+    stiffness = np.exp(1j * np.radians(np.linspace(1.0, 60.0, n)))
+    storage, loss = 0.01 * stiffness.real, 0.01 * stiffness.imag
+    off = storage * rng.choice([-1.0, 1.0], n) + 1j * loss * rng.choice([-1.0, 1.0], n)
+    frame = NoiseFrame(
+        Measurement(np.geomspace(1.0, 100.0, n), stiffness + off, name="made"),
+        stiffness,
+        1.0 / storage + 1j / loss,
+        np.zeros((0, n), dtype=complex),
+        estimated=True,
+    )
+    drawn = np.abs(frame.draws(50, rng))
+    assert np.allclose(drawn / drawn.mean(axis=1, keepdims=True), 1.0, rtol=1e-4)

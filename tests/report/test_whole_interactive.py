@@ -20,7 +20,7 @@ def swinging():
     time = np.linspace(0.0, 20.0, 700)
     wave = SHORT * np.sin(1.3 * time)
     bare = TimeTest(time, time, Loading(time, wave), "displacement", "-", "kPa", name="history")
-    value = springpot.timetests.recording.recorded(MODEL, THETA, bare).value
+    value = springpot.measurement.recording.recorded(MODEL, THETA, bare).value
     scatter = np.random.default_rng(8).normal(size=len(time))
     return TimeTest(
         time, value + 0.01 * np.abs(value).max() * scatter, Loading(time, wave),

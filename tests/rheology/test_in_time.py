@@ -301,6 +301,24 @@ def test_bagley_torvik():
     )
 
 
+def test_a_layer_of_fluid_feels_each_change_of_speed_of_a_rough_motion():
+    """Of straight ways c s^(3/2) is c dv / sqrt(pi t) after each change dv of the speed.
+
+    Whatever stands beside it: the modes that are faster than the samples nearly cancel a dashpot.
+    """
+    c, step = 2.0, 0.01
+    t = step * np.arange(120)
+    rough = np.sin(5.0 * t) + 1e-3 * np.random.default_rng(3).normal(size=len(t))
+    changes = np.diff(np.diff(rough) / step, prepend=0.0)
+    exact = np.array([c * np.sum(changes[:n] / np.sqrt(np.pi * t[n:0:-1])) for n in range(len(t))])
+    within = 1e-5 * np.abs(exact).max()
+    np.testing.assert_allclose(of(basset(), c).respond(t, rough).value, exact, atol=within)
+    own = series(spring(), springpot())
+    alone = of(own, 1.0, 1.0, 0.5).respond(t, rough).value
+    both = of(parallel(own, basset("b")), 1.0, 1.0, 0.5, c).respond(t, rough).value
+    np.testing.assert_allclose(both - alone, exact, atol=within)
+
+
 @pytest.mark.parametrize(("m", "c", "k"), [(1.0, 1.0, 1.0), (1.0, 0.5, 0.5), (0.3, 2.0, 5.0)])
 def test_bagley_torvik_under_a_force_that_sets_in(m: float, c: float, k: float):
     """With w = s^(1/2), 1 / (m w^4 + c w^3 + k) is a sum of A / (w - a).

@@ -7,10 +7,10 @@ import pytest
 
 import springpot
 from springpot.errors import ModelError
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.rheology import Effect, on_response, parallel, spring
 from springpot.timetests import diagnose, identify, recorded
 from springpot.timetests.exponentials import quick_parts
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
 
 OMEGA = np.geomspace(0.1, 100.0, 25)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from springpot.measurement.recording import recorded
 from springpot.registry import plugins
 from springpot.testing import effects
 from springpot.testing.effects import THETA, _derivatives
-from springpot.timetests.recording import recorded
 
 
 @pytest.fixture(scope="module")

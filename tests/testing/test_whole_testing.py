@@ -12,6 +12,7 @@ import pytest
 from springpot.errors import DataError
 from springpot.identification import Objective
 from springpot.measurement import DataSet, Measurement, Units
+from springpot.measurement.recording import Traced
 from springpot.registry import plugins
 from springpot.rheology import (
     PURE,
@@ -23,7 +24,6 @@ from springpot.rheology import (
     Response,
 )
 from springpot.testing import contract, effects, networks, optimisers, readers
-from springpot.timetests.recording import Traced
 
 PARAMETERS = (
     Parameter("k", "k", STIFFNESS, 0.0),

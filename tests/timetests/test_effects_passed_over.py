@@ -11,12 +11,12 @@ import springpot
 from springpot import TimeTest
 from springpot.measurement import Loading
 from springpot.misfit.residual_scatter import scatter_of
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.registry import plugins
 from springpot.timetests import identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.hypotheses import FitResiduals, Hypothesis
 from springpot.timetests.native import STARTS
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
 from springpot.timetests.screening import left_by_screening
 

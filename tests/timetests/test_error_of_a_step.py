@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot.measurement.timetest import TimeTest
-from springpot.timetests.residuals_of_tests import InTimePart
+from springpot.misfit.residuals_of_tests import InTimePart
 
 MODEL = springpot.parse_model("fractional-maxwell")
 VIBRATING = Path(__file__).parents[3] / "shared/unseen/C0224_NVT_450K_1atm.gt"

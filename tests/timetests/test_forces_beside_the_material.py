@@ -6,9 +6,9 @@ import pytest
 import springpot
 from springpot.errors import ModelError
 from springpot.measurement import TimeTest
+from springpot.misfit.residuals_of_tests import InTimePart
 from springpot.timetests import diagnose, identify, recorded
 from springpot.timetests.exponentials import QuickPart
-from springpot.timetests.residuals_of_tests import InTimePart
 
 T = np.linspace(0.0, 3.0, 120)
 GROWN = {

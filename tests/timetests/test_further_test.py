@@ -10,10 +10,11 @@ import pytest
 
 import springpot
 from springpot import TimeTest
+from springpot.diagnosis.experiment import Contest, _answer
 from springpot.errors import DataError, ModelError
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests import identify
-from springpot.timetests.diagnosis import AfterTest, _answer, _of_one_class, planned_tests
-from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.diagnosis import _of_one_class, planned_tests
 
 MODEL = springpot.parse_model("fractional-zener")
 THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.5)
@@ -80,7 +81,7 @@ def test_an_explanation_follows_itself_whatever_is_measured(fits) -> None:
     test, heated, _ = fits
     parts = parts_of_specimen([test])
     for planned in planned_tests(parts, heated):
-        contest = AfterTest(heated, heated, (*parts, planned.part))
+        contest = Contest(heated, heated, (*parts, planned.part))
         assert contest.linear < 1e-6
 
 
@@ -89,7 +90,7 @@ def test_what_an_explanation_cannot_say_is_no_promise(fits) -> None:
     test, heated, clock = fits
     endless = replace(clock, theta=np.full(len(clock.theta), 1e300))
     for pair in ((heated, endless), (endless, heated)):
-        contest = AfterTest(*pair, parts_of_specimen([test]))
+        contest = Contest(*pair, parts_of_specimen([test]))
         assert contest.linear == contest.fitted() == 0.0
 
 
@@ -101,7 +102,7 @@ def test_a_clock_without_a_time_to_begin_from_is_no_promise(fits) -> None:
     theta = np.append(
         heated.theta[:4], np.where(["waited" in name for name in names[4:]], 0.0, 1.0)
     )
-    contest = AfterTest(heated, replace(heated, model=aged, theta=theta), parts_of_specimen([test]))
+    contest = Contest(heated, replace(heated, model=aged, theta=theta), parts_of_specimen([test]))
     assert contest.linear == contest.fitted() == 0.0
 
 
@@ -110,7 +111,7 @@ def test_slopes_are_those_of_the_differences(fits) -> None:
     test, heated, clock = fits
     parts = parts_of_specimen([test])
     for planned in planned_tests(parts, heated):
-        contest = AfterTest(heated, clock, (*parts, planned.part))
+        contest = Contest(heated, clock, (*parts, planned.part))
         slopes = contest.seen(clock.theta)[1]
         for i, value in enumerate(clock.theta):
             step = np.zeros(len(clock.theta))

@@ -11,12 +11,12 @@ from hypothesis import given, settings, strategies as st
 
 import springpot
 from springpot import Measurement, TimeTest, parse_model
+from springpot.identification.convex import ConvexSpectrum, relaxation_of
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests import identify
-from springpot.timetests.convex import ConvexSpectrum, relaxation_of
 from springpot.timetests.floor import coordinates_around, material_floor
 from springpot.timetests.material import MaterialPoint, _Search
 from springpot.timetests.native import TimeSearch
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]

@@ -11,11 +11,11 @@ import pytest
 import springpot
 from springpot.errors import ModelError
 from springpot.measurement import TimeTest
+from springpot.measurement.recording import recorded
 from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose, identify, predict_test
 from springpot.timetests.hypotheses import ScanEntry
 from springpot.timetests.material import with_rates
-from springpot.timetests.recording import recorded
 
 MODEL = parse_model("fractional-zener")
 THETA = np.array([1.0, 3.0, 2.0, 0.6])

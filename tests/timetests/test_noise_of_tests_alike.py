@@ -5,7 +5,7 @@ import pytest
 
 from springpot import TimeTest
 from springpot.measurement.timenoise import noise_of, noise_of_alike
-from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 
 TIME = np.geomspace(0.1, 100.0, 16)
 

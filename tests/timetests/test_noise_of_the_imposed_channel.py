@@ -50,6 +50,20 @@ def test_nor_is_the_noise_read_from_what_a_mass_leaves_of_it():
     assert found.verdict == "adequate"
 
 
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", [103, 104, 106])
+def test_nor_any_effect_in_the_loops_of_a_rig_at_one_frequency(seed):
+    """Of two numbers a model with three parameters can miss nothing, whatever it answers to."""
+    rng, t, turn = np.random.default_rng(seed), np.arange(1000) / 500.0, 10.0j * np.pi
+    stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * turn**0.55)) + 6e-4 * turn**2
+    force = 2.0 * abs(stiffness) * np.sin(abs(turn) * t + np.angle(stiffness))
+    force += 0.003 * np.std(force) * rng.normal(size=len(t))
+    read = 2.0 * np.sin(abs(turn) * t) + 0.002 * rng.normal(size=len(t))
+    found = diagnose([TimeTest.of_history(t, read, force, "mm", "N")], "fractional-maxwell")
+    assert found.leading == ()
+    assert found.verdict != "effect-missing"
+
+
 def test_nor_in_coarse_digits_of_the_displacement():
     assert "inertia" not in judged(0.0, 1e-9, digit=0.05).leading
 

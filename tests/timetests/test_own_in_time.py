@@ -13,8 +13,8 @@ import springpot
 from springpot.constraints import marked
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests.diagnosis import planned_tests
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 MODEL = springpot.parse_model("zener")
 STIFF = (400.0, 440.0, 380.0)
@@ -109,10 +109,16 @@ def test_what_tells_no_test_from_another_is_refused(chosen, own, says):
         springpot.identify([specimens()[i] for i in chosen], "zener", own=own)
 
 
-def test_a_sweep_is_planned_of_the_first_specimen():
+def test_a_sweep_is_planned_of_the_specimen_that_was_swept():
     parts = parts_of_specimen(marked(specimens(), "file"))
-    plans = [each.part.test for each in planned_tests(parts, fit()) if "extend" in each.says]
-    assert [set(plan.conditions["file"]) for plan in plans] == [{1.0}, {1.0}]
+    plans = {each.says: each.part for each in planned_tests(parts, fit())}
+    swept = [part for says, part in plans.items() if says.startswith("swept: ")]
+    assert [set(plan.test.conditions["file"]) for plan in swept] == [{3.0}] * len(swept)
+    # As beside a sweep alone: a larger specimen, or none, which nothing of the material is in.
+    (empty,) = [part for says, part in plans.items() if "without a specimen" in says]
+    rows = np.arange(empty.count())
+    shown = empty.answer(fit().model, fit().theta, fit().reference, rows).value
+    assert np.abs(shown).max() < 1e-6 * fit().theta[0]
 
 
 @pytest.mark.soak

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Measurement
+from springpot.misfit.residuals_of_tests import SweepPart
 from springpot.registry import parse_model
 from springpot.timetests.native import part_result
-from springpot.timetests.residuals_of_tests import SweepPart
 
 OMEGA = np.geomspace(0.1, 100.0, 40)
 MODEL = parse_model("kelvin")

@@ -5,10 +5,10 @@ import pytest
 
 from springpot import parse_model
 from springpot.measurement import TimeTest
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.registry import plugins
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
 
 TIME = np.geomspace(0.01, 100.0, 100)

@@ -7,18 +7,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.identification import convex
 from springpot.measurement import Loading
-from springpot.misfit import coloured_noise as colour, residual_scatter as scatter
+from springpot.misfit import (
+    coloured_noise as colour,
+    residual_scatter as scatter,
+    where_in_time as where,
+)
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.rheology.elements import Continuum
 from springpot.thresholds import EVIDENCE
 from springpot.timetests import (
-    convex,
     hypotheses,
     screening,
     temperatures,
     verdict,
-    where,
 )
 from springpot.timetests.hypotheses import FitResiduals, explains_as_well, no_worse
 from springpot.timetests.material import spectrum_of

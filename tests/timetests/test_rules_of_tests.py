@@ -11,9 +11,9 @@ from scipy.optimize import nnls
 
 from springpot.errors import ModelError
 from springpot.measurement import Loading, Measurement, TimeTest
+from springpot.misfit.residuals_of_tests import COARSE, part_of
 from springpot.registry import parse_model
 from springpot.timetests import floor, hypotheses as left, material, specimen
-from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
 def scatter(size=1.0, memory=0.0):
@@ -36,7 +36,10 @@ def of(*residuals, rounded=None, noise_answer=0.0, lines=0, count=3):
     seen = {"scatters": [scatter()] * len(residuals), "lines": lines, "count": count}
     fitted = SimpleNamespace(residuals=residuals, **seen, **known)
     fitted.squares = lambda noise: left.FitResiduals.squares(fitted, noise)
-    fitted.squares_of_imposed = lambda noise: noise_answer
+    answer = np.zeros(len(residuals[0]))
+    answer[0] = np.sqrt(noise_answer)
+    fitted.noise_answer = [answer, *[np.zeros(len(each)) for each in residuals[1:]]]
+    fitted.squares_of_imposed = lambda noise: left.FitResiduals.squares_of_imposed(fitted, noise)
     return fitted
 
 
@@ -70,12 +73,16 @@ def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
     assert fall == pytest.approx(8.0 - 2.0 * np.log(3.0))
     # What the specimen never felt is no evidence; to answer more to it is no merit.
     noise_answer = of([3.0, 1.0, 0.0], noise_answer=5.0)
-    beyond = (np.sqrt(8.0) - np.sqrt(5.0)) ** 2
+    beyond = (8.0 - 5.0) ** 2 / (4.0 * 5.0)
     assert left.delta_bic(noise_answer, other, [scatter()]) == pytest.approx(fall - 8.0 + beyond)
     all_of_it = of([3.0, 1.0, 0.0], noise_answer=9.0)
     assert left.delta_bic(all_of_it, other, [scatter()]) == pytest.approx(fall - 8.0)
+    # What goes with the difference of two answers may do so by chance, whichever is the larger.
     more = of([1.0, 1.0, 0.0], noise_answer=5.0, count=5)
-    assert left.delta_bic(base, more, [scatter()]) == pytest.approx(fall)
+    by_chance = 8.0**2 / (4.0 * 5.0)
+    assert left.delta_bic(base, more, [scatter()]) == pytest.approx(fall - 8.0 + by_chance)
+    little = of([1.0, 1.0, 0.0], noise_answer=1.0, count=5)
+    assert left.delta_bic(base, little, [scatter()]) == pytest.approx(fall)
     # A line of a free spectrum takes one from the sum of squares, where nothing is.
     lined = of([1.0, 1.0, 0.0], lines=3, count=5)
     assert left.delta_bic(base, lined, [scatter()]) == pytest.approx(fall - 3.0)
@@ -188,3 +195,12 @@ def test_the_reference_is_the_measured_temperature_in_the_middle():
     sweeps = [Measurement(time, time + 1j, conditions=each) for each in (hot, {})]
     assert specimen.reference_of([*steps, *sweeps]) == pytest.approx(50.0 + 273.15)
     assert specimen.reference_of([steps[1], sweeps[1]]) == specimen.ROOM
+
+
+def test_another_noise_of_a_part_is_none_of_its_test():
+    """A robust fit weighs by a noise of its own: the sweep that it tells of stays as it was."""
+    sweep = Measurement([1.0, 2.0], [3.0 + 1.0j, 4.0 + 2.0j], sd=[0.1 + 0.2j] * 2)
+    for part in (part_of(sweep, np.full(4, 0.5)), part_of(sweep).with_sd(np.full(4, 0.5))):
+        assert part.test is sweep
+        assert part.sd.tolist() == [0.5] * 4
+    assert part_of(sweep).sd.tolist() == [0.1, 0.1, 0.2, 0.2]

@@ -14,10 +14,10 @@ from springpot.diagnosis.result import leaving_out_the_beginning
 from springpot.diagnosis.verdict import rule_for
 from springpot.measurement import TimeTest
 from springpot.misfit.residual_scatter import ResidualScatter
+from springpot.misfit.residuals_of_tests import SweepPart, parts_of_specimen
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import exponentials, hypotheses as trying, verdict
-from springpot.timetests.residuals_of_tests import SweepPart, parts_of_specimen
 
 
 def tried(name="friction", evidence=0.0, delta=0.0, helps=False, prior=1.0, fit=None, left=None):

@@ -7,10 +7,10 @@ import pytest
 
 import springpot
 from springpot import TimeTest
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.registry import plugins
 from springpot.timetests import identify, predicted
 from springpot.timetests.exponentials import quick_parts
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
 
 MODEL = springpot.parse_model("zener + time-delay")

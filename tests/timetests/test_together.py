@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from springpot.measurement import TimeTest
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.registry import parse_model, plugins
 from springpot.timetests import fitting, identify
 from springpot.timetests.material import spectral, with_rates
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.temperatures import StackedResiduals, is_material_alone
 
 REFERENCE = 293.15

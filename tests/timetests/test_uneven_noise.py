@@ -13,9 +13,9 @@ import springpot
 from springpot import parse_model
 from springpot.measurement import noise_of
 from springpot.misfit.residual_scatter import scatter_of
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests import identify
 from springpot.timetests.hypotheses import FitResiduals
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]

@@ -11,12 +11,12 @@ import pytest
 
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.recording import recorded
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.registry import open_in_time, parse_model, plugins
 from springpot.timetests import diagnose, identify, predicted
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.native import TimeSearch
-from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan
 
 DATA = (

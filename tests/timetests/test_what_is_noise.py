@@ -17,12 +17,12 @@ from springpot.misfit.residual_scatter import (
     scatter_of_record,
     scatter_of_sweep,
 )
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.hypotheses import ScanEntry
-from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import TimeScan, _different
 
 TIME = np.geomspace(0.01, 100.0, 120)

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from springpot.identification.result import Identification
     from springpot.measurement.other_test import OtherTest
     from springpot.measurement.timetest import TimeTest
+    from springpot.misfit.residuals_of_tests import Test
     from springpot.timetests.prediction import TestPrediction
-    from springpot.timetests.residuals_of_tests import Test
 
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""

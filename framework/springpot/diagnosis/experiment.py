@@ -10,7 +10,6 @@ functions say what would tell of single points, of a confounded condition or of 
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -19,8 +18,8 @@ from typing import Protocol, TypeVar
 import numpy as np
 from scipy.optimize import least_squares
 
+from springpot.errors import SpringpotError
 from springpot.identification.fitted import FittedModel
-from springpot.identification.problem import weighted
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
@@ -29,9 +28,12 @@ from springpot.misfit.error import plain
 from springpot.misfit.frame import orthonormal
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.rheology.nodes import GRADIENT, Node
+from springpot.misfit.residuals_of_tests import SweepPart, TestPart
+from springpot.rheology.intime import Traced
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import Node
 from springpot.rheology.parameters import INERTANCE
-from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.rheology.points import KELVIN, Points, Real, complex_form, real_form
 from springpot.thresholds import EXPERIMENT
 from springpot.writing import NAMED
 
@@ -81,17 +83,46 @@ class Measurable(Protocol):
 A = TypeVar("A", bound=Measurable)
 
 
-class Contest(ABC):
-    """Two explanations after a measurement: one holds, the rival may change to follow it."""
+class Explaining(FittedModel, Protocol):
+    """A fitted model that may be what is missing."""
 
-    rival: FittedModel
+    @property
+    def reference(self) -> float:
+        """Temperature in kelvin at which shifts are one."""
 
-    @abstractmethod
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Two explanations after a measurement: one holds, the rival may change to follow it.
+
+    Attributes
+    ----------
+    truth, rival : Refit or Identification
+        The one that holds, and the other.
+    parts : sequence of TestPart
+        The tests that were made, and the new one.
+    """
+
+    truth: Explaining
+    rival: Explaining
+    parts: Sequence[TestPart]
+
+    @cached_property
+    def _shown(self) -> list[Real]:
+        return [_answer(self.truth, part, self.truth.theta).value for part in self.parts]
+
     def seen(self, theta: Real) -> tuple[Real, Real]:
-        """Whitened difference (m,) of truth and rival, and the rival's slopes (p, m).
-
-        At old and new points together.
-        """
+        """Whitened difference (m,) of truth and rival, and the rival's slopes (p, m)."""
+        differences, slopes = [], []
+        for part, shown in zip(self.parts, self._shown, strict=True):
+            answer = _answer(self.rival, part, theta)
+            # Those that a search begins with stand for all samples of a test.
+            stand_for = np.sqrt(part.count() / part.count(coarse=True)) / part.scale
+            weight = np.where(part.counted, stand_for / part.sd, 0.0)[part.thin]
+            with np.errstate(invalid="ignore", over="ignore"):
+                differences.append((shown - answer.value) * weight)
+                slopes.append(answer.by_theta * weight[:, None])
+        return np.concatenate(differences), np.concatenate(slopes).T
 
     @property
     def linear(self) -> float:
@@ -152,9 +183,19 @@ class Contest(ABC):
         return float(np.sqrt(2.0 * nearest.cost))
 
 
+def _answer(fit: Explaining, part: TestPart, theta: Real) -> Traced:
+    try:
+        with np.errstate(all="ignore"):
+            return part.answer(fit.model, theta, fit.reference, part.thin)
+    except SpringpotError:
+        # Where a parameter has grown without limit there is no such model: it follows nothing.
+        nothing = np.full(len(part.thin), np.nan)
+        return Traced(nothing, np.zeros((len(nothing), len(theta))))
+
+
 def most_telling(
     actions: Sequence[A],
-    clash: Callable[[A, int], Contest],
+    contest: Callable[[A, int], Contest],
     names: tuple[str, str],
     chances: Pair,
 ) -> NextExperiment:
@@ -164,7 +205,7 @@ def most_telling(
     ----------
     actions : sequence of Measurable
         What can be done.
-    clash : callable
+    contest : callable
         From one of them and which explanation holds, 0 or 1, to the two after it.
     names : tuple of str
         The effects that set them apart.
@@ -181,7 +222,7 @@ def most_telling(
 
     # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit
     # only.
-    contests = {each: (clash(each, 0), clash(each, 1)) for each in actions}
+    contests = {each: (contest(each, 0), contest(each, 1)) for each in actions}
     feasible = {each: (one.linear, other.linear) for each, (one, other) in contests.items()}
     tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
     reached = {each: (contests[each][0].fitted(), contests[each][1].fitted()) for each in tried}
@@ -454,84 +495,67 @@ So near that no material changes, and off the line of a hum.
 
 
 @dataclass(frozen=True, eq=False)
-class Clash(Contest):
-    """Two explanations after an action, both of which follow the old data.
+class PlannedSweep(SweepPart):
+    """A sweep that could be made in the rig of one that was; nothing was measured in it.
 
-    Attributes
+    Parameters
     ----------
-    truth, rival : Refit
-        The one that holds, and the one that may change its parameters to follow it.
     action : Action
-        What would be measured.
+        Where its points lie, and what stands in the rig.
     """
 
-    truth: Refit
-    rival: Refit
-    action: Action
+    action: Action = field(kw_only=True)
 
-    @cached_property
-    def _target(self) -> tuple[Complex, Complex]:
-        """K of the truth at old and new points (n,), and their weights."""
-        new = self._evaluated(self.truth, self.truth.theta)[0]
-        # The new points are taken to be as noisy as the median of the old ones.
-        noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
-        relative = (
-            complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
-        )
-        floor = np.abs(new)
-        if self.action.scale == 0.0:
-            # Without a specimen the force is small, and its noise is not.
-            floor = np.maximum(floor, float(np.median(size)))
-        # The mean of so many repeats is quieter by the root of their number.
-        weights = np.sqrt(self.action.repeats) / np.maximum(floor, SMALLEST)
-        weights = weights / relative.real + 1j * weights / relative.imag
-        return np.concatenate([self.truth.stiffness, new]), np.concatenate(
-            [1.0 / noise.real + 1j / noise.imag, weights]
-        )
+    @property
+    def points(self) -> Points:
+        """Those of the action."""
+        return self.action.points
 
-    def _quieter(self) -> float:
-        """How much smaller the new amplitude is than the usual one.
+    @property
+    def measured(self) -> Real:
+        """Nothing."""
+        return np.zeros(2 * len(self.points.log_omega))
 
-        At worst the noise is a force of fixed size.
-        """
-        usual, new = self.truth.fit.measurement.points.amplitude, self.action.points.amplitude
-        if usual is None or new is None:
-            return 1.0
-        return max(1.0, float(np.median(usual) / np.median(new)))
-
-    def seen(self, theta: Real) -> tuple[Real, Real]:
-        """Whitened difference of truth and rival, and the rival's slopes, at old and new points.
-
-        Their shapes are (2n,) and (p, 2n).
-        """
-        old = self.truth.fit.measurement.points
-        with np.errstate(all="ignore"):
-            response = self.rival.model.network.respond(theta, old, GRADIENT)
-        value, by_theta = self._evaluated(self.rival, theta)
-        target, weights = self._target
-        with np.errstate(over="ignore", invalid="ignore"):  # steps too far are cut off by `far`
-            slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
-            return weighted(target - np.concatenate([response.value, value]), weights), slopes
-
-    @cached_property
-    def _networks(self) -> tuple[Node, Node]:
-        """Those of truth and rival where the action would measure.
-
-        The specimen may be larger there, absent or a known mass.
-        """
-        truth, rival = self.truth.model, self.rival.model
+    def network_of(self, own: Model) -> Node:
+        """With a specimen that may be larger, absent or a known mass."""
         if self.action.scale == 1.0:
-            return truth.network, rival.network
+            return own.network
         # No specimen is one of hardly any size, as a network cannot be empty.
-        size = max(self.action.scale, ALIKE), self.action.mass
-        return truth.resized(*size), rival.resized(*size)
+        return own.resized(max(self.action.scale, ALIKE), self.action.mass)
 
-    def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
-        """K and dK/dtheta at the points of the action."""
-        network = self._networks[int(refit is self.rival)]
-        with np.errstate(all="ignore"):
-            response = network.respond(theta, self.action.points, GRADIENT)
-        return response.value, response.by_theta
+
+def planned_sweep(action: Action, made: SweepPart, fit: Explaining) -> PlannedSweep:
+    """The sweep of an action, relative to a fit's |K| as noisy as the median of one that was made.
+
+    Parameters
+    ----------
+    action : Action
+        What would be measured.
+    made : SweepPart
+        What was measured, with its noise.
+    fit : Refit or Identification
+        A model that follows it.
+    """
+    plan = PlannedSweep(made.test, action=action)
+    size, new = (np.abs(complex_form(_answer(fit, part, fit.theta).value)) for part in (made, plan))
+    if action.scale == 0.0:
+        # Without a specimen the force is small, and its noise is not.
+        new = np.maximum(new, float(np.median(size)))
+    # At worst the noise is a force of fixed size, and the more so at a smaller amplitude.
+    usual, there, share = made.points.amplitude, action.points.amplitude, 1.0
+    if usual is not None and there is not None:
+        share = max(share, float(np.median(usual) / np.median(there)))
+    # The mean of so many repeats is quieter by the root of their number.
+    share /= float(np.sqrt(action.repeats))
+    levels = [np.median(sd / size) for sd in made.sd.reshape(2, -1)]
+    new = share * np.maximum(new, SMALLEST)
+    return plan.with_sd(np.concatenate([level * new for level in levels]))
+
+
+def clash(truth: Refit, rival: Refit, action: Action) -> Contest:
+    """Two explanations after an action, both of which follow the old data."""
+    made = SweepPart(truth.fit.measurement, noise=real_form(truth.noise.sd))
+    return Contest(truth, rival, (made, planned_sweep(action, made, truth)))
 
 
 def next_experiment(
@@ -551,10 +575,10 @@ def next_experiment(
     """
     fits = (first, second)
 
-    def clash(action: Action, holds: int) -> Clash:
-        return Clash(fits[holds], fits[1 - holds], action)
+    def contest(action: Action, holds: int) -> Contest:
+        return clash(fits[holds], fits[1 - holds], action)
 
-    return most_telling(list(actions(first.fit.measurement)), clash, names, chances)
+    return most_telling(list(actions(first.fit.measurement)), contest, names, chances)
 
 
 def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> NextExperiment:

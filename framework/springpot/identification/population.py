@@ -53,7 +53,8 @@ class Specimens:
     def of(cls, measurement: Measurement) -> Specimens | None:
         """Those of joined files that all hold the same test.
 
-        None where one file, or each another condition.
+        None where one file, each another condition, or no frequency within the ranges of all: then
+        they are parts of one sweep, as cycles are that were recorded one frequency a file.
         """
         if FILE not in measurement.labels:
             return None
@@ -65,6 +66,9 @@ class Specimens:
             levels = measurement.levels(name)
             if len({tuple(np.unique(levels[number == i])) for i in range(len(names))}) > 1:
                 return None
+        omega = [measurement.omega[number == i] for i in range(len(names))]
+        if max(each.min() for each in omega) > min(each.max() for each in omega):
+            return None
         return cls(number.astype(np.intp), len(names))
 
     def sandwich(self, jacobian: Real, residual: Real, inverse: Real) -> Real:

@@ -21,7 +21,7 @@ from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
 from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
 from .rows import SAME_AMPLITUDE
-from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
+from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape, tails_of
 
 if TYPE_CHECKING:
     from springpot.rheology.model import Model
@@ -84,6 +84,11 @@ class Averaged:
             stiffness = stiffness / (1.0 + self.gains)
         return (stiffness - self.mean.stiffness[self.group]) / self.raw.magnitude
 
+    def scatter_after(self, turn: Complex) -> Scatter:
+        """Of each mean (n,), after its repeats were turned by unit numbers (n,)."""
+        off = self.deviations() * self.raw.magnitude * turn[self.group]
+        return Scatter(*_squares_of(off, self.group), self.scatter.dof)
+
     def without(self, rows: NDArray[np.bool_]) -> Averaged:
         """The averages without some of them, (n,); the reference temperature stays."""
         mean = self.mean.subset(np.flatnonzero(~rows))
@@ -135,11 +140,10 @@ def average_repeats(measurement: Measurement) -> Averaged:
         stiffness = stiffness / (1.0 + gains)
     mean = _means(stiffness, group)
     off = stiffness - mean[group]
-    real, imag = (np.bincount(group, part**2).astype(float) for part in (off.real, off.imag))
     # A gain is estimated from all points of a run: each point pays its share of that degree of
     # freedom.
     free = max(1.0 - spent / max(float(np.sum(count - 1.0)), 1.0), 0.0)
-    scatter = Scatter(real, imag, (count - 1.0) * free)
+    scatter = Scatter(*_squares_of(off, group), (count - 1.0) * free)
     averaged = measurement.subset(first)
     sd = averaged.sd
     if sd is not None:
@@ -147,6 +151,12 @@ def average_repeats(measurement: Measurement) -> Averaged:
     return Averaged(
         measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group, gains
     )
+
+
+def _squares_of(values: Complex, group: Rows) -> tuple[Real, Real]:
+    """Sums of squares of both parts in each group, shape (groups,)."""
+    real, imag = (np.bincount(group, part**2) for part in (values.real, values.imag))
+    return real.astype(np.float64), imag.astype(np.float64)
 
 
 def _means(values: Complex, group: Rows) -> Complex:
@@ -296,11 +306,34 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     >>> noise_of_repeats(average_repeats(data)).source
     'repeats'
     """
-    scatter = averaged.scatter
+    mean, scatter = averaged.mean, averaged.scatter
     dof = 2.0 * float(np.sum(scatter.dof))
     if dof < REPEATS.enough:
         return None
-    return Noise(noise_shape(averaged.mean, scatter) / np.sqrt(scatter.dof + 1.0), dof, "repeats")
+    axes = np.asarray(np.conj(mean.stiffness) / mean.magnitude, dtype=np.complex128)
+    sd, turn = noise_shape(mean, scatter, averaged.scatter_after(axes), axes, uneven=True)
+    noise = Noise.shaped(sd / np.sqrt(scatter.dof + 1.0), turn, dof, "repeats")
+    return replace(noise, tails=_tails(averaged, noise))
+
+
+def _tails(averaged: Averaged, noise: Noise) -> float:
+    """By how many degrees of freedom of Student's t the errors of the means are spread.
+
+    Every other repeat of a point less the others: that is spread about as the error of their mean.
+    """
+    group, count = averaged.group, np.bincount(averaged.group)
+    order = np.argsort(group, kind="stable")
+    place = np.arange(len(group)) - np.searchsorted(group[order], group[order])
+    sign = np.empty(len(group))
+    sign[order] = 1.0 - 2.0 * (place % 2)
+    apart = _means(averaged.deviations() * averaged.raw.magnitude * sign, group)
+    if noise.turn is not None:
+        apart = apart * noise.turn
+    # Of an odd number the signs have a mean, which the deviations have not.
+    size = np.sqrt(1.0 - (count % 2) / count**2)
+    whole = np.stack([apart.real / noise.parts.real, apart.imag / noise.parts.imag]) / size
+    told = whole[:, count > 1]
+    return tails_of(np.concatenate([part / max(rms(part), SMALLEST) for part in told]))
 
 
 def thinned(measurement: Measurement) -> Measurement:

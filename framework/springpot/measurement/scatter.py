@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaln
 
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
@@ -97,6 +98,8 @@ class Noise:
         Where the noise along K is of another size than that across it: by these it is weighed.
     memory : float
         Correlation of the errors of neighbouring points of a sweep.
+    tails : float
+        Degrees of freedom of Student's t by which it is spread; endless where it is normal.
 
     Examples
     --------
@@ -113,6 +116,7 @@ class Noise:
     doubt: str = ""
     along: Along | None = None
     memory: float = 0.0
+    tails: float = inf
 
     @classmethod
     def shaped(cls, sd: Complex, turn: Complex | None, dof: float, source: Source) -> Noise:
@@ -181,7 +185,7 @@ class Noise:
         """The same with at least what writing values with few digits rounds away."""
         sd = at_least_rounding(self.parts, measurement, self.turn)
         told = Noise.shaped(sd, self.turn, self.dof, self.source)
-        return replace(told, doubt=self.doubt, memory=self.memory)
+        return replace(told, doubt=self.doubt, memory=self.memory, tails=self.tails)
 
 
 class Scatter(NamedTuple):
@@ -198,6 +202,11 @@ class Scatter(NamedTuple):
     real: Real
     imag: Real
     dof: Real
+
+    @classmethod
+    def of(cls, residual: Complex, dof: Real) -> Scatter:
+        """Of a residual (n,) with so many degrees of freedom (n,)."""
+        return cls(residual.real**2, residual.imag**2, dof)
 
 
 @dataclass(frozen=True, eq=False)
@@ -318,49 +327,28 @@ def _rises(log_omega: Real) -> Iterator[Real]:
                 yield np.hypot(1.0, level * way**power)
 
 
-def noise_shape(measurement: Measurement, scatter: Scatter) -> Complex:
-    """Standard deviations (n,) of the shape that the scatter favours.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The points, (n,).
-    scatter : Scatter
-        Of each of them.
-    """
-    return _cheapest(measurement, scatter)[1]
-
-
-def noise_shape_along(
-    measurement: Measurement, residual: Complex, dof: Real, turn: Complex
+def noise_shape(
+    measurement: Measurement, scatter: Scatter, turned: Scatter, turn: Complex, uneven: bool = False
 ) -> tuple[Complex, Complex | None]:
-    """The same of a residual (n,), and its turn where it is of one size along K, another across.
+    """Standard deviations (n,) of the shape that the scatter favours, and its turn if it has one.
 
     Parameters
     ----------
     measurement : Measurement
         The points, (n,).
-    residual : ndarray of complex, shape (n,)
-        Of each of them, in the unit of K.
-    dof : ndarray, shape (n,)
-        Degrees of freedom behind each part of it.
+    scatter, turned : Scatter
+        Of each of them, in K' and K'' and along K and across it.
     turn : ndarray of complex, shape (n,)
-        Unit numbers that turn K of a model to the real axis.
+        Unit numbers that turn K to the real axis.
+    uneven : bool
+        Whether it may be larger at an end of the frequencies.
     """
-    cost, sd = _cheapest(measurement, _squares(residual, dof))
-    cost_along, sd_along = along_k(measurement, turn).fit(_squares(residual * turn, dof))
-    if cost_along < cost:
-        return sd_along, turn
-    return sd, None
-
-
-def _cheapest(measurement: Measurement, scatter: Scatter) -> tuple[float, Complex]:
-    """Cost and standard deviations (n,) of the best shape by parts."""
-    return min((shape.fit(scatter) for shape in _shapes_of(measurement)), key=lambda fit: fit[0])
-
-
-def _squares(residual: Complex, dof: Real) -> Scatter:
-    return Scatter(residual.real**2, residual.imag**2, dof)
+    shapes = [*_shapes_of(measurement), along_k(measurement, turn)]
+    if uneven:
+        shapes += _uneven_shapes_of(measurement, None)
+    costs = [shape.fit(scatter if shape.turn is None else turned) for shape in shapes]
+    best = min(range(len(shapes)), key=lambda k: costs[k][0])
+    return costs[best][1], shapes[best].turn
 
 
 def robust_noise_shape(
@@ -468,6 +456,44 @@ def student_cost(sd: Complex, residual: Complex) -> float:
         tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
         total += float(np.sum(2.0 * np.log(size) + tails))
     return total
+
+
+def tails_of(values: Real) -> float:
+    """Degrees of freedom of the Student's t by which values of variance one are spread.
+
+    The likeliest, and endless where normal ones are as likely: a number more costs what the
+    Bayesian information criterion charges.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m,)
+        Their mean square is taken to be one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.scatter import tails_of
+    >>> rng = np.random.default_rng(1)
+    >>> tails_of(rng.standard_normal(400))
+    inf
+    >>> 2.0 < tails_of(rng.standard_t(3.0, 400) / np.sqrt(3.0)) < 5.0
+    True
+    """
+    from scipy.optimize import minimize_scalar
+
+    squares, m = values**2, len(values)
+
+    def cost(inverse: float) -> float:
+        free = 1.0 / inverse
+        log_constant = gammaln(0.5 * (free + 1.0)) - gammaln(0.5 * free)
+        logs = m * (log_constant - 0.5 * np.log(0.5 * (free - 2.0)))
+        return float((free + 1.0) * np.sum(np.log1p(squares / (free - 2.0))) - 2.0 * logs)
+
+    # From half a degree on a t has no variance.
+    likeliest = minimize_scalar(cost, bounds=(0.0, 0.5), method="bounded")
+    if likeliest.fun + np.log(m) < np.sum(squares):
+        return float(1.0 / likeliest.x)
+    return inf
 
 
 def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:

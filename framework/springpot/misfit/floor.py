@@ -21,8 +21,9 @@ from springpot.measurement.mixed_tests import longest_memory, settings_of, sweep
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
 from springpot.measurement.scatter import (
     Noise,
+    Scatter,
     checked_noise,
-    noise_shape_along,
+    noise_shape,
     plausible_variance,
     robust_noise_shape,
     student_cost,
@@ -449,7 +450,9 @@ def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     left = fitted.noise.of_whitened(np.where(scatter.kept, scatter.left, 0.0))
     each: Real = scatter.dof / float(np.sum(scatter.kept)) * scatter.kept.astype(np.float64)
     data = fitted.data.mean
-    sd, turn = noise_shape_along(data, left, each[:n], turn_of(fitted, data))
+    axes = turn_of(fitted, data)
+    plain, turned = (Scatter.of(value, each[:n]) for value in (left, left * axes))
+    sd, turn = noise_shape(data, plain, turned, axes)
     return Noise.shaped(sd, turn, scatter.dof, "estimated").at_least_rounding(data)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,11 @@ from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
 from springpot.memory import Links, autoregressive, effective_share, prewhitened
+from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
-from ..numerics import ALIKE, SMALLEST, projected_out
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, projected_out
 
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
@@ -51,21 +52,86 @@ def phase_of(stiffness: Complex, measurement: Measurement) -> Complex:
     return np.asarray(whole / np.abs(whole), dtype=np.complex128)
 
 
+class Tangent(NamedTuple):
+    """What small changes of some amounts make, as a linear step has it.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (m, r)
+        Orthonormal.
+    back : ndarray, shape (p, r)
+        The change of the amounts that makes each of its directions.
+    """
+
+    basis: Real
+    back: Real
+
+    @classmethod
+    def of(cls, slopes: Real, tolerance: float = ALIKE) -> Tangent:
+        """That of slopes (m, p), scaled first, so that the units of the amounts do not matter."""
+        size = np.sqrt(np.sum(slopes * slopes, axis=0))
+        # What changes nothing has a column of nothing.
+        size = np.where(size > 0.0, size, 1.0)
+        # By singular values: parameters of a fit are often nearly dependent, and a QR would keep
+        # rounding as a direction.
+        try:
+            u, s, v = np.linalg.svd(slopes / size, full_matrices=False)
+        except np.linalg.LinAlgError:
+            # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one
+            # does not.
+            u, s, v = svd(slopes / size, full_matrices=False, lapack_driver="gesvd")
+        good = s > tolerance * s.max(initial=0.0)
+        return cls(u[:, good], (v[good].T / s[good]) / size[:, None])
+
+    def left(self, values: Real) -> Real:
+        """What of (m,) or columns (m, c) the amounts cannot make."""
+        return projected_out(values, self.basis)
+
+    def step(self, wanted: Real) -> Real:
+        """The change of the amounts (p,) that makes something (m,), as nearly as they can."""
+        return np.asarray(self.back @ (self.basis.T @ wanted))
+
+
 def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
     """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
-    size = np.sqrt(np.sum(columns * columns, axis=0))
-    columns = columns[:, size > 0] / size[size > 0]
-    if columns.shape[1] == 0:
-        return np.zeros((len(columns), 0))
-    # By singular values: parameters of a fit are often nearly dependent, and a QR would keep
-    # rounding as a direction.
-    try:
-        u, s, _ = np.linalg.svd(columns, full_matrices=False)
-    except np.linalg.LinAlgError:
-        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does
-        # not.
-        u, s, _ = svd(columns, full_matrices=False, lapack_driver="gesvd")
-    return u[:, s > tolerance * s[0]]
+    return Tangent.of(columns, tolerance).basis
+
+
+def able_to_follow(
+    model: Model, theta: Real, left: Real, slopes: Real, curve: Real
+) -> NDArray[np.bool_]:
+    """Which parameters (p,) of a fit can follow what it leaves.
+
+    Not those at a bound beyond which the fit would improve. A positive parameter without influence
+    has gone to its end (nothing, or rigid) and counts as at a bound.
+
+    Parameters
+    ----------
+    model : Model
+        What was fitted.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    left : ndarray, shape (m,)
+        Measured less modelled, over the noise.
+    slopes : ndarray, shape (p, m)
+        Derivatives of what is modelled, over the noise.
+    curve : ndarray, shape (m,)
+        What was measured or is modelled, over the noise.
+    """
+    logs = np.array([parameter.scale == "log" for parameter in model.parameters])
+    lower, upper = model.box
+    # Per relative change where a parameter is positive, so that its unit does not matter.
+    influence = np.linalg.norm(slopes, axis=1) * np.where(logs, theta, 1.0)
+    downhill = slopes @ left
+    # A search ends near a bound, hardly ever on it.
+    room = NEGLIGIBLE * np.where(logs, np.abs(theta), 1.0)
+    # Only where the fit pushes against the bound: one that would come back can follow a residual to
+    # one side.
+    at_lower = (theta <= lower + room) & (downhill < 0)
+    at_upper = (theta >= upper - room) & (downhill > 0)
+    gone = logs & (influence < NEGLIGIBLE * float(np.linalg.norm(curve)))
+    free: NDArray[np.bool_] = ~(at_lower | at_upper | gone)
+    return free
 
 
 def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:
@@ -270,6 +336,8 @@ class NoiseFrame:
         Unit numbers by which differences of K are multiplied before they are weighed.
     memory : float
         Correlation of the noise of neighbouring points of a sweep.
+    tails : float
+        Degrees of freedom of Student's t by which known noise is spread; endless if normal.
     """
 
     measurement: Measurement
@@ -280,6 +348,7 @@ class NoiseFrame:
     estimated: bool = False
     turn: Complex | None = None
     memory: float = 0.0
+    tails: float = inf
 
     def whiten(self, values: Complex) -> Real:
         """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
@@ -319,21 +388,22 @@ class NoiseFrame:
         the relative deviations of the points change places and signs, each with its gain and its
         phase, or with its storage and its loss where the noise of these is of unequal size. The
         draws have the tails of the data, and scatter as they do (Freedman and Lane 1983,
-        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are
-        normal; where a good part of the noise is that the values were written with few digits, they
-        are written with as many.
+        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise draws are
+        normal, or have the tails that repeats show; where a good part of the noise is that the
+        values were written with few digits, they are written with as many.
         """
         noise: Drawn
         if self._steps is not None:
             noise = self._as_written(self._steps, count, rng)
         elif not self._deals_out:
             parts = rng.standard_normal((count, 2, self.size // 2), dtype=DRAWN)
+            if self.tails < inf:
+                # Of variance one, as the noise was measured by its variance.
+                parts *= np.sqrt((self.tails - 2.0) / rng.chisquare(self.tails, parts.shape))
             noise = self._remembered(parts).reshape(count, self.size)
         else:
             order = self._dealt(count, rng)
-            sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(
-                2
-            ) - np.int8(1)
+            sign = rng.integers(0, 2, order.shape, dtype=np.int8) * np.int8(2) - np.int8(1)
             new = self._deviations.astype(np.complex64)[order] * sign
             noise = self._in_their_places(self._remembered(new))
         # The measured residual has lost what the parameters follow; so must the noise (no refit of
@@ -441,13 +511,9 @@ class NoiseFrame:
         return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-30))[:, None])
 
     def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
-        """Whitened residuals (m, 2n) of relative deviations (m, n), by the noise at their place."""
+        """Whitened residuals (m, 2n) of deviations (m, n) in units of the noise."""
         turned = deviations * self._turned_phase.astype(np.complex64)
-        by_part = [
-            (self.weights.real * self._sd).astype(DRAWN),
-            (self.weights.imag * self._sd).astype(DRAWN),
-        ]
-        return np.concatenate([turned.real * by_part[0], turned.imag * by_part[1]], axis=-1)
+        return np.concatenate([turned.real, turned.imag], axis=-1)
 
     def _dealt(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Rows (count, n) in whose order the deviations are dealt out.
@@ -472,14 +538,6 @@ class NoiseFrame:
         return self.estimated and self.rough_dof >= FEWEST_OWN
 
     @cached_property
-    def _sd(self) -> Real:
-        """Standard deviation (n,) of each point, the mean of both parts."""
-        # One for both parts: where a deviation is turned with K as it falls elsewhere, storage
-        # becomes loss.
-        variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
-        return np.asarray(np.sqrt(variance), dtype=np.float64)
-
-    @cached_property
     def _phase(self) -> Complex:
         """K over |K| (n,)."""
         return phase_of(self.model_stiffness, self.measurement)
@@ -487,29 +545,25 @@ class NoiseFrame:
     @cached_property
     def _turned_phase(self) -> Complex:
         """The same as differences of K are weighed."""
-        if self.turn is not None:
-            return self._phase * self.turn
-        # Storage and loss with noise of unequal size keep it: turned with K they would mix.
-        if not np.allclose(self.weights.real, self.weights.imag, atol=0.0):
-            return np.ones_like(self._phase)
-        return self._phase
+        # Parts of unequal size keep theirs: turned with K they would mix.
+        if self.turn is None and np.allclose(self.weights.real, self.weights.imag, atol=0.0):
+            return self._phase
+        return np.ones_like(self._phase)
 
     @cached_property
     def _deviations(self) -> Complex:
-        """Residual of each point relative to K in units of its noise (n,), as before the fit.
+        """Residual of each point in units of its noise (n,), turned with K, as before the fit.
 
         Slow structure is left in it: the part without has lost of its peaks what the curves follow,
         loses it once more when it is dealt out, and single points stand out where there is nothing
         (measured: 14 instead of 5 % of pure noise below a chance of 0.05). How large structure
         makes the draws is of no matter, as each is brought to units of its own scatter.
         """
-        n = self.size // 2
-        rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
-        relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
+        real, imag = np.reshape(self.rest, (2, -1)) * np.sqrt(self.size / free)
         links = Links.along([rows for rows, _ in sweeps_of(self.measurement)])
-        relative = prewhitened(relative, self.memory, links)
-        return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
+        turned = (real + 1j * imag) / self._turned_phase
+        return np.asarray(prewhitened(turned, self.memory, links), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
         """Columns (2n, m) without what the fitted parameters can follow."""

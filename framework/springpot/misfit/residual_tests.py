@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from springpot.measurement.hum import near_mains
 from springpot.measurement.measurement import CONDITIONS
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.measurement.replicates import Averaged
-from springpot.measurement.scatter import noise_shape
+from springpot.measurement.replicates import Averaged, noise_of_repeats
 from springpot.plain_data import Plain
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, REPEATS, VERDICT
@@ -537,7 +536,9 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     noise -= mean[:, :, data.group]
     # In units of the noise at their place, which a load cell's floor makes large where K is small:
     # there all runs would seem to change together.
-    sd = noise_shape(data.mean, data.scatter)[data.group]
+    told = noise_of_repeats(data)
+    assert told is not None, "there are enough"
+    sd = (told.sd * np.sqrt(count))[data.group]
     off = data.deviations() * data.raw.magnitude
     sample = np.concatenate([np.stack([off.real / sd.real, off.imag / sd.imag])[None], noise])
     # In units of their own scatter: how large repeats scatter is the noise itself, and only order

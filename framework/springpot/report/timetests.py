@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
-from springpot.numerics import ENOUGH, evenly
-from springpot.rheology.points import Real
-from springpot.timetests.prediction import TestPrediction
-from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import (
+from springpot.misfit.residuals_of_tests import (
     InTimePart,
     OtherPart,
     Test,
     TestPart,
     parts_of_specimen,
 )
+from springpot.numerics import ENOUGH, evenly
+from springpot.rheology.points import Real
+from springpot.timetests.prediction import TestPrediction
 from springpot.writing import FEW
 
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic

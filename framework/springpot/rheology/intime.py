@@ -198,13 +198,17 @@ class Passive:
         resting, resting_slopes = self.limit(-FAR)
         if motion is None:
             moving, pushed = velocity(t, displacement), acceleration(t, displacement)
+            arriving = np.diff(displacement) / steps[1:]
         else:
             moving, pushed, changes = motion.speed, motion.push, motion.changes
+            arriving = motion.arriving
         value = resting * displacement[0] + modes.equilibrium * moved
         value = value + modes.viscosity * moving + modes.mass * pushed
-        # What is merely faster than the samples has not felt the motion yet as it begins.
+        # What is merely faster than the samples feels the speed as it arrives, as the modes do: of
+        # a layer of fluid the two nearly cancel each other. At the first sample it feels none yet.
         own = self.parts.classical
-        value[0] -= (modes.viscosity - own.ends[1]) * moving[0]
+        late = np.concatenate([moving[:1], moving[1:] - arriving])
+        value = value - (modes.viscosity - own.ends[1]) * late
         if not slopes:
             alone = modes.weights[:, None]
             return Traced(
@@ -213,7 +217,7 @@ class Passive:
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
         by_theta = by_theta + np.outer(moving, by.viscosity) + np.outer(pushed, by.mass)
-        by_theta[0] -= (by.viscosity - own.end_slopes[1]) * moving[0]
+        by_theta = by_theta - np.outer(late, by.viscosity - own.end_slopes[1])
         # One pass over the samples serves the force and all of its derivatives.
         mix = np.column_stack([modes.weights, by.weights])
         rate_mix = np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])

@@ -9,14 +9,14 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement.imposed import Loading
+from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
+from springpot.misfit.residuals_of_tests import InTimePart
 from springpot.rheology.effect import CONTROLS, Effect, Layer
 from springpot.rheology.elements import spring, springpot
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import parallel, series
 from springpot.rheology.points import Points, Real
-from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.specimen import Scales, tries_of
 
 from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE, PRINTED

@@ -24,6 +24,7 @@ from springpot.misfit.error import Error, times
 from springpot.misfit.frame import is_beyond_noise
 from springpot.misfit.material import effects_of, lowest_error, material_floors
 from springpot.misfit.residual_scatter import ResidualScatter
+from springpot.misfit.residuals_of_tests import Test, TestPart, parts_of_specimen
 from springpot.misfit.where import Where
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
@@ -33,7 +34,6 @@ from springpot.thresholds import VERDICT
 from .fitting import identify
 from .floor import TimeFloor, material_floor
 from .hypotheses import FitResiduals, bic_of, chi_square_gain, delta_bic, independent_samples
-from .residuals_of_tests import Test, TestPart, parts_of_specimen
 from .verdict import error_of, misfit_of, where_missed
 
 UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"

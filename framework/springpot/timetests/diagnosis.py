@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -22,7 +21,9 @@ from springpot.diagnosis.experiment import (
     WAITED_FOR,
     WORKED_FOR,
     Contest,
+    actions,
     most_telling,
+    planned_sweep,
     worth_telling_apart,
 )
 from springpot.diagnosis.in_practice import Accuracy, in_practice
@@ -35,7 +36,6 @@ from springpot.diagnosis.result import (
     turning,
     unseen,
 )
-from springpot.errors import SpringpotError
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -48,9 +48,17 @@ from springpot.misfit.error import plain
 from springpot.misfit.residual_scatter import (
     scatter_of,
 )
+from springpot.misfit.residuals_of_tests import (
+    InTimePart,
+    SweepPart,
+    Test,
+    TestPart,
+    parts_of_specimen,
+    reach_of,
+    units_of,
+)
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
-from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Real
 from springpot.thresholds import EXPERIMENT, SEARCH, VERDICT
@@ -74,15 +82,6 @@ from .hypotheses import (
     sum_of_squares,
 )
 from .intervals import beside_limits
-from .residuals_of_tests import (
-    InTimePart,
-    SweepPart,
-    Test,
-    TestPart,
-    parts_of_specimen,
-    reach_of,
-    units_of,
-)
 from .score import TimeScan
 from .screening import (
     alone,
@@ -142,9 +141,9 @@ def next_test(case: TimeCase) -> NextExperiment | None:
     first, second = (fits[name] for name in pair)
     parts = case.asked.parts
 
-    def contest(planned: Planned, holds: int) -> AfterTest:
+    def contest(planned: Planned, holds: int) -> Contest:
         both = (first, second)
-        return AfterTest(both[holds], both[1 - holds], (*parts, planned.part))
+        return Contest(both[holds], both[1 - holds], (*parts, planned.part))
 
     plans = list(planned_tests(parts, first))
     return most_telling(plans, contest, pair, (chances[pair[0]], chances[pair[1]]))
@@ -158,50 +157,6 @@ def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> tup
     believed = [each for each in candidates[:1] if each.probability > EXPERIMENT.rival]
     alike = [name for each in believed for name in each.alike if name in fits]
     return (alike[0], alike[1]) if len(alike) > 1 else None
-
-
-@dataclass(frozen=True, eq=False)
-class AfterTest(Contest):
-    """Two fits after a further test: one holds, the rival may change to follow it.
-
-    Attributes
-    ----------
-    truth, rival : Identification
-        The one that holds, and the other.
-    parts : sequence of TestPart
-        The tests that were made, and the new one.
-    """
-
-    truth: Identification
-    rival: Identification
-    parts: Sequence[TestPart]
-
-    @cached_property
-    def _shown(self) -> list[Real]:
-        return [_answer(self.truth, part, self.truth.theta).value for part in self.parts]
-
-    def seen(self, theta: Real) -> tuple[Real, Real]:
-        """Whitened difference (m,) of truth and rival, and the rival's slopes (p, m)."""
-        differences, slopes = [], []
-        for part, shown in zip(self.parts, self._shown, strict=True):
-            answer = _answer(self.rival, part, theta)
-            # Those that a search begins with stand for all samples of a test.
-            stand_for = np.sqrt(part.count() / part.count(coarse=True)) / part.scale
-            weight = np.where(part.counted, stand_for / part.sd, 0.0)[part.thin]
-            with np.errstate(invalid="ignore", over="ignore"):
-                differences.append((shown - answer.value) * weight)
-                slopes.append(answer.by_theta * weight[:, None])
-        return np.concatenate(differences), np.concatenate(slopes).T
-
-
-def _answer(fit: Identification, part: TestPart, theta: Real) -> Traced:
-    try:
-        with np.errstate(all="ignore"):
-            return part.answer(fit.model, theta, fit.reference, part.thin)
-    except SpringpotError:
-        # Where a parameter has grown without limit there is no such model: it follows nothing.
-        nothing = np.full(len(part.thin), np.nan)
-        return Traced(nothing, np.zeros((len(nothing), len(theta))))
 
 
 def planned_tests(parts: Sequence[TestPart], fit: Identification) -> Iterator[Planned]:
@@ -280,21 +235,21 @@ def _with(part: InTimePart, time: Real, loading: Loading) -> InTimePart:
 
 
 def _sweeps(parts: Sequence[TestPart], fit: Identification) -> Iterator[Planned]:
-    """Frequencies beyond those of the sweeps, or a sweep where there is none."""
-    known = [part.test for part in parts if isinstance(part, SweepPart)]
-    if known:
-        low, high = (known[0].omega.min(), known[0].omega.max())
-        bands = [(FARTHER, "extend the sweep upwards"), (1.0 / FARTHER, "extend it downwards")]
-    else:
-        seen = [part.resolved for part in parts]
-        low, high = min(each[0] for each in seen), max(each[1] for each in seen)
-        bands = [(1.0, "measure a sweep of the same specimen")]
-    for factor, word in bands:
-        omega = np.geomspace(low, high, POINTS) * factor
-        hertz = omega / (2.0 * np.pi)
-        says = f"{word}: {POINTS} points from {plain(hertz[0])} to {plain(hertz[-1])} Hz"
-        part = _sweep(parts, fit, omega)
-        yield Planned(says, part, WAITED_FOR, {"omega": omega.tolist()})
+    """What could be measured next in the rig of a sweep, or a sweep where there is none."""
+    made = next((part for part in parts if isinstance(part, SweepPart)), None)
+    if made is not None:
+        for action in actions(made.test):
+            says, part = f"{made.test.name}: {action.says}", planned_sweep(action, made, fit)
+            yield Planned(says, part, action.effort, action.action)
+        return
+    seen = [part.resolved for part in parts]
+    omega = np.geomspace(min(each[0] for each in seen), max(each[1] for each in seen), POINTS)
+    hertz = omega / (2.0 * np.pi)
+    says = (
+        f"measure a sweep of the same specimen: {POINTS} points from {plain(hertz[0])} to"
+        f" {plain(hertz[-1])} Hz"
+    )
+    yield Planned(says, _sweep(parts, fit, omega), WAITED_FOR, {"omega": omega.tolist()})
 
 
 def _sweep(parts: Sequence[TestPart], fit: Identification, omega: Real) -> SweepPart:

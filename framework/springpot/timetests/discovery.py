@@ -26,6 +26,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.misfit.residual_scatter import ResidualScatter
+from springpot.misfit.residuals_of_tests import Test
 from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
@@ -35,7 +36,6 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from .diagnosis import examine
 from .fitting import identify
 from .hypotheses import AskedTests, FitResiduals, Hypothesis
-from .residuals_of_tests import Test
 from .score import TimeScan
 from .screening import EXACT, approximately_fitted, leading_of_scan, noise_of_best
 from .specimen import at_tests

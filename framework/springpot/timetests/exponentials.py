@@ -17,8 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
+from springpot.identification.convex import answers_of
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
+from springpot.measurement.recording import (
+    Clock,
+    at_loading,
+    at_stage,
+    at_work,
+    indices,
+    reached,
+    shown,
+    spread,
+)
+from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.effect import Effect, on_clock
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model, linear_network, sorted_out, through, with_laws
@@ -28,9 +40,6 @@ from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real, real_form
 
 from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
-from .convex import answers_of
-from .recording import Clock, at_loading, at_stage, at_work, indices, reached, shown, spread
-from .residuals_of_tests import InTimePart, Residual, TestPart
 
 PER_DECADE = 4
 """Exponentials a decade: a part in a thousand of a springpot's response, or better."""

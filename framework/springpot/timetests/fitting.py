@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
+from springpot.identification.convex import ConvexSpectrum
 from springpot.identification.fitting import refuse_search, require_robust, start_at
 from springpot.identification.material import is_material
 from springpot.identification.notes import notes_on_specimens
@@ -27,25 +28,24 @@ from springpot.identification.searching import NATIVE, best_run
 from springpot.identification.space import box_of
 from springpot.identification.value import LOST
 from springpot.misfit.error import times
+from springpot.misfit.residuals_of_tests import (
+    Test,
+    TestPart,
+    parts_of_specimen,
+    reach_of,
+)
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
-from .convex import ConvexSpectrum
 from .exponentials import quick_parts
 from .floor import coordinates_around
 from .hypotheses import FitResiduals
 from .intervals import with_intervals
 from .material import FoundLines, UntoldError, spectral
 from .native import STARTS, Minimum, TimeSearch
-from .residuals_of_tests import (
-    Test,
-    TestPart,
-    parts_of_specimen,
-    reach_of,
-)
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
 from .temperatures import is_material_alone

@@ -13,19 +13,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
+from springpot.identification.convex import ConvexSpectrum, lattice, shown_by
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.misfit.material import any_material, is_of_material
+from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.numerics import PER_DECADE, non_negative, rms
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real, real_form
 
-from .convex import ConvexSpectrum, lattice, shown_by
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
-from .residuals_of_tests import parts_of_specimen
 from .temperatures import seen_by
 
 

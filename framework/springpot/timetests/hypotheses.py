@@ -18,13 +18,13 @@ from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
 from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
+from springpot.misfit.residuals_of_tests import InTimePart, Test, TestPart
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST, TWO_DEVIATIONS
-from .residuals_of_tests import InTimePart, Test, TestPart
 
 APART = 16
 """Samples between two of the kicks that are tried, in turn up and down."""
@@ -295,14 +295,20 @@ def chi_square_gain(
     """By how much less another fit leaves, but for what is to be expected of imposed noise.
 
     To answer less to what the specimen never felt is no evidence, nor is it to answer more: so much
-    is expected, and the root of such a change, noncentral chi-square, varies by one.
+    is expected. As the noise of the response goes by chance with the difference of both answers,
+    what is expected varies, with four times the square of that difference: what is beyond counts
+    as the square of its own deviations, where that is less.
     """
     gain = base.squares(noise) - other.squares(noise)
     spared = base.squares_of_imposed(noise) - other.squares_of_imposed(noise)
-    if gain * spared <= 0.0:
-        return gain
-    left = max(float(np.sqrt(abs(gain)) - np.sqrt(abs(spared))), 0.0)
-    return float(np.copysign(left**2, gain))
+    answers = zip(base.noise_answer, other.noise_answer, noise, strict=True)
+    varied = 4.0 * sum(float(np.sum(each.whitened(one - two) ** 2)) for one, two, each in answers)
+    beyond = abs(gain)
+    if gain * spared > 0.0:
+        beyond = max(beyond - abs(spared), 0.0)
+    if beyond < varied:
+        beyond *= beyond / varied
+    return float(np.copysign(beyond, gain))
 
 
 def delta_bic(base: FitResiduals, other: FitResiduals, noise: Sequence[ResidualScatter]) -> float:

@@ -14,12 +14,12 @@ from springpot.identification.intervals import Path, Profile, beside_endless
 from springpot.identification.leastsquares import Evaluate, Rows, levenberg_marquardt, one_by_one
 from springpot.identification.result import Identification
 from springpot.identification.value import LOST
+from springpot.misfit.residuals_of_tests import TestPart
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .exponentials import UnfollowedError, quick_parts
 from .native import Minimum, TimeSearch
-from .residuals_of_tests import TestPart
 
 
 def with_intervals(

@@ -16,9 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
+from springpot.identification.convex import SPACINGS, ConvexSpectrum, lattice, shown_by
 from springpot.identification.leastsquares import REACH
 from springpot.identification.material import STILL
 from springpot.identification.material_fit import KEPT
+from springpot.misfit.residuals_of_tests import InTimePart, TestPart, typical_stiffness
 from springpot.numerics import (
     ALIKE,
     DECADE,
@@ -37,8 +39,6 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 
 from ..numerics import rms
-from .convex import SPACINGS, ConvexSpectrum, lattice, shown_by
-from .residuals_of_tests import InTimePart, TestPart, typical_stiffness
 from .specimen import Scales, tries_of
 from .temperatures import StackedResiduals, is_law, lawful, seen_by
 

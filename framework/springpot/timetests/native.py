@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import SpringpotError
+from springpot.identification.convex import start_of
 from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Solution, levenberg_marquardt, one_by_one
 from springpot.identification.material import is_material
@@ -22,19 +23,25 @@ from springpot.identification.task import FLAT_SHAPES
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
+from springpot.measurement.mixed_up import said_of_sign, sign_note
 from springpot.measurement.steady_start import lasting
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
+from springpot.misfit.residuals_of_tests import (
+    InTimePart,
+    SweepPart,
+    TestPart,
+    reach_of,
+    typical_stiffness,
+)
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import MOST_STEPS, rms
-from .convex import start_of
 from .exponentials import UnfollowedError, quick_parts
-from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of, typical_stiffness
-from .specimen import Scales, runs_against, tries_of, words_of
+from .specimen import Scales, tries_of, words_of
 
 QUICK = 20
 """Steps with some of the samples."""
@@ -47,11 +54,6 @@ EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
 STARTS = 4
 """Places in the parameters of an effect from which a fit begins."""
-WRONG = 0.5
-"""Relative error from which the signs of a test are doubted.
-
-Below, the model follows it, whatever they are.
-"""
 AFAR = 1e-3
 """Damping at a start."""
 ROUGHLY = 1e-5
@@ -341,7 +343,7 @@ class TimeSearch:
             converged=found.converged,
             evaluations=found.evaluations,
             seconds=seconds,
-            notes=_doubts(found.parts, rows),
+            notes=_doubts(found.parts),
         )
 
     def _interval(self, theta: Real, covariance: Real, points: int) -> tuple[Real, Real]:
@@ -402,17 +404,14 @@ def _after_many_cycles(part: InTimePart) -> InTimePart:
     return replace(part, test=test, noise=part.sd)
 
 
-def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str, ...]:
+def _doubts(parts: Sequence[TestPart]) -> tuple[str, ...]:
     """Samples that were left out, and tests whose columns seem to count in opposite directions."""
     in_time = [part.test for part in parts if isinstance(part, InTimePart)]
     doubts = [said for test in in_time if (said := said_of_strays(test))]
     doubts += [said for test in in_time if (said := test.said_of_start)]
-    for part, row in zip(parts, rows, strict=True):
-        if row.relative_rms > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
-            doubts.append(
-                f"{row.name}: force and displacement have opposite signs: if one of them counts the"
-                f" other way, say so behind the file, such as '?force=-{part.test.force_unit}'"
-            )
+    for test in in_time:
+        noted = {**sign_note(test, f"force=-{test.force_unit}"), **test.provenance}
+        doubts += [f"{test.name}: {said}" for said in said_of_sign(noted)]
     return tuple(doubts)
 
 

@@ -20,11 +20,11 @@ from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
 from springpot.misfit.error import plain
+from springpot.misfit.residuals_of_tests import part_of
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import DEVIATIONS, SMALLEST, rms
-from .residuals_of_tests import part_of
 from .specimen import require_its_conditions
 
 NEAR = 2.0

@@ -14,6 +14,7 @@ from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError, SpringpotError
 from springpot.measurement.opening import together
 from springpot.misfit.material import any_material, effects_of, material_floors
+from springpot.misfit.residuals_of_tests import Test
 from springpot.plain_data import alive
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
@@ -24,7 +25,6 @@ from .discovery import discover
 from .fitting import identify
 from .floor import TimeFloor, material_floor
 from .hypotheses import FitResiduals
-from .residuals_of_tests import Test
 from .verdict import TimeCase
 
 

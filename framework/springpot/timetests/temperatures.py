@@ -21,6 +21,7 @@ from springpot.identification.material import WIDEST
 from springpot.identification.native import fit
 from springpot.identification.problem import relative_objective
 from springpot.measurement.timetest import TimeTest
+from springpot.misfit.residuals_of_tests import InTimePart, TestPart
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum, Probe, Relaxation
 from springpot.rheology.model import Model
@@ -29,7 +30,6 @@ from springpot.rheology.points import KELVIN, ROOM, Points, Real
 from springpot.superposition.laws import SHOWN, after_steps, by_one_number
 
 from ..numerics import NEGLIGIBLE
-from .residuals_of_tests import InTimePart, TestPart
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error, times
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
+from springpot.misfit.residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 from springpot.misfit.where import Where
 from springpot.numerics import SMALLEST
 from springpot.rheology.effect import Effect, Layer
@@ -52,7 +53,6 @@ from .hypotheses import (
     explains_as_well,
     without_nested,
 )
-from .residuals_of_tests import InTimePart, SweepPart, Test, TestPart
 
 NAN = float("nan")
 

@@ -25,6 +25,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import sweep_of
 from springpot.measurement.reader import OpenQuestion, Part, Question
 from springpot.measurement.units import FILE_UNITS, MODULUS_UNITS
+from springpot.misfit.residuals_of_tests import units_of
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
@@ -32,7 +33,6 @@ from springpot.report.interactive.scene import rounded
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER, effect as effect_card, model as model_card
 from springpot.rheology.model import Family, Model
-from springpot.timetests.residuals_of_tests import units_of
 from springpot.writing import suggested
 
 from . import leaving

@@ -25,6 +25,7 @@ from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
 from springpot.misfit.error import percent
 from springpot.misfit.refit import Refit
+from springpot.misfit.residuals_of_tests import units_of
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import Preview, drawn_at_once, preview
 from springpot.report.interactive.in_time import DrawnTests, TimeScene
@@ -35,7 +36,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
-from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import as_had_by
 from springpot.writing import LISTED
 

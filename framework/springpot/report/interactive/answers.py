@@ -22,11 +22,11 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned_over
 from springpot.measurement.opening import Test, sweep_of
 from springpot.misfit.refit import Refit, refit
+from springpot.misfit.residuals_of_tests import units_of
 from springpot.registry import of_each
 from springpot.rheology.model import Model
 from springpot.rheology.points import Points, Real
 from springpot.timetests.fitting import identify
-from springpot.timetests.residuals_of_tests import units_of
 
 from ..answers import reference_note
 from .in_time import DrawnTests, TimeScene

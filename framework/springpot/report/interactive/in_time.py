@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from springpot.identification.fitted import FittedModel
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.other_test import OtherTest
+from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
+from springpot.misfit.residuals_of_tests import Test, TestPart, parts_of_specimen
 from springpot.numerics import rms
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen
 from springpot.timetests.specimen import reference_of
 from springpot.writing import DIGITS as OF_RESIDUALS
 

@@ -12,17 +12,30 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.convex import (
+    ConvexSpectrum,
+    apparent,
+    lines_of_record,
+    lines_of_sweep,
+)
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
+from springpot.measurement.recording import recorded, spread
 from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
 from springpot.memory import autocorrelation_time
-from springpot.misfit.frame import NoiseFrame
-from springpot.misfit.residual_scatter import (
+from springpot.rheology.intime import Traced
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.points import Complex, Points, Real, complex_form, real_form
+
+from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from .frame import NoiseFrame
+from .residual_scatter import (
     FEWEST,
     Imposed,
     ResidualScatter,
@@ -30,15 +43,8 @@ from springpot.misfit.residual_scatter import (
     scatter_of_record,
     scatter_of_sweep,
 )
-from springpot.misfit.where import Where, where
-from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model
-from springpot.rheology.points import Complex, Real, complex_form, real_form
-
-from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
-from .convex import ConvexSpectrum, apparent, lines_of_record, lines_of_sweep
-from .recording import recorded, spread
-from .where import places
+from .where import Where, where
+from .where_in_time import places
 
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
@@ -66,10 +72,13 @@ class TestPart(ABC):
         The test.
     scale : float
         By how much its noise is taken to be larger than its scatter says.
+    noise : ndarray, shape (m,), optional
+        Standard deviation of each number, where it is known better than the test itself tells.
     """
 
     test: Test
     scale: float = 1.0
+    noise: Real | None = None
 
     @property
     @abstractmethod
@@ -86,10 +95,15 @@ class TestPart(ABC):
     def measured(self) -> Real:
         """The numbers (m,)."""
 
-    @property
-    @abstractmethod
+    @cached_property
     def sd(self) -> Real:
         """Their standard deviations (m,)."""
+        return self._own_sd if self.noise is None else self.noise
+
+    @property
+    @abstractmethod
+    def _own_sd(self) -> Real:
+        """Those that the test itself tells, (m,)."""
 
     @property
     def size(self) -> Real:
@@ -251,9 +265,9 @@ class TestPart(ABC):
         by = real_form(weights)[: len(self.measured)]
         return self.with_sd(np.asarray(rms(self.sd * by) / by, dtype=float))
 
-    @abstractmethod
     def with_sd(self, sd: Real) -> Self:
         """The same with these standard deviations (m,)."""
+        return replace(self, noise=sd)
 
     def with_scale(self, scale: float) -> Self:
         """The same with larger noise."""
@@ -269,8 +283,6 @@ class InTimePart(TestPart):
 
     Parameters
     ----------
-    noise : ndarray, shape (n,), optional
-        Standard deviation of each sample, where it is known better than the signal itself tells.
     worth : float
         Independent numbers of other tests too that tell it; 0 where this one alone does.
     told : deque
@@ -278,7 +290,6 @@ class InTimePart(TestPart):
     """
 
     test: TimeTest
-    noise: Real | None = None
     worth: float = 0.0
     told: deque[tuple[tuple[Any, ...], Traced]] = field(
         default_factory=lambda: deque(maxlen=ANSWERS), repr=False
@@ -304,11 +315,8 @@ class InTimePart(TestPart):
         """The response."""
         return self.test.response
 
-    @cached_property
-    def sd(self) -> Real:
-        """Standard deviation of each sample."""
-        if self.noise is not None:
-            return self.noise
+    @property
+    def _own_sd(self) -> Real:
         return noise_of(self.test).sd
 
     @property
@@ -394,10 +402,6 @@ class InTimePart(TestPart):
         self.told.append((asked, told))
         return told
 
-    def with_sd(self, sd: Real) -> Self:
-        """The same with this noise."""
-        return replace(self, noise=sd)
-
     def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """From the spectrum of the residual."""
         rounded = self.rounded(residual)
@@ -454,9 +458,8 @@ class SweepPart(TestPart):
         """K' and K''."""
         return np.concatenate([self.test.storage, self.test.loss])
 
-    @cached_property
-    def sd(self) -> Real:
-        """Given ones, or the scatter between neighbours."""
+    @property
+    def _own_sd(self) -> Real:
         if self.test.sd is not None:
             return real_form(self.test.sd)
         # Without given deviations the scatter between neighbours is the best that is known of the
@@ -495,28 +498,31 @@ class SweepPart(TestPart):
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """K' and K'' of a model."""
-        at = replace(self.test, reference=reference).points
-        own, places = model.had_by(self.test)
-        value, slopes = own.stiffness(theta[places], at), own.jacobian(theta[places], at)
-        both = Traced(
-            real_form(value)[rows],
-            real_form(slopes)[rows],
-        )
         # Effects of other tests leave a sweep as it is.
+        own, places = model.had_by(self.test)
+        at = replace(self.points, reference_temperature=reference)
+        found = self.network_of(own).respond(theta[places], at, GRADIENT)
+        both = Traced(real_form(found.value)[rows], real_form(found.by_theta.T)[rows])
         return spread(both, places, len(theta))
+
+    @property
+    def points(self) -> Points:
+        """Where K is asked for."""
+        return self.test.points
+
+    def network_of(self, own: Model) -> Node:
+        """What stands in the rig, of a model without effects of other tests."""
+        return own.network
 
     @property
     def view(self) -> Measurement:
         """The sweep itself."""
         return replace(self.test, sd=complex_form(self.sd))
 
-    def with_sd(self, sd: Real) -> Self:
-        """The same with given standard deviations."""
-        return replace(self, test=replace(self.test, sd=complex_form(sd)))
-
     def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """A sweep is too short for a spectrum."""
-        return scatter_of_sweep(residual, self.test.sd is not None, followed)
+        known = self.noise is not None or self.test.sd is not None
+        return scatter_of_sweep(residual, known, followed)
 
     def neighbours(self, residual: Real) -> Real:
         """K' comes first and then K'': its neighbours are told by K' alone."""
@@ -544,16 +550,9 @@ class SweepPart(TestPart):
 
 @dataclass(frozen=True, eq=False)
 class OtherPart(TestPart):
-    """A test of a further kind, which says by itself what a model shows of it.
-
-    Parameters
-    ----------
-    noise : ndarray, shape (m,), optional
-        Standard deviations in the place of its own.
-    """
+    """A test of a further kind, which says by itself what a model shows of it."""
 
     test: OtherTest
-    noise: Real | None = None
 
     @property
     def at(self) -> Real:
@@ -573,10 +572,7 @@ class OtherPart(TestPart):
         return self.test.measured
 
     @property
-    def sd(self) -> Real:
-        """As the test says, where no other is known."""
-        if self.noise is not None:
-            return self.noise
+    def _own_sd(self) -> Real:
         return self.test.sd
 
     @property
@@ -604,10 +600,6 @@ class OtherPart(TestPart):
         own, places = model.had_by(self.test)
         told = self.test.answer(own, theta[places], reference)
         return spread(Traced(told.value[rows], told.by_theta[rows]), places, len(theta))
-
-    def with_sd(self, sd: Real) -> Self:
-        """The same with these standard deviations."""
-        return replace(self, noise=sd)
 
     def scatter(self, residual: Real, followed: float = 0.0) -> ResidualScatter:
         """From the spectrum of the residual."""
@@ -667,9 +659,7 @@ def part_of(test: Test, noise: Real | None = None) -> TestPart:
         return InTimePart(test, noise=noise)
     if isinstance(test, OtherTest):
         return OtherPart(test, noise=noise)
-    if noise is not None:
-        return SweepPart(test).with_sd(noise)
-    return SweepPart(test)
+    return SweepPart(test, noise=noise)
 
 
 @lru_cache(maxsize=256)

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.timetest import TimeTest
-from springpot.misfit.error import plain, times
-from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import rms
+from .error import plain, times
+from .where import Where
 
 PIECES = 12
 """Parts of a record among which the place of the largest misfit is sought."""

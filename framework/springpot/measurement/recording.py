@@ -13,9 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.measurement.followed import Record
-from springpot.measurement.imposed import Loading
-from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import Effect, acting, on_clock, on_loading, on_response
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import InTime, Model, sorted_out
@@ -25,6 +22,9 @@ from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import KELVIN, ROOM, Real
 
 from ..numerics import DIFFERENCE, NEGLIGIBLE, ROUNDING, SMALLEST
+from .followed import Record
+from .imposed import Loading
+from .timetest import TimeTest
 
 
 def warming(

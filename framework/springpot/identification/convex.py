@@ -15,8 +15,6 @@ from typing import TypeAlias
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification.material import CLOSER, REFINEMENTS
-from springpot.identification.native import fit
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -35,6 +33,9 @@ from springpot.rheology.model import Model
 from springpot.rheology.motion import acceleration, velocity
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.rheology.terms import Modes, driven
+
+from .material import CLOSER, REFINEMENTS
+from .native import fit
 
 SLOWER, FASTER = 1.0, 0.5
 """Decades beyond the times of the tests.
@@ -170,7 +171,7 @@ def relaxation_of(retardation: ConvexSpectrum) -> ConvexSpectrum:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.timetests.convex import ConvexSpectrum, relaxation_of
+    >>> from .convex import ConvexSpectrum, relaxation_of
     >>> found = relaxation_of(ConvexSpectrum(0.5, 0.0, np.array([0.5]), np.array([0.5])))
     >>> found.equilibrium, found.viscosity, found.rates.round(6), found.weights.round(6)
     (1.0, 0.0, array([1.]), array([1.]))

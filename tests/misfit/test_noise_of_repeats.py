@@ -1,0 +1,84 @@
+"""What repeats tell of the noise: its axes, its rise along frequency and its tails."""
+
+import numpy as np
+import pytest
+
+from springpot.measurement import Measurement, average_repeats
+from springpot.measurement.replicates import noise_of_repeats
+from springpot.misfit.frame import NoiseFrame
+
+N = 60
+OMEGA = np.geomspace(0.1, 100.0, N)
+STIFFNESS = 100.0 + 100.0 * 1j * OMEGA / (1.0 + 1j * OMEGA)
+
+
+def told_of(errors, count=2):
+    """Noise of the means of so many repeats with errors (count N,) over |K|."""
+    off = np.abs(STIFFNESS) * np.reshape(errors, (count, N))
+    data = Measurement(
+        np.tile(OMEGA, count),
+        np.ravel(STIFFNESS + off),
+        repeat=np.repeat(np.arange(count), N),
+        name="made",
+    )
+    return noise_of_repeats(average_repeats(data))
+
+
+def normal(rng, count=2):
+    return 0.01 * (rng.standard_normal(count * N) + 1j * rng.standard_normal(count * N))
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_normal_repeats_have_no_tails(count):
+    """A tail is one number more: normal noise is given one in a hundred draws or fewer."""
+    rng = np.random.default_rng(5)
+    assert [told_of(normal(rng, count), count).tails for _ in range(10)] == [np.inf] * 10
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_noise_with_long_tails_is_told_by_repeats(count):
+    """Student's t of three degrees of freedom; the mean of more repeats has shorter tails."""
+    rng = np.random.default_rng(6)
+    found = []
+    for _ in range(5):
+        errors = rng.standard_t(3.0, (2, count * N)) / np.sqrt(3.0)
+        found.append(told_of(0.01 * (errors[0] + 1j * errors[1]), count).tails)
+    assert 2.0 < np.median(found) < 3.0 * count
+
+
+def test_draws_have_the_tails_and_the_variance_of_the_noise():
+    """Of variance one, and beyond four deviations far more often than normal noise."""
+    flat = np.ones(N, dtype=complex)
+    frame = NoiseFrame(
+        Measurement(OMEGA, flat, name="made"),
+        flat,
+        np.full(N, 1.0 + 1.0j),
+        np.zeros((0, N), dtype=complex),
+        tails=5.0,
+    )
+    drawn = frame.draws(2000, np.random.default_rng(1))
+    assert np.mean(drawn**2) == pytest.approx(1.0, rel=0.03)
+    # Student's t of five degrees of freedom and variance one: .0035 beyond four; a normal: .00006.
+    assert np.mean(np.abs(drawn) > 4.0) == pytest.approx(0.0035, rel=0.15)
+
+
+def test_errors_of_gain_among_repeats_are_told_along_k():
+    """A gain that scatters by 2 %, a phase by 1 mrad: no noise of storage and loss alone."""
+    rng = np.random.default_rng(2)
+    phase = STIFFNESS / np.abs(STIFFNESS)
+    noise = told_of(
+        (0.02 * rng.standard_normal(2 * N) + 0.001j * rng.standard_normal(2 * N))
+        * np.tile(phase, 2)
+    )
+    assert noise.along is not None
+    along, across = noise.along.sd.real / np.abs(STIFFNESS), noise.along.sd.imag / np.abs(STIFFNESS)
+    assert np.allclose(along, 0.02 / np.sqrt(2.0), rtol=0.25)
+    assert np.allclose(across, 0.001 / np.sqrt(2.0), rtol=0.25)
+
+
+def test_repeats_that_rise_towards_an_end_are_told_so():
+    """Eight times the noise at the upper end, as of a rig near its resonance."""
+    rng = np.random.default_rng(3)
+    rise = 1.0 + 7.0 * np.linspace(0.0, 1.0, N) ** 4
+    sd = told_of(normal(rng) * np.tile(rise, 2)).sd.real / np.abs(STIFFNESS)
+    assert sd[-1] > 3.0 * sd[N // 2]
