@@ -237,8 +237,10 @@ def marked(tests: Sequence[Test], column: str) -> list[Test]:
         tests = [_with_mark(test, number[file_of(test.name)]) for test in tests]
     for test in tests:
         if column not in test.conditions:
-            others = "by file (--own k) or temperature (--own k:temperature)"
-            raise DataError(f"{test.name} has no {column}: tests in time are told apart {others}")
+            others = "or tell tests apart by file (--own k) or temperature (--own k:temperature)"
+            value = "20[degC]" if column == "temperature" else "1[-]"
+            known = f"say it of each test, such as 'FILE?{column}={value}'"
+            raise DataError(f"{test.name} has no {column}: {known}, {others}")
     values = np.concatenate([np.unique(test.conditions[column]) for test in tests])
     if len(np.unique(levels_of(column, values))) < 2:
         raise DataError(
