@@ -339,9 +339,9 @@ def pays(best: Grown, effects: Sequence[Effect], left: float) -> bool:
     """
     points = 2 * len(best.refit.fit.measurement)
     more = _parameters(effects) - _parameters(best.effects)
-    # Of a free spectrum the share is the same that the lines follow.
-    fair = left * best.refit.fair_rss / best.refit.rss
-    gain = best.refit.noise.log_likelihood(fair, points) - best.refit.log_likelihood
+    # The lines of a free spectrum follow as much beside them.
+    gain = best.refit.noise.log_likelihood(best.refit.fair(left), points)
+    gain -= best.refit.log_likelihood
     return gain > 0.5 * more * float(np.log(points))
 
 

@@ -138,15 +138,25 @@ class Refit:
     @cached_property
     def fair_rss(self) -> float:
         """Residual sum of squares as it would be if a free spectrum's lines followed no noise."""
+        return self.fair(self.rss)
+
+    def fair(self, rss: float) -> float:
+        """What a residual sum of squares would be if a free spectrum's lines followed no noise.
+
+        Parameters
+        ----------
+        rss : float
+            That of this fit, or what something beside it leaves of that.
+        """
         if not self.lines:
-            return self.rss
+            return rss
         if self.noise.source != "estimated":
             # In units of a known noise each line takes one from chi-square, on average.
-            return self.rss + self.lines
+            return rss + self.lines
         # An estimated noise has taken part in the fit: only the share that is left free tells how
         # much was followed.
         spare = 2 * len(self.fit.measurement) - len(self.own)
-        return self.rss * spare / max(spare - self.lines, 1)
+        return rss * spare / max(spare - self.lines, 1)
 
     @cached_property
     def log_evidence(self) -> float:
