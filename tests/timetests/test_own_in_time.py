@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.constraints import marked
+from springpot.constraints import marked, owning
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.misfit.residuals_of_tests import parts_of_specimen
@@ -124,6 +124,12 @@ def test_a_batch_is_said_behind_the_file_of_a_record(tmp_path):
     other = replace(swept, conditions={"batch": np.full(len(swept), 3.0)})
     found = springpot.identify([said, other], "zener", own={"k2": "batch"})
     assert list(found.parameters) == ["k1", "k2_1", "k2_3", "c"]
+    # A column tells specimens in the place of their files, beside tests in time as well.
+    told = owning(MODEL, [said, other], None, ["k1", "c"], "batch")[0]
+    assert told.own == {"k2": "batch"}
+    for own, columns in ((None, "batch"), ({"k2": "file"}, "batch,lot")):
+        with pytest.raises(DataError, match="one column tells specimens"):
+            owning(MODEL, [said, other], own, specimen=columns)
     with pytest.raises(DataError, match="no column 'lot'"):
         springpot.read(f"{file}?lot=1[kg]")
 
