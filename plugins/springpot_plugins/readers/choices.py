@@ -90,9 +90,14 @@ def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary =
         # 1/Pa is a unit, and no value of one per pascal.
         constant = None if is_unit(meaning) else _CONSTANT.match(meaning)
         # A column that is called by its number is one of the file's, whatever is said of it.
-        if role is not None and not name.isdigit() and constant is not None:
-            constants[f"{role} [{constant[2]}]"] = constant[1]
-            continue
+        if constant is not None and not name.isdigit():
+            if role is not None:
+                constants[f"{role} [{constant[2]}]"] = constant[1]
+                continue
+            # A plain number of a column that the file lacks, such as that of a batch.
+            if constant[2] == "-" and not any(fold(name) == fold(each.name) for each in headings):
+                constants[f"{name} [-]"] = constant[1]
+                continue
         # By the file's own words: storage and loss can be exchanged in one line.
         place = _place(headings, name, meaning, words)
         columns[place] = as_said(columns[place], meaning, words)
