@@ -143,7 +143,7 @@ def command(
     known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
-    if tests is not None and view is not None:
+    if tests and view is not None and not any(test.kind == "sweep" for test in tests):
         advice = "--view says how a sweep is drawn, and these are tests in time: leave it out"
         raise click.UsageError(advice)
     together = tests is not None or joint or asks_for_all(known["own"], known["share"])
