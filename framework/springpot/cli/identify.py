@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -192,6 +193,8 @@ def _fitted(tests: Sequence[Test], model: Model, arguments: dict[str, Any]) -> I
     with ExitStack() as stack:
         if arguments.get("optimiser") is None:
             stack.enter_context(Waiting()).told(f"fitting {model.name} to {name}")
+        elif sys.stderr.isatty():
+            print(f"fitting {model.name} to {name} by {arguments['optimiser']}", file=sys.stderr)
         fit = identify(tests, model, **arguments)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {name}")
