@@ -4,6 +4,7 @@ Every axis names its own quantity, and frequencies are those of the data.
 """
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -100,3 +101,19 @@ def test_a_predicted_record_is_drawn_once_and_any_other_test_along_both_times():
     both = figure_prediction(predict_test(fit, step)).axes
     assert [one.get_xscale() for one in both] == ["log", "linear"]
     assert repr(predict_test(fit, step)).startswith("<TestPrediction zener: the prediction of")
+
+
+@pytest.mark.soak
+def test_a_report_has_the_planes_of_a_sweep_among_tests_in_time():
+    pytest.importorskip("matplotlib")
+    from springpot.report.html import _drawn_tests
+
+    model, t, omega = parse_model("maxwell"), np.geomspace(0.1, 10.0, 20), np.geomspace(0.1, 10, 8)
+    theta = model.theta(k=2.0, c=3.0)
+    sweep = Measurement(omega, model.stiffness(theta, omega), name="swept")
+    tests = [TimeTest.of_compliance(t, model.creep(theta, t), "Pa"), sweep]
+    rung = Mock(examined=Mock(base=identify(tests, model)))
+    page = "".join(_drawn_tests(Mock(steps=(rung,)), tests))
+    assert page.count("<h2>Residual planes of swept</h2>") == 1
+    for plane in ("stiffness", "compliance", "log-complex", "shift"):
+        assert f"Residual, {plane} · the model" in page
