@@ -198,7 +198,7 @@ def owning(
     if shared and not wanted:
         wanted = {EVERY: FILE}
     if specimen is not None:
-        tests = [_of_specimens(tests, specimen)]
+        wanted, tests = _of_specimens(wanted, tests, specimen)
     if not wanted:
         return model, list(tests)
     if is_material(model):
@@ -237,8 +237,10 @@ def marked(tests: Sequence[Test], column: str) -> list[Test]:
         tests = [_with_mark(test, number[file_of(test.name)]) for test in tests]
     for test in tests:
         if column not in test.conditions:
-            others = "by file (--own k) or temperature (--own k:temperature)"
-            raise DataError(f"{test.name} has no {column}: tests in time are told apart {others}")
+            others = "or tell tests apart by file (--own k) or temperature (--own k:temperature)"
+            value = "20[degC]" if column == "temperature" else "1[-]"
+            known = f"say it of each test, such as 'FILE?{column}={value}'"
+            raise DataError(f"{test.name} has no {column}: {known}, {others}")
     values = np.concatenate([np.unique(test.conditions[column]) for test in tests])
     if len(np.unique(levels_of(column, values))) < 2:
         raise DataError(
@@ -272,11 +274,26 @@ def _of_ties(model: Model, wanted: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
-def _of_specimens(tests: Sequence[Test], columns: str) -> Measurement:
-    """The sweep whose levels of columns are the specimens that files are else."""
+def _of_specimens(
+    wanted: dict[str, str], tests: Sequence[Test], columns: str
+) -> tuple[dict[str, str], Sequence[Test]]:
+    """What is each specimen's own, and the tests, where columns tell the specimens.
+
+    Else files do.
+    """
     sweep = sweep_of(tests)
-    if sweep is None:
-        raise DataError("specimens are told by columns of sweeps, not beside tests in time")
+    if sweep is not None:
+        return wanted, [_labelled(sweep, columns)]
+    if not wanted or not columns.isidentifier():
+        raise DataError(
+            "beside tests in time one column tells specimens, and of what is their own: name it,"
+            " and what they share, as in --specimen batch --share c"
+        )
+    return {name: columns if by == FILE else by for name, by in wanted.items()}, tests
+
+
+def _labelled(sweep: Measurement, columns: str) -> Measurement:
+    """The sweep whose levels of columns are the specimens that files are else."""
     if FILE in sweep.conditions:
         raise DataError(f"{sweep.name} has a column '{FILE}' of its own: name it as the specimen")
     words = np.array(_words(sweep, columns.replace("/", ",")))

@@ -317,3 +317,9 @@ def test_a_diagnosis_tells_quantities_of_an_adequate_model_only():
     again = type(last).from_dict(json.loads(json.dumps(last.to_dict())))
     assert again.quantities.rows == last.quantities.rows
     assert again.quantities.without == ("inertia", "time-delay")
+
+
+def test_a_curve_that_does_not_fall_has_no_limit():
+    """No power follows it, and from one step to the next it grew beyond all numbers."""
+    storage = np.array([4.4886772, 4.4679704, 4.53676006, 4.51014181, 4.5284023])
+    assert linear_limit(np.log(np.geomspace(0.1, 1.0, 5)), storage) is None

@@ -70,8 +70,7 @@ def test_a_second_effect_is_fitted_where_the_drop_foretold_pays_for_it(drop, pai
     refit = SimpleNamespace(
         fit=SimpleNamespace(measurement=range(50)),
         noise=SimpleNamespace(log_likelihood=lambda rss, points: -0.5 * rss),
-        rss=80.0,
-        fair_rss=80.0,
+        fair=lambda rss: rss,
         log_likelihood=-40.0,
     )
     best = SimpleNamespace(refit=refit, effects=(one,))

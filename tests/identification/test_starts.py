@@ -148,3 +148,22 @@ def test_a_power_of_time_that_is_itself_sought_needs_no_stiffness():
     found = settings((order, Parameter("A", "A", Dimension(time="n"))), window, 50)
     assert np.all(np.isfinite(found))
     assert found[:, 1].min() < 1.0 < 10.0 < found[:, 1].max()
+
+
+@pytest.mark.parametrize(
+    ("time", "amplitude", "decades", "wide"),
+    [
+        # As few decades as ever where that is enough: a dashpot, a mass in a narrow sweep.
+        (1.0, 0.0, 5.0, 4.0),
+        (2.0, 0.0, 5.0, 2.0),
+        # c3 of a cubic damper, 3.5 decades of frequency: from K / (omega^3 X^2) in their middle.
+        (3.0, -2.0, 2.5 + 0.5 * (3.0 * 3.5 + 2.0 * 1.8), 3.5),
+    ],
+)
+def test_a_size_is_tried_so_small_that_it_does_little_where_it_does_the_most(
+    time, amplitude, decades, wide
+):
+    size = Parameter("c", "c", Dimension(stiffness=1, time=time, amplitude=amplitude))
+    found = settings((size,), Window(1.0, 1.0, 1.0, wide, 1.8), 400)[:, 0]
+    assert np.log10(found).min() == pytest.approx(-decades, abs=0.05)
+    assert np.log10(found).max() == pytest.approx(decades, abs=0.05)

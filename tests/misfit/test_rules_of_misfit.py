@@ -14,6 +14,7 @@ from springpot.measurement import Measurement, Units
 from springpot.measurement.scatter import Noise
 from springpot.misfit import outliers, refit, residual_causes, residual_tests, where
 from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.frame import able_to_follow
 from springpot.thresholds import VERDICT
 
 LEVELS = np.array([1.0, 2.0, 4.0, 8.0])
@@ -309,3 +310,22 @@ def test_noise_of_another_size_alone_asks_for_no_search(monkeypatch):
     refit.in_noise(found, shaped)
     refit.in_noise(replace(found, fit=replace(found.fit, converged=False)), larger)
     assert [rest[2] for rest in asked] == [shaped, larger]
+
+
+@pytest.mark.parametrize(
+    ("theta", "left", "free"),
+    [
+        ([2.0, 0.5], [1.0, 1.0], [True, True]),
+        # Downhill lies beyond the upper end of an order, and then on its way back.
+        ([2.0, 1.0], [1.0, 1.0], [True, False]),
+        ([2.0, 1.0], [1.0, -1.0], [True, True]),
+        ([2.0, 0.0], [1.0, -1.0], [True, False]),
+        # A size that has gone to nothing changes nothing.
+        ([1e-9, 0.5], [1.0, 1.0], [False, True]),
+    ],
+)
+def test_what_a_bound_holds_follows_nothing(theta, left, free):
+    model = springpot.parse_model("springpot")
+    slopes, curve = np.eye(2), np.array([3.0, 4.0])
+    found = able_to_follow(model, np.array(theta), np.array(left), slopes, curve)
+    assert found.tolist() == free

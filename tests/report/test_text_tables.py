@@ -2,7 +2,17 @@
 
 from dataclasses import replace
 
-from springpot.report.text import Listing, Prose, TextTable, as_html, as_text, cut, indented, width
+from springpot.report.text import (
+    Listing,
+    Prose,
+    TextTable,
+    as_html,
+    as_text,
+    cut,
+    indented,
+    width,
+    wrapped,
+)
 
 
 def test_columns_line_up():
@@ -50,3 +60,11 @@ def test_a_narrow_window_goes_without_spare_columns_and_cuts_names_last():
     assert "note: what is said" not in spare.as_text(30)
     assert spare.as_text(20).splitlines()[-2:] == ["a long name o…  1", "size: in mm"]
     assert "note: what is said" in spare.as_html()
+
+
+def test_a_number_and_its_per_cent_stay_on_one_line():
+    text = "would have been seen from this size on: inertia (0.78 %), time-delay (1.3 %), x (4 %)"
+    for columns in range(20, 90):
+        broken = wrapped(text, columns)
+        assert not any(line.lstrip().startswith("%") for line in broken.splitlines())
+        assert " ".join(broken.split()) == text

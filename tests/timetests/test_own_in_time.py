@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.constraints import marked
+from springpot.constraints import marked, owning
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.misfit.residuals_of_tests import parts_of_specimen
@@ -99,7 +99,11 @@ def test_each_temperature_has_its_own():
 @pytest.mark.parametrize(
     ("chosen", "own", "says"),
     [
-        ((0, 1), {"k2": "batch"}, "relaxed has no batch: tests in time are told apart by file"),
+        (
+            (0, 1),
+            {"k2": "batch"},
+            "relaxed has no batch: say it of each test, .*batch=1",
+        ),
         ((0, 0), {"k2": "file"}, "relaxed [+] relaxed: one file alone, and nothing is its own"),
         ((0, 1), {"k2": "temperature"}, "relaxed has no temperature"),
     ],
@@ -107,6 +111,27 @@ def test_each_temperature_has_its_own():
 def test_what_tells_no_test_from_another_is_refused(chosen, own, says):
     with pytest.raises(DataError, match=says):
         springpot.identify([specimens()[i] for i in chosen], "zener", own=own)
+
+
+def test_a_batch_is_said_behind_the_file_of_a_record(tmp_path):
+    relaxed, _, swept = specimens()
+    rows = zip(T.tolist(), relaxed.response.tolist(), strict=True)
+    file = tmp_path / "relaxed.csv"
+    file.write_text("time [s],relaxation [kPa]\n" + "\n".join(f"{t},{g}" for t, g in rows))
+    said = springpot.read(f"{file}?batch=1[-]")
+    assert said.marks == {"batch": 1.0}
+    assert springpot.read(file).marks == {}
+    other = replace(swept, conditions={"batch": np.full(len(swept), 3.0)})
+    found = springpot.identify([said, other], "zener", own={"k2": "batch"})
+    assert list(found.parameters) == ["k1", "k2_1", "k2_3", "c"]
+    # A column tells specimens in the place of their files, beside tests in time as well.
+    told = owning(MODEL, [said, other], None, ["k1", "c"], "batch")[0]
+    assert told.own == {"k2": "batch"}
+    for own, columns in ((None, "batch"), ({"k2": "file"}, "batch,lot")):
+        with pytest.raises(DataError, match="one column tells specimens"):
+            owning(MODEL, [said, other], own, specimen=columns)
+    with pytest.raises(DataError, match="no column 'lot'"):
+        springpot.read(f"{file}?lot=1[kg]")
 
 
 def test_a_sweep_is_planned_of_the_specimen_that_was_swept():

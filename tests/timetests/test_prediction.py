@@ -88,6 +88,27 @@ def test_a_fit_that_does_not_determine_the_test_says_so():
     assert predict_test(identify(few, MODEL), crept()).verdict == "vague"
 
 
+def test_what_a_model_answers_to_noise_of_the_motion_is_expected():
+    """The specimen never felt it: a mass makes 12 N of 2 µm at 2 kHz, and the prediction holds."""
+    model, t = parse_model("kelvin + inertia"), np.arange(1000) / 2000.0
+    theta = model.theta(k=200.0, c=0.5, **{"inertia.m": 6e-4})
+    swept = np.geomspace(5.0, 500.0, 30)
+    known = springpot.identify(
+        Measurement(swept, model.stiffness(theta, swept) * scatter(4, 30), units=Units("kN/m")),
+        model,
+    )
+    moved = 2.0 * np.sin(40.0 * np.pi * t)
+    force = 1e-3 * model.respond(theta, t, moved) + 0.1 * (scatter(5, 1000) - 1.0)
+    read = moved + 0.2 * (scatter(6, 1000) - 1.0)
+    found = predict_test(known, TimeTest.of_history(t, read, force, "mm", "kN"))
+    assert found.verdict == "holds"
+    assert found.error > 0.02
+    assert "filter both channels alike first" in found.notes[0]
+    quiet = predict_test(known, TimeTest.of_history(t, moved, force, "mm", "kN"))
+    assert quiet.expected < 0.02
+    assert not quiet.notes
+
+
 def test_a_planned_test_is_predicted_and_not_judged(fit):
     t, fine = np.linspace(0.0, 5.0, 200), np.linspace(0.0, 5.0, 199 * 30 + 1)
     found = predict_test(fit, TimeTest.planned(t, 2.0 * np.sin(t), "%"))

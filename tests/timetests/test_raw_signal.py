@@ -165,15 +165,15 @@ def test_a_channel_at_its_limit_carries_no_noise_and_is_named():
 def test_opposite_signs_are_told_and_a_mass_that_pushes_back_is_none():
     test = record()
     turned = TimeTest.of_history(T, X, -test.response, "mm", "N", control="displacement")
-    assert any("have opposite signs" in note for note in identify(turned, MODEL).notes)
-    assert not any("signs" in note for note in identify(test, MODEL).notes)
+    assert any("had the wrong sign" in note for note in identify(turned, MODEL).notes)
+    assert not any("wrong sign" in note for note in identify(test, MODEL).notes)
     heavy = parse_model("fractional-zener + inertia")
     force = heavy.respond(
         heavy.vector({**dict(zip(MODEL.names, THETA, strict=True)), "inertia.m": 1000.0}), T, X
     )
     pushes = TimeTest.of_history(T, X, force, "mm", "N", control="displacement")
     assert np.sum(X * pushes.response) < 0.0
-    assert not any("signs" in note for note in identify(pushes, MODEL).notes)
+    assert not any("wrong sign" in note for note in identify(pushes, MODEL).notes)
 
 
 def test_a_limit_that_nothing_reaches_has_no_size():

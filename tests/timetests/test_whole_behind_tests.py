@@ -28,6 +28,7 @@ from test_whole_timetests import (
 from springpot.identification import convex
 from springpot.measurement import Loading, TimeTest, rounding
 from springpot.measurement.imposed import imposed_noise
+from springpot.measurement.mixed_up import sign_note
 from springpot.misfit import residual_scatter as scatter, where_in_time as where
 from springpot.misfit.residuals_of_tests import part_of, parts_of_specimen
 from springpot.registry import plugins
@@ -35,7 +36,7 @@ from springpot.timetests import exponentials, floor
 from springpot.timetests.disturbances import lines_in
 from springpot.timetests.hypotheses import FitResiduals, noise_answer
 from springpot.timetests.score import TimeScan
-from springpot.timetests.specimen import Scales, runs_against, tries_of
+from springpot.timetests.specimen import Scales, tries_of
 
 CREPT = MAXWELL.creep(SOFT, STEPS)
 MADE = {
@@ -83,7 +84,7 @@ def test_a_test_as_numbers(name, stays):
     }  # fmt: skip
     if name != "swept":
         found |= {
-            "against": runs_against(test),
+            "against": bool(sign_note(test, "force=-N")),
             "apparent": part.apparent and [part.apparent.omega, part.apparent.stiffness],
             "digit": rounding.digit_of(test.response),
             "imposed": len(test.loading.value) > 9 and imposed_noise(test.loading.value),

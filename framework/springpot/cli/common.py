@@ -469,6 +469,13 @@ def window() -> int:
     return max(NARROWEST, min(get_terminal_size((USUAL, USUAL)).columns, WIDEST))
 
 
+def notes_of(notes: Iterable[str]) -> str:
+    """Notes below an answer, broken at words to fit the window."""
+    from springpot.report.text import wrapped
+
+    return "\n".join(wrapped(f"note        {note}", window(), " " * 12) for note in notes)
+
+
 def quoted(text: str) -> str:
     """An argument as a shell takes it, in a command that is shown to be copied."""
     from shlex import quote

@@ -19,6 +19,7 @@ from .common import (
     figure_option,
     geometry_option,
     json_option,
+    notes_of,
     numbers,
 )
 
@@ -147,8 +148,8 @@ def show(predicted: Prediction) -> None:
     if not predicted.outside.any():
         table = table.lacking("measured")
     table.show()
-    for note in predicted.notes:
-        print(f"note        {note}")
+    if predicted.notes:
+        print(notes_of(predicted.notes))
 
 
 def _clock(predicted: Prediction) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, opened, quoted, seen_through, window
+from .common import emit, note_to_stderr, notes_of, opened, quoted, seen_through, window
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
@@ -170,6 +170,7 @@ def predict(
     Another test of the specimen, and whether its prediction holds.
     """
     from springpot.files import write_text
+    from springpot.report.text import wrapped
     from springpot.timetests.prediction import predict_test
 
     test = _asked(spec, temperature, geometry)
@@ -178,11 +179,11 @@ def predict(
         write_text(output, _table_text(predicted, test))
     if figure is not None:
         predicted.plot(figure)
-    notes = [f"note        {note}" for note in predicted.notes]
+    said = wrapped(f"{predicted.model}: {predicted.says}", window())
     emit(
         predicted,
         as_json,
-        lambda: print("\n".join([f"{predicted.model}: {predicted.says}", *notes])),
+        lambda: print("\n".join(filter(None, [said, notes_of(predicted.notes)]))),
     )
     for path in (output, figure):
         if path is not None and not as_json:

@@ -21,7 +21,14 @@ from springpot.identification.space import require_conditions
 from springpot.measurement.independence import steadied
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, remembered, sharpened
+from springpot.misfit.floor import (
+    as_given,
+    borne_out,
+    fitted_to_floor,
+    likelihood_of_all,
+    remembered,
+    sharpened,
+)
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.outliers import (
     Outlier,
@@ -33,7 +40,7 @@ from springpot.misfit.outliers import (
     side_by_side,
     without,
 )
-from springpot.misfit.refit import Refit, refit
+from springpot.misfit.refit import Refit, in_noise, refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -252,9 +259,23 @@ def _in_sharper_noise(
     tried = 2.0 * float(np.log(max(len(library), 1)))
     if (noisier := remembered(search.base, gain - tried)) is not None:
         return seek(noisier, library, rng)
-    if gain >= SEARCH.decisive and (sharper := sharpened(search.base, nearest)) is not None:
+    sure = gain >= SEARCH.decisive
+    if not sure and not search.base.noise.memory:
+        return search
+    sharper = sharpened(search.base, nearest)
+    if sharper is not None and (sure or _passed_for_memory(search.base, nearest, sharper)):
         return go_on_from(seek(sharper, library, rng), search, rng)
     return search
+
+
+def _passed_for_memory(base: Refit, nearest: Refit, sharper: Refit) -> bool:
+    """Whether the memory of a noise is a misfit, which a better model explains.
+
+    Read beside the misfit the memory is as long as that, and leaves each point worth next to
+    nothing: in such noise no effect has evidence. So each model is weighed in its own.
+    """
+    own = in_noise(nearest, sharper.noise)
+    return 2.0 * (likelihood_of_all(own) - likelihood_of_all(base)) >= SEARCH.decisive
 
 
 def _require_enough(base: Refit, measurement: Measurement) -> None:

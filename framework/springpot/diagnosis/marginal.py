@@ -507,9 +507,9 @@ def _evidence_of(search: Search, kind: Unknown) -> float:
     """Log-evidence of one kind on top of the base model, the mean over its places."""
     frame = search.frame
     misfit = float(frame.rest @ frame.rest)
-    fair = search.base.fair_rss / max(search.base.rss, SMALLEST)
     each = [
-        _discounted(search, fair * (misfit - drop), kind.shapes, 1) for drop in kind.drops.tolist()
+        _discounted(search, search.base.fair(misfit - drop), kind.shapes, 1)
+        for drop in kind.drops.tolist()
     ]
     # The mean over the places, not the best of them: where the step is was not known beforehand.
     return float(logsumexp(each)) - float(np.log(len(each)))

@@ -387,7 +387,7 @@ class SpectrumSearch:
         self._turn(going)
         for step in range(iterations):
             if step == QUICK:
-                going = [way for way in going if not way.trial.cost > hopeless]
+                going = [way for way in going if self._may_reach(hopeless, way.trial)]
             going = [way for way in going if way.moves(self.low, self.high)]
             if not going:
                 break
@@ -397,6 +397,13 @@ class SpectrumSearch:
             going = [way for way in going if not way.at_rest]
             self._turn([way for way in going if way.better])
         return [(way.trial, way.at_rest) for way in ways]
+
+    def _may_reach(self, cost: float, trial: Trial) -> bool:
+        """Whether a trial is as good as that, or is on closer lines.
+
+        What the first lattice leaves of a sharp relaxation is no misfit of the effects.
+        """
+        return trial.cost <= cost or self.refined(trial).cost <= cost
 
     def _turn(self, ways: Sequence[Way]) -> None:
         """The slopes where each of them has come to."""

@@ -394,11 +394,14 @@ def _with_effects(
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
-    # Closer lines make no rival of what is hopeless.
+    best = search.refined(best)
+    # To move them makes no rival of what is hopeless.
     best = _on_closer_lines(search, best) if best.cost <= effort.hopeless else best
     if settings_of_each and not len(search.expected):
         ends = _on_laws(search, measurement, objective)
-        ends = [_on_closer_lines(search, end) for end in ends if end.cost < best.cost]
+        ends = [
+            _on_closer_lines(search, search.refined(end)) for end in ends if end.cost < best.cost
+        ]
         best = min(ends, key=lambda each: each.cost, default=best)
     return best, converged
 
@@ -441,14 +444,13 @@ def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -
     return float(np.sqrt(best.cost / len(measurement)))
 
 
-def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:
-    """The same with closer lines, which move together with the effects' parameters.
+def _on_closer_lines(search: SpectrumSearch, finer: Trial) -> Trial:
+    """A trial on closer lines, which move together with the effects' parameters.
 
     One after the other they creep along a valley: of single Maxwell elements between the lines of
     the first lattice the factors were such that these lines fitted best, and the error stayed at
     1.5 x that of the noise.
     """
-    finer = search.refined(trial)
     for _ in range(MOST_STEPS):
         again, _ = search.descend(finer, LAST, lines=search.about(finer))
         again = search.nearest(again)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.numerics import MOST_STEPS, REWEIGHTINGS
+from springpot.numerics import ALIKE, MOST_STEPS, REWEIGHTINGS
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -313,9 +313,12 @@ def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, in
             size *= 0.5
         while size > 1e-6 and not cost(theta + size * step) <= cost(theta):
             size *= 0.5
-        theta = theta + size * step
-        if np.max(np.abs(size * step)) < 1e-10:
+        before, there = cost(theta), theta + size * step
+        # Of a curve that does not fall no step may be better, and one that is worse leads to where
+        # the power is no number.
+        if not before - cost(there) > ALIKE * before:
             break
+        theta = there
     slopes = model(theta)[1]
     covariance = np.asarray(cost(theta) / dof * np.linalg.pinv(slopes.T @ slopes))
     return theta, covariance, dof

@@ -588,14 +588,17 @@ def _reach(parameter: Parameter, window: Window) -> float:
     unit = parameter.unit
     # A plugin's may have a power of time that hangs on an order and no stiffness: it may lie as far
     # off.
-    if unit.stiffness or isinstance(unit.time, str):
+    if isinstance(unit.time, str):
         return DECADES
+    away = 0.5 * abs(unit.time) * window.time_decades
+    away += 0.5 * abs(unit.amplitude) * window.amplitude_decades
+    if unit.stiffness:
+        # So far off that it is small where it does the most, too: as omega^3 that is far from the
+        # middle of a wide sweep.
+        return max(DECADES, away + 0.5 * DECADES)
     if unit.amplitude or unit.time:
         # A rate lies anywhere between the lowest frequency and amplitude, and the highest.
-        reached = (
-            abs(unit.time) * window.time_decades + abs(unit.amplitude) * window.amplitude_decades
-        )
-        return 0.5 * reached + BEYOND
+        return away + BEYOND
     return 1.5
 
 

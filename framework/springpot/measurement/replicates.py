@@ -330,10 +330,11 @@ def _tails(averaged: Averaged, noise: Noise) -> float:
     if noise.turn is not None:
         apart = apart * noise.turn
     # Of an odd number the signs have a mean, which the deviations have not.
-    size = np.sqrt(1.0 - (count % 2) / count**2)
-    whole = np.stack([apart.real / noise.parts.real, apart.imag / noise.parts.imag]) / size
-    told = whole[:, count > 1]
-    return tails_of(np.concatenate([part / max(rms(part), SMALLEST) for part in told]))
+    size, told = np.sqrt(1.0 - (count % 2) / count**2), count > 1
+    whole = np.stack([apart.real / noise.parts.real, apart.imag / noise.parts.imag])[:, told]
+    return tails_of(
+        np.concatenate([part / max(rms(part), SMALLEST) for part in whole / size[told]])
+    )
 
 
 def thinned(measurement: Measurement) -> Measurement:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,11 @@ from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
 from springpot.memory import Links, autoregressive, effective_share, prewhitened
+from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
-from ..numerics import ALIKE, SMALLEST, projected_out
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, projected_out
 
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
@@ -51,21 +52,86 @@ def phase_of(stiffness: Complex, measurement: Measurement) -> Complex:
     return np.asarray(whole / np.abs(whole), dtype=np.complex128)
 
 
+class Tangent(NamedTuple):
+    """What small changes of some amounts make, as a linear step has it.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (m, r)
+        Orthonormal.
+    back : ndarray, shape (p, r)
+        The change of the amounts that makes each of its directions.
+    """
+
+    basis: Real
+    back: Real
+
+    @classmethod
+    def of(cls, slopes: Real, tolerance: float = ALIKE) -> Tangent:
+        """That of slopes (m, p), scaled first, so that the units of the amounts do not matter."""
+        size = np.sqrt(np.sum(slopes * slopes, axis=0))
+        # What changes nothing has a column of nothing.
+        size = np.where(size > 0.0, size, 1.0)
+        # By singular values: parameters of a fit are often nearly dependent, and a QR would keep
+        # rounding as a direction.
+        try:
+            u, s, v = np.linalg.svd(slopes / size, full_matrices=False)
+        except np.linalg.LinAlgError:
+            # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one
+            # does not.
+            u, s, v = svd(slopes / size, full_matrices=False, lapack_driver="gesvd")
+        good = s > tolerance * s.max(initial=0.0)
+        return cls(u[:, good], (v[good].T / s[good]) / size[:, None])
+
+    def left(self, values: Real) -> Real:
+        """What of (m,) or columns (m, c) the amounts cannot make."""
+        return projected_out(values, self.basis)
+
+    def step(self, wanted: Real) -> Real:
+        """The change of the amounts (p,) that makes something (m,), as nearly as they can."""
+        return np.asarray(self.back @ (self.basis.T @ wanted))
+
+
 def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
     """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
-    size = np.sqrt(np.sum(columns * columns, axis=0))
-    columns = columns[:, size > 0] / size[size > 0]
-    if columns.shape[1] == 0:
-        return np.zeros((len(columns), 0))
-    # By singular values: parameters of a fit are often nearly dependent, and a QR would keep
-    # rounding as a direction.
-    try:
-        u, s, _ = np.linalg.svd(columns, full_matrices=False)
-    except np.linalg.LinAlgError:
-        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does
-        # not.
-        u, s, _ = svd(columns, full_matrices=False, lapack_driver="gesvd")
-    return u[:, s > tolerance * s[0]]
+    return Tangent.of(columns, tolerance).basis
+
+
+def able_to_follow(
+    model: Model, theta: Real, left: Real, slopes: Real, curve: Real
+) -> NDArray[np.bool_]:
+    """Which parameters (p,) of a fit can follow what it leaves.
+
+    Not those at a bound beyond which the fit would improve. A positive parameter without influence
+    has gone to its end (nothing, or rigid) and counts as at a bound.
+
+    Parameters
+    ----------
+    model : Model
+        What was fitted.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    left : ndarray, shape (m,)
+        Measured less modelled, over the noise.
+    slopes : ndarray, shape (p, m)
+        Derivatives of what is modelled, over the noise.
+    curve : ndarray, shape (m,)
+        What was measured or is modelled, over the noise.
+    """
+    logs = np.array([parameter.scale == "log" for parameter in model.parameters])
+    lower, upper = model.box
+    # Per relative change where a parameter is positive, so that its unit does not matter.
+    influence = np.linalg.norm(slopes, axis=1) * np.where(logs, theta, 1.0)
+    downhill = slopes @ left
+    # A search ends near a bound, hardly ever on it.
+    room = NEGLIGIBLE * np.where(logs, np.abs(theta), 1.0)
+    # Only where the fit pushes against the bound: one that would come back can follow a residual to
+    # one side.
+    at_lower = (theta <= lower + room) & (downhill < 0)
+    at_upper = (theta >= upper - room) & (downhill > 0)
+    gone = logs & (influence < NEGLIGIBLE * float(np.linalg.norm(curve)))
+    free: NDArray[np.bool_] = ~(at_lower | at_upper | gone)
+    return free
 
 
 def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:

@@ -29,9 +29,9 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import EVIDENCE, VERDICT
 
-from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
+from ..numerics import ROUNDING, SMALLEST
 from .error import times
-from .frame import LEAST_LEFT, Drawn, NoiseFrame, phase_of
+from .frame import LEAST_LEFT, Drawn, NoiseFrame, able_to_follow, phase_of
 
 STARTS_OF_A_ROUND = 2
 """Starts in a noise that only changed its size or shape: the minima stay nearly where they are."""
@@ -138,15 +138,25 @@ class Refit:
     @cached_property
     def fair_rss(self) -> float:
         """Residual sum of squares as it would be if a free spectrum's lines followed no noise."""
+        return self.fair(self.rss)
+
+    def fair(self, rss: float) -> float:
+        """What a residual sum of squares would be if a free spectrum's lines followed no noise.
+
+        Parameters
+        ----------
+        rss : float
+            That of this fit, or what something beside it leaves of that.
+        """
         if not self.lines:
-            return self.rss
+            return rss
         if self.noise.source != "estimated":
             # In units of a known noise each line takes one from chi-square, on average.
-            return self.rss + self.lines
+            return rss + self.lines
         # An estimated noise has taken part in the fit: only the share that is left free tells how
         # much was followed.
         spare = 2 * len(self.fit.measurement) - len(self.own)
-        return self.rss * spare / max(spare - self.lines, 1)
+        return rss * spare / max(spare - self.lines, 1)
 
     @cached_property
     def log_evidence(self) -> float:
@@ -241,7 +251,11 @@ class Refit:
         with np.errstate(all="ignore"):
             response = self.model.network.respond(self.theta, measurement.points, GRADIENT)
         by_theta = np.where(np.isfinite(response.by_theta), response.by_theta, 0.0)
-        free = by_theta[self._free(by_theta, response.value)]
+        left, slopes, curve = (
+            weighted(each, self.noise.weights, self.noise.turn)
+            for each in (measurement.stiffness - response.value, by_theta, response.value)
+        )
+        free = by_theta[able_to_follow(self.model, self.theta, left, slopes, curve)]
         estimated = self.noise.source == "estimated"
         return NoiseFrame(
             measurement,
@@ -270,35 +284,6 @@ class Refit:
         if self.noise.turn is not None:
             turn = np.conj(phase_of(stiffness, measurement))
         return NoiseFrame(measurement, stiffness, weights, nothing, self.noise.dof, turn=turn)
-
-    def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
-        """Which parameters can follow a residual.
-
-        Not those at a bound beyond which the fit would improve.
-
-        A positive parameter without influence has gone to its end (nothing, or rigid) and counts as
-        at a bound.
-        """
-        parameters = self.model.parameters
-        logs = np.array([parameter.scale == "log" for parameter in parameters])
-        bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
-        size = np.maximum(np.abs(value), np.finfo(float).tiny)
-        # Per relative change where a parameter is positive, so that its unit does not matter.
-        natural = np.where(logs, self.theta, 1.0)
-        influence = np.linalg.norm(by_theta * natural[:, None] / size, axis=1)
-        weights, turn = self.noise.weights, self.noise.turn
-        slopes = weighted(by_theta, weights, turn)
-        left = weighted(self.fit.measurement.stiffness - value, weights, turn)
-        downhill = slopes @ left
-        # A search ends near a bound, hardly ever on it.
-        room = 1e-6 * np.where(logs, np.abs(self.theta), 1.0)
-        # Only where the fit pushes against the bound: one that would come back can follow a
-        # residual to one side.
-        at_lower = (self.theta <= bounds[:, 0] + room) & (downhill < 0)
-        at_upper = (self.theta >= bounds[:, 1] - room) & (downhill > 0)
-        gone = logs & (influence < NEGLIGIBLE * np.sqrt(len(value)))
-        free: NDArray[np.bool_] = ~(at_lower | at_upper | gone)
-        return free
 
 
 @dataclass(frozen=True, eq=False)

@@ -202,14 +202,15 @@ def wrapped(text: str, columns: int, by: str = "  ") -> str:
         start = line[: len(line) - len(line.lstrip())]
         # Neither within words nor at hyphens: names such as fractional-maxwell are to be copied
         # whole.
+        # A number and its per cent stay on one line.
         lines += wrap(
-            line,
+            line.replace(" %", "\N{NO-BREAK SPACE}%"),
             columns,
             subsequent_indent=start + by,
             break_long_words=False,
             break_on_hyphens=False,
         )
-    return "\n".join(lines)
+    return "\n".join(lines).replace("\N{NO-BREAK SPACE}%", " %")
 
 
 APART = 5.0

@@ -29,13 +29,14 @@ from springpot.measurement.rounding import is_even
 from springpot.measurement.timenoise import ORDER as ENDS
 from springpot.misfit.coloured_noise import UPPER
 from springpot.misfit.error import plain
+from springpot.misfit.frame import Tangent
 from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, rougher, scatter_of
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, DECADE, SMALLEST, rms
 from .hypotheses import FitResiduals, delta_bic
-from .specimen import Tangent, stepped
+from .specimen import stepped
 
 SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""

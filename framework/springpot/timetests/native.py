@@ -23,6 +23,7 @@ from springpot.identification.task import FLAT_SHAPES
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
+from springpot.measurement.mixed_up import said_of_sign, sign_note
 from springpot.measurement.steady_start import lasting
 from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
@@ -40,7 +41,7 @@ from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
-from .specimen import Scales, runs_against, tries_of, words_of
+from .specimen import Scales, tries_of, words_of
 
 QUICK = 20
 """Steps with some of the samples."""
@@ -53,11 +54,6 @@ EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
 STARTS = 4
 """Places in the parameters of an effect from which a fit begins."""
-WRONG = 0.5
-"""Relative error from which the signs of a test are doubted.
-
-Below, the model follows it, whatever they are.
-"""
 AFAR = 1e-3
 """Damping at a start."""
 ROUGHLY = 1e-5
@@ -347,7 +343,7 @@ class TimeSearch:
             converged=found.converged,
             evaluations=found.evaluations,
             seconds=seconds,
-            notes=_doubts(found.parts, rows),
+            notes=_doubts(found.parts),
         )
 
     def _interval(self, theta: Real, covariance: Real, points: int) -> tuple[Real, Real]:
@@ -408,17 +404,14 @@ def _after_many_cycles(part: InTimePart) -> InTimePart:
     return replace(part, test=test, noise=part.sd)
 
 
-def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str, ...]:
+def _doubts(parts: Sequence[TestPart]) -> tuple[str, ...]:
     """Samples that were left out, and tests whose columns seem to count in opposite directions."""
     in_time = [part.test for part in parts if isinstance(part, InTimePart)]
     doubts = [said for test in in_time if (said := said_of_strays(test))]
     doubts += [said for test in in_time if (said := test.said_of_start)]
-    for part, row in zip(parts, rows, strict=True):
-        if row.relative_rms > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
-            doubts.append(
-                f"{row.name}: force and displacement have opposite signs: if one of them counts the"
-                f" other way, say so behind the file, such as '?force=-{part.test.force_unit}'"
-            )
+    for test in in_time:
+        noted = {**sign_note(test, f"force=-{test.force_unit}"), **test.provenance}
+        doubts += [f"{test.name}: {said}" for said in said_of_sign(noted)]
     return tuple(doubts)
 
 

@@ -20,11 +20,12 @@ from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import AMPLITUDE_UNITS, Units, one_modulus
 from springpot.misfit.error import plain
-from springpot.misfit.residuals_of_tests import part_of
+from springpot.misfit.residuals_of_tests import TestPart, part_of
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import DEVIATIONS, SMALLEST, rms
+from .hypotheses import noise_answer
 from .specimen import require_its_conditions
 
 NEAR = 2.0
@@ -34,6 +35,11 @@ NEAR = 2.0
 SCHEMA = "springpot.prediction/2"
 VAGUE = 0.5
 """Expected error from which a fit says nothing of a test: it may be off by its own size."""
+HEARD = (
+    "most of what is to be expected is the model's answer to noise of the channel that was imposed,"
+    " which the specimen never felt: filter both channels alike first"
+)
+"""What is said of a motion whose noise rules the prediction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,19 +244,22 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
     rows = np.flatnonzero(part.sure)
     answer = part.answer(known.model, known.theta, known.reference, rows)
     value, by_theta = back * answer.value, back * answer.by_theta
-    measured, noise, size = own.measured[rows], own.sd[rows], own.size[rows]
-    # A test that was not measured is its own prediction: nothing is missed, and nothing judged.
-    if not own.judged:
-        measured, noise, size = value, np.zeros(len(rows)), np.full(len(rows), rms(value))
+    measured, size, noise, heard = _beside(known, own, part, rows, value)
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share, counted = (value - measured) / size, part.counted[rows]
     down, up = known.ways(spread_of(by_theta, known.theta_covariance), by_theta)
     times, known_sd = student(level, known.dof), np.maximum(down, up)
-    # Independent reasons to be off: what the parameters leave open and the noise of the test.
-    known_error = np.hypot(known_sd, noise) / size
     # One over a time is a frequency only nearly: what lies near the ends was seen.
     asked = part.rate[rows], {name: column[rows] for name, column in part.conditions.items()}
     inside = ~known.covered.outside(*asked, NEAR)
+    # Independent reasons to be off: what the parameters leave open and the noise of the test, in
+    # its response and in what was imposed, which the model answers to and the specimen never felt.
+    usual = np.hypot(known_sd, noise) / size
+    notes = [known.covered.remark(*asked, known.units, NEAR)]
+    expected = np.hypot(rms(usual[counted]), known.misfit)
+    of_imposed = rms((heard / size)[counted])
+    if of_imposed > expected:
+        notes.append(HEARD)
     return TestPrediction(
         model=known.model.name,
         test=test.name,
@@ -261,7 +270,7 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         high=value + times * up,
         measured=measured,
         error=rms(share[counted]),
-        expected=float(np.hypot(rms(known_error[counted]), known.misfit)),
+        expected=float(np.hypot(expected, of_imposed)),
         # "Too much" is larger in size, whatever the sign of the response.
         bias=float(np.mean((share * np.sign(measured))[counted])),
         inside=float(np.mean(inside)),
@@ -269,12 +278,25 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         unit=own.unit,
         outside=~inside,
         covered=known.covered,
-        notes=tuple(filter(None, [known.covered.remark(*asked, known.units, NEAR)])),
+        notes=tuple(filter(None, notes)),
         judged=own.judged,
         quantity=own.quantity,
         clock=test.units.clock,
         level=level,
     )
+
+
+def _beside(
+    known: Known, own: TestPart, part: TestPart, rows: NDArray[np.intp], value: Real
+) -> tuple[Real, Real, Real, Real]:
+    """What was measured (m,), its size, its noise, and the answer to noise of what was imposed."""
+    if not own.judged:
+        # A test that was not measured is its own prediction: nothing is missed, nothing judged.
+        none = np.zeros(len(rows))
+        return value, np.full(len(rows), rms(value)), none, none
+    noise = own.sd[rows]
+    heard = noise * noise_answer(part, known.model, known.theta, known.reference)[rows]
+    return own.measured[rows], own.size[rows], noise, heard
 
 
 def _back(test: Test, units: Units) -> float:

@@ -20,6 +20,7 @@ from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.opening import Test
 from springpot.measurement.recording import Clock, at_loading, is_eased, reached, recorded
+from springpot.misfit.frame import Tangent, able_to_follow
 from springpot.misfit.residuals_of_tests import Residual, TestPart
 from springpot.rheology.effect import Effect, acting, on_clock, on_response
 from springpot.rheology.model import Model, linear_network, sorted_out
@@ -31,7 +32,7 @@ from springpot.rheology.points import Complex, Points, Real
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .exponentials import QuickPart, points_at
 from .hypotheses import Atom, ScanEntry
-from .specimen import MOST, Scales, Tangent, stepped, tries_of
+from .specimen import MOST, Scales, stepped, tries_of
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -70,11 +71,11 @@ class TimeScan:
         slopes = np.concatenate([view.slopes for view in self.views])
         # A parameter that a fit has led beyond all sizes has slopes that are no numbers: it takes
         # nothing over.
-        self.slopes = slopes = np.where(np.isfinite(slopes).all(axis=0), slopes, 0.0)
-        # A parameter that its bound holds takes nothing over: it would have to go below.
-        held = (self.theta <= self.model.box[0]) & (slopes.T @ self.residual > 0.0)
-        slopes = np.where(held, 0.0, slopes)
-        self.tangent = Tangent.of(slopes)
+        slopes = np.where(np.isfinite(slopes).all(axis=0), slopes, 0.0)
+        # Nor does one that its bound holds.
+        signal = np.concatenate([part.signal for part in parts])
+        free = able_to_follow(self.model, self.theta, -self.residual, slopes.T, signal)
+        self.tangent = Tangent.of(np.where(free, slopes, 0.0))
 
     def entries(self, effects: Iterable[Effect]) -> dict[str, list[ScanEntry]]:
         """For each effect what the scan says at each place, the best first.

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +23,6 @@ from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer, StageLaw
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, ROOM, Real
-
-from ..numerics import ALIKE, projected_out
 
 RIGS = (ALL, SWEEPS)
 
@@ -158,31 +155,6 @@ def _with_effects(model: Model, effects: Sequence[Effect]) -> Model:
     return replace(model, effects=tuple(effects))
 
 
-def runs_against(test: TimeTest) -> bool:
-    """Whether force and displacement have opposite signs all along, as if one column were reversed.
-
-    A mass pushes back too, but gives no work from one turn of its motion to another: so both are
-    asked for.
-    """
-    imposed = np.interp(test.time, test.loading.time, test.loading.value)
-    moved, pulled = imposed, test.response
-    if test.control == "force":
-        moved, pulled = pulled, moved
-    # After a step one of the two does not move at all: there the signs themselves are looked at.
-    if len(test.loading.jumps[0]):
-        return bool(np.sum(moved * pulled) < 0.0)
-    # Work over whole cycles: what a spring gives and takes cancels there.
-    steps = np.diff(moved)
-    turns = np.flatnonzero(np.diff(np.sign(steps)) != 0.0) + 1
-    # What moves when the record begins brings work of its own.
-    if len(turns) > 1:
-        steps[: turns[0]] = 0.0
-        steps[turns[-1] :] = 0.0
-    work = np.sum(0.5 * (pulled[1:] + pulled[:-1]) * steps)
-    together = np.sum((moved - moved.mean()) * (pulled - pulled.mean()))
-    return bool(work < 0.0 and together < 0.0)
-
-
 def reference_of(tests: Sequence[Test]) -> float:
     """Temperature in kelvin at which shifts are one.
 
@@ -306,40 +278,6 @@ def tries_of(effect: Effect, test: TimeTest, scales: Scales) -> list[tuple[float
     if isinstance(law, StageLaw) and law.tries is not None:
         return [tuple(map(float, place)) for place in law.tries(test)][:MOST]
     return list(product(*(scales.values(parameter) for parameter in free)))[:MOST]
-
-
-class Tangent(NamedTuple):
-    """The residuals that small changes of a model's parameters make, as a linear step has them.
-
-    Attributes
-    ----------
-    basis : ndarray, shape (m, r)
-        Orthonormal.
-    back : ndarray, shape (p, r)
-        The change of the parameters that makes each of its directions.
-    """
-
-    basis: Real
-    back: Real
-
-    @classmethod
-    def of(cls, slopes: Real) -> Tangent:
-        """That of slopes (m, p)."""
-        size = np.linalg.norm(slopes, axis=0)
-        # A parameter that changes nothing in these tests has a column of nothing.
-        size = np.where(size > 0.0, size, 1.0)
-        # By singular values: parameters that these tests cannot tell apart have no plain inverse.
-        u, s, v = np.linalg.svd(slopes / size, full_matrices=False)
-        good = s > ALIKE * s.max(initial=0.0)
-        return cls(u[:, good], (v[good].T / s[good]) / size[:, None])
-
-    def left(self, values: Real) -> Real:
-        """What of residuals (m,) or columns (m, c) the parameters cannot make."""
-        return projected_out(values, self.basis)
-
-    def step(self, residual: Real) -> Real:
-        """The change of the parameters (p,) that makes a residual (m,), as nearly as they can."""
-        return np.asarray(self.back @ (self.basis.T @ residual))
 
 
 def stepped(model: Model, theta: Real, step: Real) -> Real:

@@ -183,6 +183,9 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
     chosen = with_choice(block.headings, choice, block.words)
     if unsure := [each for each in chosen.headings if each.written == "?" and each.role]:
         raise ask_base(unsure)
+    # What nothing of a record is called is a condition of all of it.
+    said = {title.removesuffix(" [-]"): value for title, value in chosen.constants.items()}
+    marks = {name: float(value) for name, value in said.items() if block.words.role(name) is None}
     origin = {"file": path.name}
     if chosen.overruled:
         origin["note columns"] = "; ".join(chosen.overruled)
@@ -214,7 +217,7 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
     if unstated and "force" in roles and channel_of(titles[0])[2].casefold() not in STRESSES:
         # Without units a name tells whether it is a force, over a displacement, or a stress.
         letter = "K"
-    return replace(test, letter=letter)
+    return replace(test, letter=letter, marks=marks)
 
 
 def _used(
