@@ -112,6 +112,10 @@ BROKEN = {
         MODELS.format("Model('m', spring(), aliases='other')"),
         "aliases must be a tuple such as ('m-2',), not 'other'",
     ),
+    "two parameters of one name": (
+        MODELS.format("Model('m', parallel(spring(), spring()))"),
+        "model 'm' has two parameters called k: rename one of them",
+    ),
     "an argument": (
         GOOD + "@hookimpl\ndef springpot_models(data):\n    return []\n",
         "springpot_models(data)",
@@ -457,3 +461,10 @@ def test_a_plugin_that_gives_no_number_or_raises_is_named(
         told = capsys.readouterr().err
         assert told.count("\n") == 1
         assert "plugin 'plugin' of dist-faulty" in told
+
+
+def test_an_unknown_name_may_be_what_a_broken_plugin_would_have_offered(install: Install):
+    registry = install(mine="import no_such_library\n")
+    says = "unknown model 'mine': .*; plugin 'plugin' of dist-mine is unavailable: ModuleNotFound"
+    with pytest.raises(ModelError, match=says):
+        registry.find("model", "mine")

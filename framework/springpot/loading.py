@@ -18,7 +18,7 @@ from springpot.comparison.result import Comparison, Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError
-from springpot.files import json_of, keep_input, text_in
+from springpot.files import bytes_of, json_of, keep_input
 from springpot.identification.levels_alone import usual_objective
 from springpot.identification.prediction import Known
 from springpot.identification.problem import Objective, default_objective
@@ -118,9 +118,10 @@ def _read(path: Path) -> Any:
     # A structure names its fits, which no argument of the command line does.
     keep_input(path)
     try:
-        return json_of(text_in(path), finite=True)
+        return json_of(bytes_of(path).decode("utf-8-sig"), finite=True)
     except ValueError as error:
-        why = getattr(error, "msg", error)
+        # Of what is no text in UTF-8, as data of an old spreadsheet, the reason; else the message.
+        why = getattr(error, "reason", getattr(error, "msg", error))
         raise DataError(
             f"{path} is no JSON ({why}): {AGAIN}; data are opened by springpot.read"
         ) from None

@@ -203,7 +203,9 @@ class Registry:
             item = self._member(name)
         if item is None:
             hint = _proposal(name, self.shelf(word).known(), f"{word.replace(' ', '')}s")
-            raise ModelError(f"unknown {word} '{name}': {hint}")
+            # It may be what a plugin that could not be used would have offered.
+            broken = "".join(f"; {fault}" for fault in self._faults[:1])
+            raise ModelError(f"unknown {word} '{name}': {hint}{broken}")
         return item
 
     def _member(self, name: str) -> type[Optimiser] | None:
@@ -354,6 +356,12 @@ def _accepted(item: Any, kind: Kind[T]) -> T:
         if kind.word == "optimiser":
             hint = " (offer the class itself, with minimise written)"
         raise PluginError(f"{kind.hook} offers {item!r:.80}, which is no {kind.word}{hint}")
+    # A value is told, held and started by its name: of two alike one would be lost.
+    names = [each.name for each in getattr(getattr(item, "element", item), "parameters", ())]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise PluginError(
+            f"{kind.word} '{item.name}' has two parameters called {twice[0]}: rename one of them"
+        )
     accepted: T = item
     return accepted
 

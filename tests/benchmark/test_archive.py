@@ -209,6 +209,28 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
     assert sorted(cell.label for cell in cells) == sorted(["native", "cma-es", "nlopt-bobyqa"] * 2)
 
 
+def test_data_of_a_file_are_sought_under_its_name_beside_an_archive(tmp_path, monkeypatch):
+    table = "frequency [Hz],storage [kN/m],loss [kN/m]\n1,100,40\n2,110,50\n5,120,60\n"
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab" / "pad.csv").write_text(table, encoding="utf-8")
+    mine = replace(
+        a_study(["native"]),
+        datasets=[str(tmp_path / "lab" / "pad.csv")],
+        models=["kelvin"],
+        objectives=["paper"],
+        repetitions=1,
+        noise=[0],
+    )
+    with Store(run_in(tmp_path, mine)) as store:
+        write_archive(store, tmp_path / "lab" / "mine.zip")
+        write_archive(store, tmp_path / "mine.zip")
+    monkeypatch.chdir(tmp_path)
+    found = study_of(Path("lab/mine.zip"), ["cma-es"]).plan().cases
+    assert [case.digest for case in found] == [case.digest for case in mine.plan().cases]
+    with pytest.raises(StudyError, match="put the file that 'pad' was read from into this folder"):
+        study_of(Path("mine.zip"), ["cma-es"])
+
+
 @pytest.mark.soak
 def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):
     changes = {"budget": 900, "repetitions": 1, "noise": []}

@@ -320,6 +320,10 @@ def test_what_cannot_be_loaded_is_told_in_one_line(tmp_path, text: str, says: st
     path.write_text(text, encoding="utf-8")
     with pytest.raises(DataError, match=says):
         springpot.load(path)
+    # A table of an old spreadsheet in its place.
+    path.write_bytes("Prüfbericht;Temperatur [°C]".encode("cp1252"))
+    with pytest.raises(DataError, match=r"is no JSON \(.*\): give the output of a command"):
+        springpot.load(path)
     with pytest.raises(DataError, match="cannot be read"):
         springpot.load(tmp_path / "none.json")
 

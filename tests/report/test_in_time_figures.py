@@ -4,10 +4,12 @@ Every axis names its own quantity, and frequencies are those of the data.
 """
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
+from springpot.errors import OutputError
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model
 from springpot.timetests import identify, predict_test
@@ -34,9 +36,26 @@ def test_every_axis_names_what_it_shows():
     ]
     axes = figure_tests(identify(tests, model), tests).axes
     labels = [one.get_ylabel() for one in axes]
-    assert labels[0::3] == ["stress [kPa]", "strain [-]", "storage modulus [kPa]"]
-    assert labels[7] == "loss modulus [kPa]"
-    assert [one.get_xlabel() for one in axes[6:]] == ["ω [rad/s]"] * 3
+    # A sweep as one that stands alone.
+    swept = "storage, loss modulus [kPa]", "loss factor tan δ [-]"
+    assert labels[0::3] == ["stress [kPa]", "strain [-]", swept[0]]
+    assert labels[7] == swept[1]
+    assert [one.get_xlabel() for one in axes[6:]] == ["angular frequency ω [rad/s]"] * 3
+
+
+def test_a_sweep_among_tests_in_time_has_the_views_of_one_alone():
+    pytest.importorskip("matplotlib")
+    model, t, omega = parse_model("maxwell"), np.geomspace(0.1, 10.0, 20), np.geomspace(0.1, 10, 8)
+    theta = model.theta(k=2.0, c=3.0)
+    sweep = Measurement(omega, model.stiffness(theta, omega))
+    crept = TimeTest.of_compliance(t, model.creep(theta, t), "Pa")
+    figure = identify([crept, sweep], model).plot(view="loss-factor")
+    (axes,) = figure.axes
+    (curve,) = (line for line in axes.lines if len(line.get_xdata()) > len(omega))
+    k = model.stiffness(theta, curve.get_xdata() * 2.0 * np.pi)
+    np.testing.assert_allclose(curve.get_ydata(), k.imag / k.real, rtol=1e-3)
+    with pytest.raises(OutputError, match="of one sweep, and among these tests are 0"):
+        identify(crept, model).plot(view="loss-factor")
 
 
 @pytest.mark.parametrize(("decades", "scale"), [(2.0, "log"), (0.5, "linear")])
@@ -82,3 +101,19 @@ def test_a_predicted_record_is_drawn_once_and_any_other_test_along_both_times():
     both = figure_prediction(predict_test(fit, step)).axes
     assert [one.get_xscale() for one in both] == ["log", "linear"]
     assert repr(predict_test(fit, step)).startswith("<TestPrediction zener: the prediction of")
+
+
+@pytest.mark.soak
+def test_a_report_has_the_planes_of_a_sweep_among_tests_in_time():
+    pytest.importorskip("matplotlib")
+    from springpot.report.html import _drawn_tests
+
+    model, t, omega = parse_model("maxwell"), np.geomspace(0.1, 10.0, 20), np.geomspace(0.1, 10, 8)
+    theta = model.theta(k=2.0, c=3.0)
+    sweep = Measurement(omega, model.stiffness(theta, omega), name="swept")
+    tests = [TimeTest.of_compliance(t, model.creep(theta, t), "Pa"), sweep]
+    rung = Mock(examined=Mock(base=identify(tests, model)))
+    page = "".join(_drawn_tests(Mock(steps=(rung,)), tests))
+    assert page.count("<h2>Residual planes of swept</h2>") == 1
+    for plane in ("stiffness", "compliance", "log-complex", "shift"):
+        assert f"Residual, {plane} · the model" in page

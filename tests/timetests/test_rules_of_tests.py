@@ -13,7 +13,7 @@ from springpot.errors import ModelError
 from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.misfit.residuals_of_tests import COARSE, part_of
 from springpot.registry import parse_model
-from springpot.timetests import floor, hypotheses as left, material, specimen
+from springpot.timetests import exponentials, floor, hypotheses as left, material, specimen
 
 
 def scatter(size=1.0, memory=0.0):
@@ -204,3 +204,15 @@ def test_another_noise_of_a_part_is_none_of_its_test():
         assert part.test is sweep
         assert part.sd.tolist() == [0.5] * 4
     assert part_of(sweep).sd.tolist() == [0.1, 0.1, 0.2, 0.2]
+
+
+def test_a_search_by_exponentials_looks_at_no_sample_that_an_exact_fit_leaves_out():
+    """A spike of the electronics would else draw the search where nothing is."""
+    t = np.linspace(0.0, 4.0, 201)
+    response = np.sin(2.0 * np.pi * t) + 0.01 * np.random.default_rng(2).normal(size=len(t))
+    response[77] += 2.0
+    part = part_of(TimeTest.of_history(t, np.sin(2.0 * np.pi * t + 0.3), response, "mm", "N"))
+    assert part.strays.tolist() == [77]
+    (quick,) = exponentials.quick_parts([part])
+    assert quick.weight[77] == 0.0
+    np.testing.assert_array_equal(quick.seen, part.counted)

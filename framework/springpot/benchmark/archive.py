@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import zipfile
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -546,7 +547,7 @@ def study_of(path: Path, optimisers: Sequence[str], only: Sequence[str] = ()) ->
             expressions.append(problem.model)
     return Study(
         "-".join((facts["name"], "beside", *(name.rpartition("/")[2] for name in only))),
-        datasets=list(models),
+        datasets=[_data_of(name, path.parent) for name in models],
         models=models,
         objectives=_objectives(problems, levels),
         optimisers=list(optimisers),
@@ -558,6 +559,25 @@ def study_of(path: Path, optimisers: Sequence[str], only: Sequence[str] = ()) ->
         stop_at_target="stop at target" in facts,
         noise=sorted(set(levels.values())),
         x0="common" if STARTS in facts else "own",
+    )
+
+
+def _data_of(name: str, folder: Path) -> str:
+    """Where data are that an archive names: a set, or a file here or beside the archive.
+
+    Whatever is found is compared by its digest before anything is raced.
+    """
+    stem = re.split("[@#?]", name)[0]
+    known = {each for data in plugins().items("data set") for each in (data.name, *data.aliases)}
+    if stem in known or plugins().problem(name) or Path(name).name != name:
+        return name
+    for place in (Path(), folder):
+        files = sorted(each for each in place.glob("*.*") if each.stem == stem and each.is_file())
+        if files:
+            return f"{files[0]}{name[len(stem) :]}"
+    raise StudyError(
+        f"an archive holds no data: put the file that '{stem}' was read from into this folder or"
+        " beside the archive"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -142,7 +143,7 @@ def command(
     known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
-    if tests is not None and view is not None:
+    if tests and view is not None and not any(test.kind == "sweep" for test in tests):
         advice = "--view says how a sweep is drawn, and these are tests in time: leave it out"
         raise click.UsageError(advice)
     together = tests is not None or joint or asks_for_all(known["own"], known["share"])
@@ -192,6 +193,8 @@ def _fitted(tests: Sequence[Test], model: Model, arguments: dict[str, Any]) -> I
     with ExitStack() as stack:
         if arguments.get("optimiser") is None:
             stack.enter_context(Waiting()).told(f"fitting {model.name} to {name}")
+        elif sys.stderr.isatty():
+            print(f"fitting {model.name} to {name} by {arguments['optimiser']}", file=sys.stderr)
         fit = identify(tests, model, **arguments)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {name}")

@@ -563,24 +563,16 @@ def _places(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator
 
 def _standing(grown: Grown, effect: Effect) -> Refit:
     """A fitted set as it stands without one of its effects."""
-    model, theta = without_one(grown, effect)
+    model, theta = without_one(grown.refit.model, grown.refit.theta, effect)
     left = replace(grown.refit, fit=replace(grown.refit.fit, model=model, theta=theta))
     residual = left.frame().residual
     return replace(left, fit=replace(left.fit, cost=float(residual @ residual)))
 
 
-def without_one(grown: Grown, effect: Effect) -> tuple[Model, Real]:
-    """The model of a set without an effect, and the parameters (p,) that are left.
-
-    Parameters
-    ----------
-    grown : Grown
-        The set, fitted.
-    effect : Effect
-        One of its effects.
-    """
-    model = grown.refit.model - effect.name
-    return model, model.picked(grown.refit.model.named(grown.refit.theta))
+def without_one(model: Model, theta: Real, effect: Effect) -> tuple[Model, Real]:
+    """A model without an effect of a set that it has, and the parameters (p,) that are left."""
+    less = model - effect.name
+    return less, less.picked(model.named(theta))
 
 
 def _from_there(grown: Grown, asked: Sequence[AskedSet]) -> Iterator[AskedSet]:
@@ -601,7 +593,7 @@ def _lacking(search: Search, grown: Grown, i: int) -> Refit:
     known = [one.refit for one in search.grown if one.key == key]
     if known:
         return max(known, key=lambda one: one.log_evidence)
-    model, start = without_one(grown, grown.effects[i])
+    model, start = without_one(grown.refit.model, grown.refit.theta, grown.effects[i])
     fitted = refit(model, search.base.data, search.base.noise, [start], starts=2)
     search.grown.append(Grown(rest, fitted, fitted.rss))
     return fitted

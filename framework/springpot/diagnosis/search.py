@@ -241,11 +241,10 @@ def _spread(search: Search, change: Complex) -> float:
 
 def _taken_out(grown: Grown) -> Complex:
     """K of a grown model without its narrow effects, all else as it was fitted with them."""
-    model = grown.refit.model
+    model, theta = grown.refit.model, grown.refit.theta
     for effect in grown.effects:
         if effect.narrow:
-            model = model - effect.name
-    theta = model.picked(grown.refit.model.named(grown.refit.theta))
+            model, theta = without_one(model, theta, effect)
     return model.stiffness(theta, grown.refit.fit.measurement.points)
 
 
@@ -372,7 +371,7 @@ def _less_one(search: Search, tried: Sequence[Grown]) -> list[Grown]:
     less = []
     for spared in best.effects:
         effects = tuple(effect for effect in best.effects if effect is not spared)
-        model, start = without_one(best, spared)
+        model, start = without_one(best.refit.model, best.refit.theta, spared)
         fit = refit(model, search.base.data, search.base.noise, [start], starts=0)
         if fit.log_evidence > best.refit.log_evidence:
             less.append(Grown(effects, fit, foretold.get(effects[0], fit.rss)))

@@ -412,9 +412,10 @@ class Identification(Known, Drawn, Printed):
     ) -> Figure | Axes | Path:
         """Data and fit, and what is left of each test.
 
-        See `springpot.lazy.Drawn.plot` for the arguments and what is returned. A `view` of a sweep
-        alone, 84 mm wide as a journal's column is: ``storage-loss``, ``loss-factor``,
-        ``cole-cole``, ``black``, ``van-gurp-palmen``, ``residual``.
+        See `springpot.lazy.Drawn.plot` for the arguments and what is returned. A `view` of the
+        one sweep, alone or among tests in time, 84 mm wide as a journal's column is:
+        ``storage-loss``, ``loss-factor``, ``cole-cole``, ``black``, ``van-gurp-palmen``,
+        ``residual``.
         """
         if view is not None:
             return draw_view(self, view, path, ax)

@@ -7,14 +7,17 @@ leaves, and what any material leaves.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.errors import OutputError
 from springpot.identification.regularisation import SmoothSpectrum
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
+from springpot.misfit.residuals_of_tests import SweepPart, parts_of_specimen
 from springpot.numerics import rms
 from springpot.rheology.points import Real
 from springpot.writing import NAMED, number
@@ -131,9 +134,31 @@ VIEWS: dict[str, Callable[[Axes, Scene], None]] = {
 }
 
 
+def scene_of(part: SweepPart, fits: Sequence[Identification]) -> Scene:
+    """A sweep among tests of a specimen, its noise and what each fit has of it."""
+    drawn = []
+    for fit in fits:
+        own, places = fit.model.had_by(part.test)
+        drawn.append(DrawnFit(own, fit.theta[places], fit.model.name))
+    return Scene(replace(part.view, reference=fits[0].reference), drawn)
+
+
 def draw_one_view(axes: Axes, identified: Identification, view: str) -> None:
-    """One of `VIEWS` of the fit of a sweep, with what the marks mean."""
-    scene = Scene(identified.measurement, [DrawnFit(identified.model, identified.theta)])
+    """One of `VIEWS` of the fit of a sweep, with what the marks mean.
+
+    Raises
+    ------
+    OutputError
+        If it was fitted to tests of which not one alone is a sweep.
+    """
+    if identified.sweep is None:
+        parts = parts_of_specimen(identified.data)
+        sweeps = [part for part in parts if isinstance(part, SweepPart)]
+        if len(sweeps) != 1:
+            raise OutputError(f"a view is of one sweep, and among these tests are {len(sweeps)}")
+        scene = scene_of(sweeps[0], [identified])
+    else:
+        scene = Scene(identified.measurement, [DrawnFit(identified.model, identified.theta)])
     VIEWS[view](axes, scene)
     # Where one is drawn over the other there is but one kind of mark.
     marks = marks_of(scene) if VIEWS[view] in (views.storage_and_loss, views.residual) else []

@@ -15,6 +15,7 @@ from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
+from springpot.misfit.residuals_of_tests import SweepPart, parts_of_specimen
 from springpot.registry import versions
 from springpot.writing import LISTED, Html, joined, tag, wide, wide_table
 
@@ -32,6 +33,7 @@ from .answers import (
     worth_showing,
 )
 from .canvas import require_matplotlib
+from .figures import scene_of
 from .fit_text import parameters_table
 from .interactive.answers import drawn, rungs
 from .interactive.in_time import DrawnTests, TimeScene
@@ -137,11 +139,11 @@ def _seen(scenes: dict[str, Scene]) -> Iterator[Html]:
     yield data_and_model(scenes)
 
 
-def _planes(scenes: dict[str, Scene]) -> Iterator[Html]:
-    yield tag("h2", "Residual planes")
+def _planes(scenes: dict[str, Scene], of: str = "") -> Iterator[Html]:
+    yield tag("h2", f"Residual planes{of}")
     yield tag("p", READING, class_="quiet")
     yield from residual_planes(scenes)
-    yield tag("h2", "Other views")
+    yield tag("h2", f"Other views{of}")
     yield other_views(scenes)
 
 
@@ -154,6 +156,12 @@ def _drawn_tests(ladder: Ladder, tests: Sequence[Test]) -> Iterator[Html]:
     # Without a path it is the figure itself.
     assert not isinstance(figure, Path)
     yield framed(figure, "Each test, the models, and what these leave over the noise")
+    for part in parts_of_specimen(tests):
+        if isinstance(part, SweepPart):
+            words = ("before", "after") if len(fits) > 1 else ("the model",)
+            scenes = {each: scene_of(part, [fit]) for each, fit in zip(words, fits, strict=True)}
+            yield keys(scenes[words[0]])
+            yield from _planes(scenes, f" of {part.test.name}")
 
 
 def _diagnosed(ladder: Ladder) -> dict[Step, Diagnosis]:

@@ -186,6 +186,8 @@ def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
             reason = part["says"]
         rows.append([f"#{part['number']}", cut(part["name"], LABEL), str(part["points"]), reason])
     table = TextTable(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"}))
+    if all(part["usable"] for part in parts):
+        table = table.lacking("cannot be opened")
     if table.width <= width:
         return table.plain()
     # Reasons are sentences, too long for a column of a narrow window.

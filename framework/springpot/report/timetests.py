@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.result import Identification
-from springpot.measurement.measurement import Measurement
 from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.misfit.residuals_of_tests import (
     InTimePart,
     OtherPart,
+    SweepPart,
     Test,
     TestPart,
     parts_of_specimen,
@@ -29,7 +29,10 @@ from springpot.rheology.points import Real
 from springpot.timetests.prediction import TestPrediction
 from springpot.writing import FEW
 
-from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
+from . import views
+from .canvas import COLOURS, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
+from .figures import marks_of, scene_of
+from .views import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,8 +69,8 @@ def figure_tests(
     with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
         grid = figure.subplots(len(parts), 3, squeeze=False)
         for row, part in zip(grid, parts, strict=True):
-            if isinstance(part.test, Measurement):
-                _draw_sweep(row, part.test, fits)
+            if isinstance(part, SweepPart):
+                _draw_sweep(row, scene_of(part, fits))
             elif isinstance(part, InTimePart):
                 _draw_test(row, part, fits)
             elif isinstance(part, OtherPart):
@@ -175,34 +178,14 @@ def _even_times(test: TimeTest) -> Real:
     return np.linspace(test.time[0], test.time[-1], SMOOTH)
 
 
-def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[Identification]) -> None:
-    # A line through points in any order would go to and fro.
-    order = np.argsort(sweep.omega)
-    unit, clock = sweep.units.stiffness, CLOCKS[sweep.units.clock]
-    rate = sweep.units.on_clock(sweep.frequency)
-    computed = []
-    for fit in fits:
-        own, places = fit.model.had_by(sweep)
-        computed.append(own.stiffness(fit.theta[places], sweep.points))
-    for axes, name, of in (
-        (row[0], sweep.units.storage, np.real),
-        (row[1], sweep.units.loss, np.imag),
+def _draw_sweep(row: Sequence[Axes], scene: Scene) -> None:
+    """A sweep as one that stands alone is drawn."""
+    for axes, draw in zip(
+        row, (views.storage_and_loss, views.loss_factor, views.residual), strict=True
     ):
-        axes.plot(rate, of(sweep.stiffness), ".", color=QUIET, label="measured")
-        for colour, fit, k in zip(COLOURS, fits, computed, strict=False):
-            axes.plot(rate[order], of(k)[order], color=colour, label=fit.model.name)
-        axes.set(xlabel=clock, ylabel=f"{name} [{unit}]")
-        logarithmic(axes, "x")
-        if np.all(of(sweep.stiffness) > 0.0):
-            logarithmic(axes, "y")
-    row[0].set_title(f"{sweep.name}: sweep")
-    row[0].legend()
-    for colour, k in zip(_colours_of_residuals(fits), computed, strict=False):
-        missed = 100.0 * np.abs(k - sweep.stiffness) / sweep.magnitude
-        row[2].plot(rate, missed, ".", color=colour)
-    row[2].set(xlabel=clock, ylabel=f"error [% of {sweep.units.magnitude}]")
-    row[2].axhline(0.0, color=INK, lw=0.5)
-    logarithmic(row[2], "x")
+        draw(axes, scene)
+    row[0].set_title(f"{scene.measurement.name}: sweep")
+    row[0].legend(handles=marks_of(scene), fontsize="x-small")
 
 
 def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure | Path:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from springpot.diagnosis.grown import MOST_TOGETHER, go_on_to_neighbours, key_of
+from springpot.diagnosis.grown import MOST_TOGETHER, go_on_to_neighbours, key_of, without_one
 from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import (
     FoundSet,
@@ -115,8 +115,7 @@ class TimeSets:
     def _left_there(self, best: Hypothesis, effect: Effect) -> Hypothesis:
         """A set without one of its effects, the rest as it is."""
         rest = tuple(other for other in best.effects if other is not effect)
-        model = best.model - effect.name
-        theta = model.picked(best.model.named(best.theta))
+        model, theta = without_one(best.model, best.theta, effect)
         left = FitResiduals.by(model, theta, self.base.reference, self.asked.parts)
         return Hypothesis(rest, model, theta, left)
 

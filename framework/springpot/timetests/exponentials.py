@@ -104,9 +104,8 @@ class QuickPart(InTimePart):
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
-        """Which of them are no instant of a step or a turn."""
-        loading = self.test.loading
-        return ~np.isin(self.t, np.union1d(loading.unsure(self.judged), loading.turning))
+        """Which of them count, as they do in an exact fit."""
+        return self.counted[self.rows]
 
     @cached_property
     def weight(self) -> Real:

@@ -92,6 +92,8 @@ def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary =
         # A column that is called by its number is one of the file's, whatever is said of it.
         if constant is not None and not name.isdigit():
             if role is not None:
+                if not constant[2]:
+                    _require_no_unit(role, name, constant[1])
                 constants[f"{role} [{constant[2]}]"] = constant[1]
                 continue
             # A plain number of a column that the file lacks, such as that of a batch.
@@ -122,6 +124,13 @@ def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary =
         # Without a name it is no further condition either.
         columns[place] = replace(columns[place], role=None, name="")
     return Chosen(tuple(columns), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
+
+
+def _require_no_unit(role: str, name: str, value: str) -> None:
+    if "-" in UNITS.get(role, "-"):
+        return
+    said = f"{name}={value}[{usual_unit(role, name)}]"
+    raise DataError(f"'{name}={value}' has no unit: open 'FILE?{said}', or with another unit in it")
 
 
 def _role(name: str, words: Vocabulary) -> str | None:

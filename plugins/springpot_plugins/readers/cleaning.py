@@ -154,8 +154,9 @@ def _with_one_decimal_sign(roles: dict[str, Column]) -> tuple[dict[str, Column],
 
 def _one_style(column: Column) -> None:
     """Numbers with commas and numbers with points in one column can be read in two ways."""
-    commas = next((cell for cell in column.cells if "," in cell), None)
-    points = next((cell for cell in column.cells if "." in cell), None)
+    numbers = [cell for cell in column.cells if any(map(str.isdigit, cell))]
+    commas = next((cell for cell in numbers if "," in cell), None)
+    points = next((cell for cell in numbers if "." in cell), None)
     if commas is not None and points is not None:
         raise column.error(
             f"'{commas.strip():.20}' and '{points.strip():.20}' have comma and point; write one"

@@ -65,6 +65,8 @@ MISSING = frozenset(
             "#NV",
             "#DIV/0!",
         ),
+        *("n.a.", "N.A.", "n. a.", "n.d.", "n.v.", "k.A.", "k. A.", "N/D", "n/d"),
+        *("#NAME?", "#NUM!", "#NULL!", "#WERT!", "#ZAHL!", "#BEZUG!"),
         *("#VALUE!", "#REF!", "inf", "-inf", "Inf", "-Inf", "1.#QNAN", "-1.#IND"),
         *(
             "OL",

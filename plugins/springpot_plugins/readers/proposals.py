@@ -186,6 +186,12 @@ def proposal(headings: Sequence[Heading]) -> str:
     needed = _needed({str(each.role) for each in headings})
     given = next((stated_unit(each) for each in headings if each.role in ("storage", "loss")), "")
     assumed, said, has_example = [], [], False
+    for number, each in enumerate(headings, 1):
+        # A known column without its unit would only be asked for next.
+        if needed and each.role in FREQUENCIES and not stated_unit(each):
+            unit, has_example = usual_unit(str(each.role), each.title), True
+            assumed.append(f"'{each.title}' is {each.role} [{unit}]")
+            said.append(f"{to_type(headings, number)}={each.role}[{unit}]")
     for role in needed:
         place = _likeliest(role, unknown)
         if place is None and role == "loss":

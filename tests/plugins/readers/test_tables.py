@@ -294,12 +294,33 @@ REFUSED = {
         "have comma and point; write one decimal sign",
     ),
     "words": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n2;about 4;3\n", "'about 4' is no number"),
+    "a word with a point": (
+        "omega (rad/s);G' (Pa);G'' (Pa)\n1;2,5;3\n2;ca.;3\n",
+        "'ca.' is no num",
+    ),
     "footer": (
         "omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\nmean 7\n8\n",
         "below the table is no row of it",
     ),
     "contradiction": ("omega (Hz);G' (Pa);G'' (Pa)\n1;2;3\n", "omega is in rad/s"),
 }
+
+
+@pytest.mark.parametrize("word", ["n.a.", "k.A.", "#WERT!", "#NUM!"])
+def test_a_word_for_no_value_leaves_its_row_out(folder, word):
+    found = folder.open(f"omega (rad/s);G' (Pa);G'' (Pa)\n1;2,5;3\n2;{word};{word}\n4;5,5;3\n")
+    np.testing.assert_array_equal(found.omega, [1.0, 4.0])
+    np.testing.assert_array_equal(found.storage, [2.5, 5.5])
+
+
+def test_a_proposal_says_the_unit_of_the_frequency_too(folder):
+    """Typed as it stands it opens the file: nothing else is asked for then."""
+    text = "f,K1,K2\n1,100,40\n2,120,50\n"
+    with pytest.raises(DataError) as caught:
+        folder.open(text)
+    said = re.search(r"open '.*(\?.*)'", str(caught.value))
+    assert said is not None
+    assert folder.open(text, said=said[1]).units.stiffness == "N/mm"
 
 
 @pytest.mark.parametrize("case", REFUSED)
@@ -318,6 +339,7 @@ def test_what_cannot_be_read_gets_one_line(folder, case):
         ("?frequency", "says nothing of a column"),
         ("?frequency=", "says nothing of a column"),
         ("?frequency=Hz,frequency=Hz", "given twice"),
+        ("?temp=20", r"'temp=20' has no unit: open '.*\?temp=20\[degC\]', or with another unit"),
         ("?omega=bananas", "neither a unit nor one of"),
         ("?nothing=Pa", "no column 'nothing'"),
         ("?9=Pa", "no column '9'"),
