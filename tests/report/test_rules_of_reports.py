@@ -10,7 +10,7 @@ import pytest
 from springpot.identification.value import LOST
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
-from springpot.report import fit_text, html, invention, ladder_text, sweeps
+from springpot.report import answers, fit_text, html, invention, ladder_text, sweeps
 from springpot.report.canvas import SMOOTH, blank
 from springpot.report.inspection import LONG, sweeps_text
 from springpot.report.views import DrawnFit, Scene, cole_cole
@@ -161,3 +161,13 @@ def test_a_chain_of_neighbours_is_no_level_where_it_is_too_long(spread, levels):
     chain = np.linspace(0.0, spread * sweeps.SPREAD["temperature"], 6)
     found = sweeps._levels("temperature", np.concatenate([chain, 40.0 + chain]))
     assert (None if found is None else len(set(found))) == levels
+
+
+@pytest.mark.parametrize(
+    ("after", "told"), [(0.012, " (5.00 % -> 1.20 %)"), (0.05000001, ""), (float("nan"), "")]
+)
+def test_a_step_tells_an_error_only_where_it_falls(after, told):
+    """Of a point that the answer has set aside already it stays what it is."""
+    step = SimpleNamespace(says="row 3 stands out", error_after=after, command="do it")
+    answer = SimpleNamespace(error=SimpleNamespace(relative_rms=0.05), steps=[step])
+    assert list(answers.steps_of(answer).items) == [f"row 3 stands out{told}: do it"]

@@ -187,6 +187,30 @@ def test_the_warmth_of_a_springpot_is_lamberts_function_of_its_heating(sign):
     np.testing.assert_allclose(shift, expected, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.parametrize("beyond", [-1e-3, 1e-3, 1e-5, 1e-7])
+def test_beyond_the_last_steady_temperature_a_specimen_runs_away_to_a_hot_one(beyond):
+    """Above its relaxation a Maxwell model makes the more loss the warmer it is, up to a peak.
+
+    Just beyond the power at which the cold temperature ends, a step misses next to nothing for
+    long: the hot one is come to all the same.
+    """
+    omega = 100.0
+
+    def loss(shift):
+        slow = omega * np.exp(-shift)
+        return slow / (1.0 + slow**2)
+
+    # The two steady temperatures h = s P(h) meet where h / P(h) is largest.
+    end = brentq(lambda h: (loss(h + 1e-6) - loss(h - 1e-6)) / 2e-6 - loss(h) / h, 0.5, 1.5)
+    s = end / loss(end) * (1.0 + beyond)
+    places = (end, 60.0) if beyond > 0.0 else (0.0, end)
+    slow = omega * np.exp(-brentq(lambda h: h - s * loss(h), *places))
+    model = parse_model("maxwell + self-heating")
+    theta = np.array([1.0, 1.0, s / (0.5 * omega)])
+    (found,) = model.stiffness(theta, Points.at([omega], amplitude=1.0))
+    assert found == pytest.approx(1j * slow / (1.0 + 1j * slow), rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("softening", "exponent"), [("strain-softening", 3.0), ("shear-thinning", 1.0)]
 )

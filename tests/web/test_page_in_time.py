@@ -6,6 +6,7 @@ import base64
 import json
 import math
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from springpot.diagnosis.result import silent
 from springpot.errors import DataError
 from springpot.registry import plugins
 from springpot.report.text import to_json
+from springpot.web import tasks
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
 from springpot.web.specimen import SCHEMA, Specimen, specimen_of
 from springpot.web.tasks import answered, curve, first, held, perform, trial, turned, understand
@@ -206,6 +208,24 @@ def test_rows_of_several_tests_leave_in_the_session_alone(relaxed: dict[str, Any
     asked = {"kind": "script", "text": text_of(both), "source": "", "joined": True}
     told = perform("leave", {**asked, "state": {"data": "", "excluded": [0]}}, silent)
     assert "only the session" in told["error"]
+
+
+def test_a_plan_of_frequencies_leaves_with_a_sweep_among_tests_in_time(
+    relaxed: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+):
+    advice = SimpleNamespace(action={"omega": [2.0 * np.pi]}, says="sweep: extend it")
+    ladder = SimpleNamespace(undecided=SimpleNamespace(next_experiment=advice))
+    monkeypatch.setattr(tasks, "_ladder", lambda *_: ladder)
+    both = joined(data_of(relaxed["text"]), measured_in("sweep.csv", sweep())[0])
+    asked = {"kind": "plan", "source": "", "joined": True, "state": {"data": "", "model": "kelvin"}}
+    told = perform("leave", {**asked, "text": text_of(both)}, silent)
+    says, head, row = told["result"]["text"].splitlines()
+    assert says == "# sweep: extend it"
+    assert head.startswith("frequency [Hz]")
+    assert row.startswith("1.0,")
+    advice.action = {"factor": [3.0]}
+    told = perform("leave", {**asked, "text": text_of(both)}, silent)
+    assert "told in words" in told["error"]
 
 
 def test_a_hand_moves_the_parameters_of_a_test_in_time(

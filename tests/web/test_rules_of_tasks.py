@@ -118,9 +118,13 @@ def test_a_plan_has_a_row_for_each_point_with_what_is_to_be_set(celsius):
     if celsius is None:
         expected = [[1.0, 0.5], [2.0, 0.5]]
     assert np.allclose(cells, expected)
-    for nothing in (None, SimpleNamespace(action={"omega": []})):
-        ladder.undecided.next_experiment = nothing
-        with pytest.raises(DataError, match="no further measurement is proposed"):
+    for asked, says in (
+        (None, "no further measurement is proposed"),
+        (SimpleNamespace(action={}), "no further measurement is proposed"),
+        (SimpleNamespace(action={"factor": [3.0]}), "told in words"),
+    ):
+        ladder.undecided.next_experiment = asked
+        with pytest.raises(DataError, match=says):
             leaving.plan_csv(ladder, data)
 
 

@@ -482,9 +482,10 @@ def steps_of(diagnosis: Diagnosis) -> Listing:
     before = percent(diagnosis.error.relative_rms)
     lines = []
     for step in diagnosis.steps:
-        after = ""
-        if isfinite(step.error_after):
-            after = f" ({before} -> {percent(step.error_after)})"
+        foretold, after = percent(step.error_after), ""
+        # What the answer has set aside already is no part of its error.
+        if isfinite(step.error_after) and foretold != before:
+            after = f" ({before} -> {foretold})"
         lines.append(f"{step.says}{after}: {step.command}")
     return Listing(lines, mark="to do: ")
 

@@ -261,14 +261,19 @@ def _steady(body: Node, theta: Real, at: Points, factor: Real) -> tuple[Real, Re
     By Newton's method from the cold, kept between shifts that are too small and too large.
     """
     shift, settled = np.zeros_like(factor), False
-    low, high = shift - np.inf, shift + np.inf
+    low, high, pace = shift - np.inf, shift + np.inf, shift + 1.0
     for _ in range(MOST_STEPS):
         warm = body.respond(theta, at.shifted(-shift), FULL)
         if settled:
             break
         missed = shift - factor * warm.value.imag
         low, high = np.where(missed < 0.0, shift, low), np.where(missed > 0.0, shift, high)
-        new = np.clip(_nearer(shift, factor, warm), -LARGEST_SHIFT, LARGEST_SHIFT)
+        # Where each rise of temperature makes loss for a larger one, steps that miss little would
+        # creep past a temperature that is nearly steady.
+        runs_away = 1.0 + factor * warm.by_log_omega.imag <= ALIKE
+        pace = np.where(runs_away, 2.0 * pace, 1.0)
+        new = shift + pace * (_nearer(shift, factor, warm) - shift)
+        new = np.clip(new, -LARGEST_SHIFT, LARGEST_SHIFT)
         # A step from where nearly nothing is missed leaves no more than is rounded.
         near = np.abs(missed) <= ALIKE * (1.0 + np.abs(shift))
         beyond = (low >= LARGEST_SHIFT) | (high <= -LARGEST_SHIFT)

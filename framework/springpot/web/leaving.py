@@ -235,6 +235,10 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     return csv_text(table)
 
 
+IN_WORDS = "a further test in time is told in words; a table is made of frequencies"
+"""Why there is no table of it."""
+
+
 def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
     """The proposed experiment as a table to be filled in.
 
@@ -246,10 +250,12 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
         If nothing is proposed.
     """
     proposed = ladder.undecided.next_experiment
-    if proposed is None or not proposed.action.get("omega"):
+    if proposed is None or not proposed.action:
         raise DataError(
             "no further measurement is proposed here: nothing is left that one would decide"
         )
+    if not proposed.action.get("omega"):
+        raise DataError(IN_WORDS)
     points = proposed_points(proposed.action, measurement)
     unit, moved = measurement.units.stiffness, measurement.units.amplitude
     header, columns = ["frequency [Hz]"], [points.omega / (2 * np.pi)]

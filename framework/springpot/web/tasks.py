@@ -464,11 +464,8 @@ ENDS = {
     "replay": "-replay.gif",
 }
 """What a user leaves with, and how the names of the files end."""
-LACKS = {
-    "data": "tests in time leave as the files that were opened, which the session holds too",
-    "plan": "a further test in time is told in words; a table is made of frequencies",
-}
-"""Why something that leaves with sweeps does not leave with tests in time."""
+LACKS = "tests in time leave as the files that were opened, which the session holds too"
+"""Why they leave as no table of data."""
 
 
 def leave(
@@ -504,17 +501,21 @@ def leave(
     tests = leveled(asked, tests_in(shown))
     if kind == "report":
         return {"name": name, "text": leaving.report(ladder, tests, shlex.split(command))}
+    if kind == "plan":
+        swept = next(test for test in tests if isinstance(test, Measurement))
+        return {"name": name, "text": leaving.plan_csv(ladder, swept)}
     sweep = sweep_of(tests)
     if sweep is None:
         return {"name": name, "text": curves_in_time(ladder, tests)}
-    table = leaving.curves_csv if kind == "curves" else leaving.plan_csv
-    return {"name": name, "text": table(ladder, sweep)}
+    return {"name": name, "text": leaving.curves_csv(ladder, sweep)}
 
 
 def _require_sayable(kind: str, state: State, data: Specimen) -> None:
     """Refuse what cannot be said of tests in time."""
-    if kind in LACKS:
-        raise DataError(LACKS[kind])
+    if kind == "data":
+        raise DataError(LACKS)
+    if kind == "plan" and not any(isinstance(test, Measurement) for test in data.tests):
+        raise DataError(leaving.IN_WORDS)
     if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
         raise DataError("rows of several tests were left out, which only the session can say")
     if kind == "command" and len(data.sources) > 1:
