@@ -266,3 +266,34 @@ def test_a_force_that_sets_off_ever_faster_does_not_relax():
     assert stepped_to(loading, "displacement", -30.0 * time**2 + noise) is loading
     relaxes = 1.0 + np.exp(-30.0 * time) + noise
     assert stepped_to(loading, "displacement", relaxes).jumps[1] == pytest.approx([3.0], abs=0.01)
+
+
+def loop(noise, felt=0.0, grows=0.0):
+    """A mass on a damper under a sine, whose transducer has noise; some of it may be felt."""
+    rng, t = np.random.default_rng(7), np.arange(1000) / 2000.0
+    model = springpot.parse_model("kelvin + inertia")
+    theta = model.theta(k=0.2, c=5e-4, **{"inertia.m": 6e-7})
+    moved = 2.0 * np.sin(40.0 * np.pi * t) * (1.0 + grows * t) + felt * rng.normal(size=1000)
+    turned = model.stiffness(theta, np.array([40.0 * np.pi]))[0]
+    force = 2.0 * abs(turned) * np.sin(40.0 * np.pi * t + np.angle(turned))
+    force += 1e-3 * rng.normal(size=1000) + 0.2 * (moved - 2.0 * np.sin(40.0 * np.pi * t))
+    read = moved + noise * rng.normal(size=1000)
+    return moved, TimeTest.of_history(t, read, force, "mm", "kN")
+
+
+def test_a_steady_motion_is_known_without_the_noise_of_its_transducer():
+    moved, test = loop(0.004)
+    np.testing.assert_allclose(test.loading.recorded.value, moved, atol=1e-3)
+    assert "0.28 % of white noise that nothing answers to" in test.provenance["motion"]
+    fit = springpot.identify(test, "kelvin")
+    assert fit.tests[0].over_floor == pytest.approx(1.0, abs=0.1)
+    # A mass would make 12 N of that noise, and a fit to what was read would be too soft.
+    assert fit.parameters["k"].value == pytest.approx(0.2 - 6e-7 * (40.0 * np.pi) ** 2, rel=2e-3)
+    assert any("taken off" in note for note in fit.notes)
+
+
+@pytest.mark.parametrize("changes", [{"felt": 0.02}, {"grows": 0.3}, {"noise": 0.0}])
+def test_what_was_felt_or_is_no_steady_motion_stays(changes):
+    moved, test = loop(**({"noise": 1e-4} | changes))
+    assert "motion" not in test.provenance
+    np.testing.assert_allclose(test.loading.recorded.value, moved, atol=6e-4)

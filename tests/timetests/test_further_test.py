@@ -38,6 +38,16 @@ def open_question() -> springpot.Diagnosis:
     return springpot.diagnose(relaxed(1.0, 1), MODEL, effects=RIVALS)
 
 
+def test_a_sample_set_aside_is_none_of_a_planned_test() -> None:
+    """What is planned has samples of its own: fewer, where that one would be beyond them all."""
+    test = replace(relaxed(1.0, 1), aside={78: 20.0})
+    parts = parts_of_specimen([test])
+    for planned in planned_tests(parts, identify([test], MODEL)):
+        if planned.part.test.name == test.name and "repeats" not in planned.action:
+            assert not planned.part.test.measured
+            assert np.sum(~planned.part.sure) <= 1
+
+
 @pytest.mark.soak
 def test_a_larger_step_tells_what_grows_with_the_load(open_question) -> None:
     asked = open_question.next_experiment

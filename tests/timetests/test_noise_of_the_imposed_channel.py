@@ -6,6 +6,7 @@ import pytest
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
 from springpot.measurement.imposed import imposed_noise
+from springpot.measurement.steady_start import gone_on
 from springpot.misfit import residual_scatter
 from springpot.numerics import DEVIATIONS
 from springpot.registry import plugins
@@ -82,7 +83,9 @@ def test_a_dashpot_that_answers_to_it_is_no_worse_than_a_spring_that_does_not():
     turn = 2.0 * np.pi * t
     force = 615.0 * np.sin(turn) + 298.0 * np.cos(turn) + 3.0 * rng.normal(size=1000)
     read = 5.0 * np.sin(turn) + 0.002 * rng.normal(size=1000)
-    test = TimeTest.of_history(t, read, force, "mm", "N")
+    # As it was read: of a steady motion the noise would be taken off.
+    loading = gone_on(Loading(t, read, sampled=True), force)
+    test = TimeTest(t, force, loading, "displacement", "mm", "N", name="record")
     found = {one.model.name: one for one in compare([test], ["kelvin", "maxwell"]).judgements}
     assert not any(one.fails or one.unclear for one in found.values())
     assert all(one.error.over_floor < 1.15 for one in found.values())

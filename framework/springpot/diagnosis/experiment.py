@@ -83,14 +83,6 @@ class Measurable(Protocol):
 A = TypeVar("A", bound=Measurable)
 
 
-class Explaining(FittedModel, Protocol):
-    """A fitted model that may be what is missing."""
-
-    @property
-    def reference(self) -> float:
-        """Temperature in kelvin at which shifts are one."""
-
-
 @dataclass(frozen=True, eq=False)
 class Contest:
     """Two explanations after a measurement: one holds, the rival may change to follow it.
@@ -103,8 +95,8 @@ class Contest:
         The tests that were made, and the new one.
     """
 
-    truth: Explaining
-    rival: Explaining
+    truth: FittedModel
+    rival: FittedModel
     parts: Sequence[TestPart]
 
     @cached_property
@@ -183,7 +175,7 @@ class Contest:
         return float(np.sqrt(2.0 * nearest.cost))
 
 
-def _answer(fit: Explaining, part: TestPart, theta: Real) -> Traced:
+def _answer(fit: FittedModel, part: TestPart, theta: Real) -> Traced:
     try:
         with np.errstate(all="ignore"):
             return part.answer(fit.model, theta, fit.reference, part.thin)
@@ -524,7 +516,7 @@ class PlannedSweep(SweepPart):
         return own.resized(max(self.action.scale, ALIKE), self.action.mass)
 
 
-def planned_sweep(action: Action, made: SweepPart, fit: Explaining) -> PlannedSweep:
+def planned_sweep(action: Action, made: SweepPart, fit: FittedModel) -> PlannedSweep:
     """The sweep of an action, relative to a fit's |K| as noisy as the median of one that was made.
 
     Parameters

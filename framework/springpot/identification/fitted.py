@@ -39,6 +39,10 @@ class FittedModel(Protocol):
     def theta(self) -> Real:
         """Its parameters (p,)."""
 
+    @property
+    def reference(self) -> float:
+        """Temperature in kelvin at which shifts are one."""
+
 
 def followed_by_places(search: SpectrumSearch, theta: Real, residual: Real, known: Real) -> float:
     """Numbers that the places of the lines of a fitted spectrum have followed, beside the weights.
@@ -133,6 +137,11 @@ class Fit:
     seconds: float = 0.0
     confirmed: bool = True
     expected: Expected | None = None
+
+    @property
+    def reference(self) -> float:
+        """Temperature in kelvin at which shifts are one."""
+        return self.measurement.reference_temperature
 
     @cached_property
     def task(self) -> Task:

@@ -1,7 +1,8 @@
 """Whether a record begins in the middle of a motion that had gone on before.
 
 A cyclic test is mostly recorded once it runs. What its specimen remembers of the cycles before is
-in the first ones recorded, and a model that begins at rest misses it.
+in the first ones recorded, and a model that begins at rest misses it. A steady motion is known
+without the noise of its transducer, too.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ import numpy as np
 from springpot.distributions import f_sf
 from springpot.rheology.points import STEADY, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST, vertex
+from ..numerics import NEGLIGIBLE, SMALLEST, rms, vertex
 from .imposed import Loading
-from .rounding import is_even
+from .rounding import is_even, rounding_step
 
 SHORTEST = 8
 """Samples of a period at least."""
@@ -241,6 +242,106 @@ def _repeats(change: Real, period: int) -> bool:
     for part in OF_PERIOD:
         first = change[: max(int(part * period), 2)]
         ratio = float(np.mean(first**2)) / usual
-        if f_sf(ratio, len(first), len(rest)) < RULED_OUT:
+        # Of three parts each has a third of the chance.
+        if f_sf(ratio, len(first), len(rest)) < RULED_OUT / len(OF_PERIOD):
             return False
     return True
+
+
+def quiet(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
+    """A motion that is a few harmonics and white noise without that noise, and what is told of it.
+
+    The specimen never felt it, and a model answers to it, a mass by its second derivative: a fit to
+    what was read is too soft (errors in variables: Fuller 1987, Measurement Error Models, chapter
+    1). What the response goes with was felt, and stays; so does what is no noise, as of a motion
+    that grows.
+
+    Parameters
+    ----------
+    loading : Loading
+        As it was recorded, evenly in time.
+    response : ndarray, shape (n,)
+        Of the same samples.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(400) / 100.0, np.random.default_rng(1).normal(size=(2, 400))
+    >>> moved = np.sin(2.0 * np.pi * t)
+    >>> read = Loading(t, moved + 0.003 * noise[0], sampled=True)
+    >>> still, _ = quiet(read, 2.0 * moved + 0.01 * noise[1])
+    >>> float(np.abs(still.value - moved).max().round(2))
+    0.0
+    >>> quiet(read, 2.0 * read.value + 0.001 * noise[1])[0] is read
+    True
+    """
+    value, count = loading.value, len(loading.value)
+    periods, lag = cycles_of(loading, count) if loading.sampled else (0, 0)
+    if not lag:
+        return loading, {}
+    turn = _refined(value, 2.0 * np.pi * periods / lag)
+    # Of a period there are four samples a turn of the highest harmonic at least.
+    for harmonics in range(1, min(lag // (4 * periods), SHORTEST) + 1):
+        columns = _columns(count, turn, harmonics)
+        basis = np.linalg.qr(columns)[0]
+        smooth = basis @ (basis.T @ value)
+        left = value - smooth
+        if _white(left):
+            break
+    else:
+        return loading, {}
+    noise = float(np.std(left))
+    if noise <= max(rms(rounding_step(value)), NEGLIGIBLE * rms(smooth)):
+        return loading, {}
+    answer = basis @ (basis.T @ response)
+    stiffness = float(np.std(answer)) / max(float(np.std(smooth)), SMALLEST)
+    # What stays uncertain of the motion has to be less than what the response itself leaves open.
+    unsure = stiffness * noise * np.sqrt(columns.shape[1] / count)
+    if unsure > rms(response - answer) or _goes_with(response - answer, left, stiffness):
+        return loading, {}
+    share = 100.0 * noise / rms(smooth)
+    says = f"steady, with {share:.2g} % of white noise that nothing answers to: taken off"
+    return replace(loading, value=smooth), {"motion": says}
+
+
+def _columns(count: int, turn: float, harmonics: int) -> Real:
+    """A level, a drift and the harmonics of a motion that goes by `turn` a sample, (n, p)."""
+    place = np.arange(count) - 0.5 * (count - 1)
+    angles = np.outer(turn * place, np.arange(1, harmonics + 1))
+    return np.column_stack([np.ones(count), place / count, np.cos(angles), np.sin(angles)])
+
+
+def _refined(value: Real, turn: float) -> float:
+    """The angle a sample by which the first harmonic of a motion (n,) fits best (Gauss-Newton)."""
+    count = len(value)
+    place = np.arange(count) - 0.5 * (count - 1)
+    for _ in range(SHORTEST):
+        columns = _columns(count, turn, 1)
+        along, across = np.linalg.lstsq(columns, value, rcond=None)[0][2:]
+        slope = place * (across * columns[:, 2] - along * columns[:, 3])
+        step = np.linalg.lstsq(np.column_stack([columns, slope]), value, rcond=None)[0][-1]
+        turn += float(step)
+    return turn
+
+
+def _white(left: Real) -> bool:
+    """Whether neighbours are not alike, beyond chance (von Neumann 1941)."""
+    from scipy.special import ndtr
+
+    count = len(left)
+    unrest = float(np.mean(np.diff(left) ** 2)) / max(2.0 * float(np.var(left)), SMALLEST)
+    return bool(ndtr((unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))) >= RULED_OUT)
+
+
+def _goes_with(rest: Real, left: Real, stiffness: float) -> bool:
+    """Whether a response without its harmonics goes with what a motion has beside its own.
+
+    Beyond chance, and by half of what the specimen's stiffness would answer to it at least.
+    """
+    basis = np.linalg.qr(np.column_stack([left[:-2], left[1:-1], left[2:]]))[0]
+    own = rest[1:-1]
+    followed = float(np.sum((basis.T @ own) ** 2))
+    if followed < (0.5 * stiffness) ** 2 * float(left @ left):
+        return False
+    spare = len(own) - 3
+    ratio = followed / 3.0 / max((float(own @ own) - followed) / spare, SMALLEST)
+    return bool(f_sf(ratio, 3, spare) < RULED_OUT)

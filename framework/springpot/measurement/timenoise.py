@@ -495,6 +495,8 @@ def said_of_strays(test: TimeTest) -> str:
     said = [_said_of_alone(test, np.setdiff1d(strays(test), still))]
     if "hum" in test.provenance:
         said.append(f"{test.name}: the {test.answered} {test.provenance['hum']}")
+    if "motion" in test.provenance:
+        said.append(f"{test.name}: the {test.control} is {test.provenance['motion']}")
     if len(still) == 0:
         return "; ".join(filter(None, said))
     span = f"{test.time[still[0] - 1]:.4g} to {test.time[still[-1]]:.4g} s"

@@ -21,7 +21,7 @@ from .hum import without_hum
 from .imposed import SHORT, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
-from .steady_start import gone_on, said_of_start, stepped_to
+from .steady_start import gone_on, quiet, said_of_start, stepped_to
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -296,6 +296,7 @@ class TimeTest:
         clock = even_clock(clock)
         loading = from_rest(clock, imposed, rise)
         response, hum = without_hum(response, clock, imposed, unit)
+        loading, noise = quiet(loading, response)
         if loading.sampled:
             loading = stepped_to(gone_on(loading, response), control, response)
         return cls(
@@ -306,7 +307,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance={**(provenance or {}), **notes, **hum},
+            provenance={**(provenance or {}), **notes, **hum, **noise},
             **_warm(temperature),
         )
 

@@ -68,7 +68,7 @@ class Refit:
     @property
     def reference(self) -> float:
         """Temperature in kelvin at which shifts are one."""
-        return self.fit.measurement.reference_temperature
+        return self.fit.reference
 
     @property
     def rss(self) -> float:

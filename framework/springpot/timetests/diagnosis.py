@@ -229,6 +229,7 @@ def _with(part: InTimePart, time: Real, loading: Loading) -> InTimePart:
         response=np.zeros(len(rows)),
         loading=loading,
         warmth=None,
+        aside={},
         measured=False,
     )
     return InTimePart(test, noise=np.full(len(rows), float(np.median(part.sd))))
