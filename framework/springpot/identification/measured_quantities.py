@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.numerics import ALIKE, MOST_STEPS, REWEIGHTINGS
+from springpot.numerics import ALIKE, MOST_STEPS, REWEIGHTINGS, ROUNDING
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -294,31 +294,40 @@ def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, in
     start = x[fallen[0]] if len(fallen) else x[-1]
     theta, dof = np.array([level, float(start), 2.0]), len(x) - 3
 
-    def model(at: Real) -> tuple[Real, Real]:
+    def power(at: Real) -> Real:
         # Where it is no number, neither is the cost, and the step is halved.
         with np.errstate(over="ignore"):
-            power = np.exp(at[2] * (x - at[1]))
-        slopes = [np.ones_like(x), depth * at[2] * power, -depth * (x - at[1]) * power]
-        return at[0] - depth * power, np.column_stack(slopes)
+            return np.asarray(np.exp(at[2] * (x - at[1])), dtype=np.float64)
+
+    def slopes_at(at: Real) -> Real:
+        fall = depth * power(at)
+        return np.column_stack([np.ones_like(x), at[2] * fall, -(x - at[1]) * fall])
+
+    def rest(at: Real) -> Real:
+        return np.asarray(y - at[0] + depth * power(at), dtype=np.float64)
 
     def cost(at: Real) -> float:
         with np.errstate(over="ignore"):
-            return float(np.sum((y - model(at)[0]) ** 2))
+            return float(np.sum(rest(at) ** 2))
 
+    least, most = 0.2, 8.0
     for _ in range(MOST_STEPS):
-        value, slopes = model(theta)
-        step, *_ = np.linalg.lstsq(slopes, y - value, rcond=None)
-        size = 1.0
-        while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):
+        slopes, left, size = slopes_at(theta), rest(theta), 1.0
+        step = np.linalg.lstsq(slopes, left, rcond=None)[0]
+        room = (least if step[2] < 0.0 else most) - theta[2]
+        if abs(room) <= ROUNDING:
+            # At an end of its range the power is held, and the others go on.
+            step = np.append(np.linalg.lstsq(slopes[:, :2], left, rcond=None)[0], 0.0)
+        elif abs(step[2]) > abs(room):
+            size = room / step[2]
+        before = cost(theta)
+        while size > 1e-6 and not cost(theta + size * step) <= before:
             size *= 0.5
-        while size > 1e-6 and not cost(theta + size * step) <= cost(theta):
-            size *= 0.5
-        before, there = cost(theta), theta + size * step
         # Of a curve that does not fall no step may be better, and one that is worse leads to where
         # the power is no number.
-        if not before - cost(there) > ALIKE * before:
+        if not before - cost(theta + size * step) > ALIKE * before:
             break
-        theta = there
-    slopes = model(theta)[1]
+        theta = theta + size * step
+    slopes = slopes_at(theta)
     covariance = np.asarray(cost(theta) / dof * np.linalg.pinv(slopes.T @ slopes))
     return theta, covariance, dof
