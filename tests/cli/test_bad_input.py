@@ -81,7 +81,7 @@ def test_no_such_condition(springpot, write):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], ["missing option", "--model", "identify --help"]),
+        ([], ["missing option", "--model", "identify --help", "springpot compare DATA"]),
         (
             ["--model", "fractional-maxwel"],
             ["unknown model 'fractional-maxwel'", "fractional-maxwell"],

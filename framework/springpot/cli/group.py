@@ -262,8 +262,11 @@ def _usage(error: click.UsageError) -> str:
             f"'{command}' needs one of {', '.join(error.ctx.command.commands)} (see '{command}"
             " --help')"
         )
-    text = error.format_message().rstrip(".")
-    return f"{text[:1].lower()}{text[1:]} (see '{command} --help')"
+    text, beside = error.format_message().rstrip("."), ""
+    # Who has no model has nothing to type there, and a command that finds one.
+    if isinstance(error, click.MissingParameter) and error.param and error.param.name == "model":
+        beside = "; 'springpot compare DATA' ranks the models"
+    return f"{text[:1].lower()}{text[1:]} (see '{command} --help'{beside})"
 
 
 def _fault(error: Exception) -> int:
