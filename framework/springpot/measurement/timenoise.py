@@ -531,18 +531,35 @@ def _over_noise(test: TimeTest) -> tuple[Real, Real]:
     return fourth_differences(clock_of(test), test.response / noise_of(test).sd)
 
 
+def _around(rows: NDArray[np.int64], factors: Real) -> tuple[NDArray[np.int64], Real, Real]:
+    """The five differences that hold each of some samples (m,), as (m, 5) indices.
+
+    With their factors (m, 5, 9) of the samples around, and the covariance (m, 5, 5) that white
+    noise gives them.
+    """
+    first = rows[:, None] + np.arange(-ORDER, 1)
+    whole = np.zeros((len(rows), ORDER + 1, 2 * ORDER + 1))
+    for k in range(ORDER + 1):
+        whole[:, k, k : k + ORDER + 1] = factors[first[:, k]]
+    covariance = whole @ whole.transpose(0, 2, 1)
+    # Where samples lie unevenly one difference may say nearly the same as another.
+    return first, whole, covariance + np.finfo(float).eps * np.eye(ORDER + 1)
+
+
 def _off(differences: Real, factors: Real) -> Real:
     """By how much each sample (n,) is off, by the five differences that hold it.
 
-    At the ends, which fewer of them hold, nothing is said.
+    By generalised least squares (Aitken 1935), as differences share samples: of white noise of
+    size one it has a standard deviation of 1.16 then. At the ends, which fewer of them hold,
+    nothing is said.
     """
     count = len(differences) + ORDER
-    inside, places = np.arange(ORDER, count - ORDER), np.arange(ORDER + 1)
-    # Sample i stands at place k of the five that begin at i - k.
-    first = inside[:, None] - places
-    pattern, seen = factors[first, places], differences[first]
-    off = np.zeros(count)
-    off[inside] = np.sum(pattern * seen, axis=1) / np.sum(pattern**2, axis=1)
+    off, inside = np.zeros(count), np.arange(ORDER, count - ORDER)
+    first, whole, covariance = _around(inside, factors)
+    pattern = whole[:, :, ORDER]
+    weights = np.linalg.solve(covariance, pattern[..., None])[..., 0]
+    seen = np.sum(weights * differences[first], axis=1)
+    off[inside] = seen / np.sum(weights * pattern, axis=1)
     return off
 
 
@@ -570,13 +587,14 @@ def _by_itself(i: int, clock: Real, differences: Real, factors: Real) -> bool:
     Two corners at neighbouring samples are a corner between them, or a jump. What is off by itself
     leaves less than they do, though it has one number and they have two.
     """
-    first = np.arange(i - ORDER, i + 1)
-    held = first[:, None] + np.arange(ORDER + 1)
+    (first,), (whole,), (covariance,) = _around(np.array([i]), factors)
+    white = np.linalg.inv(np.linalg.cholesky(covariance))
+    told = white @ differences[first]
 
     def left(signals: Real) -> float:
-        patterns = np.einsum("wj,swj->ws", factors[first], signals[:, held])
-        size = np.linalg.lstsq(patterns, differences[first], rcond=None)[0]
-        return float(np.sum((differences[first] - patterns @ size) ** 2))
+        patterns = white @ whole @ signals[:, i - ORDER : i + ORDER + 1].T
+        size = np.linalg.lstsq(patterns, told, rcond=None)[0]
+        return float(np.sum((told - patterns @ size) ** 2))
 
     corners = np.maximum(clock - clock[i - 1 : i + 2, None], 0.0)
     one = (np.arange(len(clock)) == i).astype(float)
