@@ -161,15 +161,14 @@ class ResidualScatter:
 
         Each story is one of the noise that some fit leaves, and excuses nothing if that is misfit.
         """
-        least = self.deviance(residual)
+        least, n = self.deviance(residual), len(residual)
         for own in stories:
-            if own.colour is None or own.misfit:
-                continue
-            # The likelihood of a wider noise is less by the determinant, and each number of its
-            # spectrum has a price.
-            here, there = (each.spectrum(len(residual)) for each in (self, own))
-            wider = float(np.sum(np.log(there / here))) + own.colour.count * np.log(len(residual))
-            least = min(least, float(own.deviance(residual) + max(wider, 0.0)))
+            if own.colour is not None and not own.misfit:
+                # The likelihood of a wider noise is less by the determinant, and each number of its
+                # spectrum has a price.
+                here, there = (each.spectrum(n) for each in (self, own))
+                wider = float(np.sum(np.log(there / here))) + own.colour.count * np.log(n)
+                least = min(least, float(own.deviance(residual) + max(wider, 0.0)))
         return least
 
     def spectrum(self, count: int) -> Real:
