@@ -120,7 +120,8 @@ def test_html_escapes_everything():
 @pytest.mark.soak
 def test_all_formats_are_written_after_a_run(tmp_path):
     outcome = run_study(small_study(), engine="serial", out=tmp_path, quiet=True)
-    stems = ("choice", "summary", "ranks", "pairs", "profiles", "progress", "timing", "failures")
+    stems = ("choice", "summary", "ranks", "pairs", "profiles", "progress", "timing", "failures",
+             "anytime", "attainment", "sensitivity")  # fmt: skip
     names = {f"{stem}.{suffix}" for stem in stems for suffix, _ in FORMATS.values()}
     assert {path.name for path in outcome.tables} == names
     assert all(path.is_file() for path in outcome.tables)
