@@ -434,17 +434,23 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     if not test.measured or len(test) < FEWEST + ORDER:
         return none
     clock = clock_of(test)
-    differences, factors = _over_noise(test)
-    off = _off(differences, factors)
     imposed = np.interp(test.time, test.loading.time, test.loading.value)
     bends = _beyond(_off(*fourth_differences(clock, imposed)))
     for at in np.searchsorted(test.time, test.loading.jumps[0]):
         bends[max(at - ORDER, 0) : at + ORDER] = True
-    found = np.flatnonzero(_beyond(off) & ~bends).tolist()
-    alone = [i for i in found if _by_itself(i, clock, differences, factors)]
-    if len(alone) > OUTLIERS.most * len(test):
-        return none
-    return np.union1d(none, np.array(alone, dtype=np.int64))
+    # What is found is taken off, as near a large stray a smaller one does not show.
+    left, alone, more = test.response / noise_of(test).sd, bends & False, True
+    while more:
+        differences, factors = fourth_differences(clock, left)
+        off = _off(differences, factors)
+        found = np.flatnonzero(_beyond(off) & ~bends & ~alone).tolist()
+        new = [i for i in found if _by_itself(i, clock, differences, factors)]
+        left[new] -= off[new]
+        alone[new] = True
+        if np.sum(alone) > OUTLIERS.most * len(test):
+            return none
+        more = len(new) > 0
+    return np.union1d(none, np.flatnonzero(alone))
 
 
 def stood_still(test: TimeTest) -> NDArray[np.int64]:
@@ -566,14 +572,16 @@ def _off(differences: Real, factors: Real) -> Real:
 def _beyond(off: Real) -> NDArray[np.bool_]:
     """Which of these numbers (n,) are larger than the largest of so many of noise.
 
-    Of the noise around them, where that is larger than elsewhere.
+    Of the noise beside them, where that is larger than elsewhere.
     """
     from scipy.ndimage import median_filter
     from scipy.special import ndtri
 
     sizes = np.abs(off[ORDER : len(off) - ORDER])
-    # Of the side that is noisier: where the noise grows at once there are no strays beyond.
-    medians = np.pad(median_filter(sizes, AROUND, mode="nearest"), AROUND // 2, mode="edge")
+    # Of the side that is noisier: where the noise grows at once there are no strays beyond. And
+    # only from where no difference holds the sample on, as in those that do a stray is seen again.
+    away = ORDER + 1 + AROUND // 2
+    medians = np.pad(median_filter(sizes, AROUND, mode="nearest"), away, mode="edge")
     around = np.maximum(medians[: len(sizes)], medians[-len(sizes) :])
     around = np.maximum(around, np.median(sizes))
     most = -float(ndtri(0.5 * OUTLIERS.rare / len(off)))
