@@ -565,11 +565,8 @@ def _off(differences: Real, factors: Real) -> tuple[Real, Real]:
     nothing is said.
     """
     count = len(differences) + ORDER
-    off, echo, inside = (
-        np.zeros(count),
-        np.zeros((count, 2 * ORDER + 1)),
-        np.arange(ORDER, count - ORDER),
-    )
+    inside = np.arange(ORDER, count - ORDER)
+    off, echo = np.zeros(count), np.zeros((count, 2 * ORDER + 1))
     first, whole, covariance = _around(inside, factors)
     pattern = whole[:, :, ORDER]
     weights = np.linalg.solve(covariance, pattern[..., None])[..., 0]
