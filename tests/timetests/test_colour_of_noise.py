@@ -11,6 +11,7 @@ from springpot.misfit.coloured_noise import colour_of
 from springpot.misfit.residual_scatter import MEMORIES, ResidualScatter, period_test, scatter_of
 from springpot.registry import parse_model
 from springpot.timetests import identify
+from springpot.timetests.hypotheses import FitResiduals, chi_square_gain
 
 N = 500
 SEEDS = range(20)
@@ -74,9 +75,26 @@ def test_a_story_may_have_noise_of_its_own_for_the_price_of_a_wider_one():
     wider = max(np.sum(np.log(own.spectrum(N))) + own.colour.count * np.log(N), 0.0)
     assert white.squares(residual, own) == pytest.approx(own.deviance(residual) + wider)
     assert white.squares(residual, own) < white.deviance(residual)
+    # So it may where another fit of the same test leaves it.
+    assert white.squares(residual, white, own) == white.squares(residual, own)
     # That of a misfit is no excuse for it.
     missed = ResidualScatter(own.size, own.memory, 1e3, 1.0, colour=own.colour)
     assert white.squares(residual, missed) == white.deviance(residual)
+
+
+def test_noise_that_excuses_one_fit_excuses_one_that_leaves_less():
+    """Of a colour that one of them tells: what is less by a tenth is no worse by thousands."""
+    residual = swinging(3)
+    own = ResidualScatter(2.0, 0.0, 0.0, 1.0, colour=colour_of(residual, MEMORIES))
+    missed = ResidualScatter(2.0, 0.0, 1e3, 1.0)
+    none = np.zeros((0, N)), np.zeros(N)
+    excused, better = (
+        FitResiduals(3, (share * residual,), (told,), none[:1], none[1:])
+        for share, told in ((1.0, own), (0.9, missed))
+    )
+    noise = [ResidualScatter(0.2, 0.0, 0.0, 1.0)]
+    assert 0.0 < chi_square_gain(excused, better, noise) < N
+    assert chi_square_gain(better, excused, noise) == -chi_square_gain(excused, better, noise)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9, 0.99])

@@ -17,7 +17,7 @@ from springpot.timetests import exponentials, floor, hypotheses as left, materia
 
 
 def scatter(size=1.0, memory=0.0):
-    def squares(residual, own=None):
+    def squares(residual, *stories):
         return float(np.sum(np.asarray(residual) ** 2)) / size**2
 
     return SimpleNamespace(
@@ -35,7 +35,7 @@ def of(*residuals, rounded=None, noise_answer=0.0, lines=0, count=3):
     known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
     seen = {"scatters": [scatter()] * len(residuals), "lines": lines, "count": count}
     fitted = SimpleNamespace(residuals=residuals, **seen, **known)
-    fitted.squares = lambda noise: left.FitResiduals.squares(fitted, noise)
+    fitted.squares = lambda noise, *others: left.FitResiduals.squares(fitted, noise, *others)
     answer = np.zeros(len(residuals[0]))
     answer[0] = np.sqrt(noise_answer)
     fitted.noise_answer = [answer, *[np.zeros(len(each)) for each in residuals[1:]]]

@@ -156,16 +156,20 @@ class ResidualScatter:
         spectrum = self.colour.spectrum(frequencies(count))
         return float(np.sum(spectrum)) ** 2 / float(np.sum(spectrum**2))
 
-    def squares(self, residual: Real, own: ResidualScatter) -> float:
-        """As `deviance`; where it may as well be noise of its `own` colour, over that noise."""
-        over_this = self.deviance(residual)
-        if own.colour is None or own.misfit:
-            return over_this
-        # The likelihood of a wider noise is less by the determinant, and each number of its
-        # spectrum has a price.
-        here, there = (each.spectrum(len(residual)) for each in (self, own))
-        wider = float(np.sum(np.log(there / here))) + own.colour.count * np.log(len(residual))
-        return min(over_this, float(own.deviance(residual) + max(wider, 0.0)))
+    def squares(self, residual: Real, *stories: ResidualScatter) -> float:
+        """As `deviance`; where it may as well be noise of another story's colour, over that noise.
+
+        Each story is one of the noise that some fit leaves, and excuses nothing if that is misfit.
+        """
+        least, n = self.deviance(residual), len(residual)
+        for own in stories:
+            if own.colour is not None and not own.misfit:
+                # The likelihood of a wider noise is less by the determinant, and each number of its
+                # spectrum has a price.
+                here, there = (each.spectrum(n) for each in (self, own))
+                wider = float(np.sum(np.log(there / here))) + own.colour.count * np.log(n)
+                least = min(least, float(own.deviance(residual) + max(wider, 0.0)))
+        return least
 
     def spectrum(self, count: int) -> Real:
         """Variance of each number of the cosine transform of `count` samples."""

@@ -473,8 +473,9 @@ def _judged(
     best = min([named, slip.left], key=bic_of)
     noise = noise_of_best(before, best)
     judged = [replace(each, delta=delta_bic(before, each.left, noise)) for each in tried]
-    # Where the misfit is not certain by itself, it is the noise over which an effect shows it.
-    if before.misfit and best.misfit:
+    # Where the misfit is not certain, it is the noise over which an effect shows it.
+    certain = before.misfit or delta_bic(before, best, noise) >= SEARCH.decisive
+    if certain and best.misfit:
         # No unit but that of what the best explanation misses: over the noise alone whatever takes
         # a little more of a large misfit would be proved.
         judged = [

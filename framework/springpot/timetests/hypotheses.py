@@ -158,10 +158,14 @@ class FitResiduals:
             )
         return tuple(rows)
 
-    def squares(self, noise: Sequence[ResidualScatter]) -> float:
-        """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
-        told = zip(self.residuals, noise, self.scatters, strict=True)
-        return sum(scatter.squares(value, own) for value, scatter, own in told)
+    def squares(self, noise: Sequence[ResidualScatter], *others: FitResiduals) -> float:
+        """Sum of squares over that noise, a sample counted for what it adds to its neighbours.
+
+        It may be the noise that this fit leaves, or one of the others.
+        """
+        stories = zip(*(each.scatters for each in (self, *others)), strict=True)
+        told = zip(self.residuals, noise, stories, strict=True)
+        return sum(scatter.squares(value, *owns) for value, scatter, owns in told)
 
     def whitened(self, noise: Sequence[ResidualScatter]) -> list[Real]:
         """The residuals over that noise, free of its memory."""
@@ -299,7 +303,8 @@ def chi_square_gain(
     what is expected varies, with four times the square of that difference: what is beyond counts
     as the square of its own deviations, where that is less.
     """
-    gain = base.squares(noise) - other.squares(noise)
+    # A noise that excuses what one of them leaves may excuse what the other does.
+    gain = base.squares(noise, other) - other.squares(noise, base)
     spared = base.squares_of_imposed(noise) - other.squares_of_imposed(noise)
     answers = zip(base.noise_answer, other.noise_answer, noise, strict=True)
     varied = 4.0 * sum(float(np.sum(each.whitened(one - two) ** 2)) for one, two, each in answers)

@@ -16,7 +16,7 @@ from springpot.identification.convex import start_of
 from springpot.identification.intervals import FAR, inverse_of
 from springpot.identification.leastsquares import Solution, levenberg_marquardt, one_by_one
 from springpot.identification.material import is_material
-from springpot.identification.native import LAST, NEAR
+from springpot.identification.native import NEAR
 from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
 from springpot.identification.task import FLAT_SHAPES
@@ -224,8 +224,9 @@ class TimeSearch:
 
     def ended(self, parts: Sequence[TestPart], near: Real, spent: int) -> tuple[Real, int, bool]:
         """The same from a point near the best one, where `spent` evaluations have led."""
-        # With all samples and exact answers, near enough to the minimum for undamped steps.
-        last = self._descend(parts, near[None], False, LAST, NEAR)
+        # With all samples and exact answers, mostly near enough to the minimum for undamped steps;
+        # from a flat end, such as an endless spring, it is a longer way.
+        last = self._descend(parts, near[None], False, MOST_STEPS, NEAR)
         return last.u[0], spent + last.evaluations, bool(last.converged[0])
 
     def near(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int]:
