@@ -39,14 +39,23 @@ def test_a_sample_that_is_off_by_itself_is_found(sign: float) -> None:
 
 
 def test_most_that_are_off_by_a_dozen_deviations_are_found_and_no_other() -> None:
-    """In 50 of 60 draws; by plain least squares of the differences it was 17."""
+    """In 59 of 60 draws; by plain least squares of the differences it was 17."""
     found = []
     for at, noise in enumerate(NOISE, start=10):
         for sign in (1.0, -1.0):
             off = sign * 12.0 * (np.arange(len(T)) == at)
             found.append(strays(record(100.0 * np.cos(T) + noise + off)).tolist())
             assert found[-1] in ([at], [])
-    assert sum(bool(each) for each in found) == 50
+    assert sum(bool(each) for each in found) == 59
+
+
+def test_strays_do_not_hide_one_another() -> None:
+    """Beside what they leave in the differences of their neighbours 6 of these 150 were found."""
+    places = [60, 70, 140, 150, 160]
+    off = 15.0 * np.isin(np.arange(len(T)), places)
+    found = [strays(record(100.0 * np.cos(T) + noise + off)).tolist() for noise in NOISE]
+    assert all(set(each) <= set(places) for each in found)
+    assert sum(map(len, found)) == 137
 
 
 def test_several_are_found_and_told() -> None:

@@ -39,6 +39,15 @@ def test_another_line_is_a_vibration():
     (note,) = notes_of(0.005, 71.3, 0.01)
     assert told(note) == pytest.approx((71.3, 0.01), rel=0.05)
     assert "a vibration" in note
+    assert "no part of the specimen" in note
+
+
+def test_a_harmonic_of_the_motion_may_be_the_specimens_own():
+    # Of 1.5 Hz the eleventh: friction leaves all odd ones.
+    (note,) = notes_of(0.025, 16.5, 0.01)
+    assert told(note) == pytest.approx((16.5, 0.01), rel=0.05)
+    assert "or a harmonic of the motion" in note
+    assert "no part of the specimen" not in note
 
 
 @pytest.mark.soak_cases("2", "3")

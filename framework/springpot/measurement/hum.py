@@ -148,7 +148,7 @@ def hum_in(response: Real, clock: Real, imposed: Real) -> list[Hum]:
     step = float(np.mean(np.diff(clock)))
     if 2.0 * step * MAINS[0] > 1.0:
         return found
-    own, apart = _of_a_motion(imposed)
+    own, apart = of_a_motion(imposed)
     for _ in range(len(MAINS) * len(HARMONICS)):
         rest = response - sum(hum.course for hum in found)
         sought = np.where(own, 0.0, _ratios(rest, step, apart))
@@ -159,8 +159,8 @@ def hum_in(response: Real, clock: Real, imposed: Real) -> list[Hum]:
     return found
 
 
-def _of_a_motion(imposed: Real) -> tuple[NDArray[np.bool_], int]:
-    """Ordinates at which a motion (n,) may have lines, or what is made of it; and its own one.
+def of_a_motion(imposed: Real) -> tuple[NDArray[np.bool_], int]:
+    """Ordinates (m,) at which a motion (n,) may have lines, or what is made of it; and its own one.
 
     What a specimen makes of a motion is at sums of its frequencies, and the harmonics of the
     strongest one: the first of them may well stand alone.

@@ -430,21 +430,31 @@ def strays(test: TimeTest) -> NDArray[np.int64]:
     >>> strays(TimeTest.of_relaxation(t, signal + 0.2 * (np.arange(60) == 30)))
     array([30])
     """
+    from scipy.ndimage import maximum_filter
+
     none = np.union1d(np.array(sorted(test.aside), dtype=np.int64), stood_still(test))
     if not test.measured or len(test) < FEWEST + ORDER:
         return none
     clock = clock_of(test)
-    differences, factors = _over_noise(test)
-    off = _off(differences, factors)
     imposed = np.interp(test.time, test.loading.time, test.loading.value)
-    bends = _beyond(_off(*fourth_differences(clock, imposed)))
+    bends = _beyond(*_off(*fourth_differences(clock, imposed)))
     for at in np.searchsorted(test.time, test.loading.jumps[0]):
         bends[max(at - ORDER, 0) : at + ORDER] = True
-    found = np.flatnonzero(_beyond(off) & ~bends).tolist()
-    alone = [i for i in found if _by_itself(i, clock, differences, factors)]
-    if len(alone) > OUTLIERS.most * len(test):
-        return none
-    return np.union1d(none, np.array(alone, dtype=np.int64))
+    # What is found is taken off, as near a large stray a smaller one does not show; what is off
+    # near that which is further off, and stays, is part of it.
+    left, alone, more = test.response / noise_of(test).sd, bends & False, True
+    while more:
+        differences, factors = fourth_differences(clock, left)
+        off, echo = _off(differences, factors)
+        largest = maximum_filter(np.abs(off), 2 * ORDER + 1) == np.abs(off)
+        found = np.flatnonzero(_beyond(off, echo) & largest & ~bends & ~alone)
+        new = [i for i in found.tolist() if _by_itself(i, clock, differences, factors)]
+        left[new] -= off[new]
+        alone[new] = True
+        if np.sum(alone) > OUTLIERS.most * len(test):
+            return none
+        more = len(new) > 0
+    return np.union1d(none, np.flatnonzero(alone))
 
 
 def stood_still(test: TimeTest) -> NDArray[np.int64]:
@@ -513,7 +523,7 @@ def _said_of_alone(test: TimeTest, rows: NDArray[np.int64]) -> str:
         return ""
     off = [test.aside.get(row, 0.0) for row in rows.tolist()]
     if len(test) >= FEWEST + ORDER:
-        off += _off(*_over_noise(test))[rows].tolist()
+        off += _off(*_over_noise(test))[0][rows].tolist()
     most = float(np.abs(off).max())
     named = ", ".join(f"{t:.4g}" for t in test.time[rows[:SHOWN]]) + (
         ", ..." if len(rows) > SHOWN else ""
@@ -546,39 +556,47 @@ def _around(rows: NDArray[np.int64], factors: Real) -> tuple[NDArray[np.int64], 
     return first, whole, covariance + np.finfo(float).eps * np.eye(ORDER + 1)
 
 
-def _off(differences: Real, factors: Real) -> Real:
+def _off(differences: Real, factors: Real) -> tuple[Real, Real]:
     """By how much each sample (n,) is off, by the five differences that hold it.
 
-    By generalised least squares (Aitken 1935), as differences share samples: of white noise of
-    size one it has a standard deviation of 1.16 then. At the ends, which fewer of them hold,
+    And how much of that (n, 9) one would be seen to be by which the others around it are off, and
+    itself. By generalised least squares (Aitken 1935), as differences share samples: of white noise
+    of size one it has a standard deviation of 1.16 then. At the ends, which fewer of them hold,
     nothing is said.
     """
     count = len(differences) + ORDER
-    off, inside = np.zeros(count), np.arange(ORDER, count - ORDER)
+    inside = np.arange(ORDER, count - ORDER)
+    off, echo = np.zeros(count), np.zeros((count, 2 * ORDER + 1))
     first, whole, covariance = _around(inside, factors)
     pattern = whole[:, :, ORDER]
     weights = np.linalg.solve(covariance, pattern[..., None])[..., 0]
-    seen = np.sum(weights * differences[first], axis=1)
-    off[inside] = seen / np.sum(weights * pattern, axis=1)
-    return off
+    weights /= np.sum(weights * pattern, axis=1)[:, None]
+    off[inside] = np.sum(weights * differences[first], axis=1)
+    echo[inside] = np.einsum("ij,ijk->ik", weights, whole)
+    return off, echo
 
 
-def _beyond(off: Real) -> NDArray[np.bool_]:
+def _beyond(off: Real, echo: Real) -> NDArray[np.bool_]:
     """Which of these numbers (n,) are larger than the largest of so many of noise.
 
     Of the noise around them, where that is larger than elsewhere.
     """
-    from scipy.ndimage import median_filter
     from scipy.special import ndtri
 
-    sizes = np.abs(off[ORDER : len(off) - ORDER])
-    # Of the side that is noisier: where the noise grows at once there are no strays beyond.
-    medians = np.pad(median_filter(sizes, AROUND, mode="nearest"), AROUND // 2, mode="edge")
-    around = np.maximum(medians[: len(sizes)], medians[-len(sizes) :])
-    around = np.maximum(around, np.median(sizes))
     most = -float(ndtri(0.5 * OUTLIERS.rare / len(off)))
-    beyond = sizes > most * np.maximum(NORMAL * around, SMALLEST)
-    return np.pad(beyond, ORDER)
+    off, echo = off[ORDER : len(off) - ORDER], echo[ORDER : len(echo) - ORDER]
+    number, sizes = np.arange(len(off))[:, None], np.abs(off)
+    around = np.full(len(off), np.median(sizes))
+    # Of the side that is noisier: where the noise grows at once there are no strays beyond.
+    for first in (number - AROUND, number + 1):
+        beside = np.clip(first, 0, max(len(off) - AROUND, 0)) + np.arange(min(AROUND, len(off)))
+        # What a sample leaves in the differences of its neighbours is no noise.
+        apart = number - beside
+        shared = (np.abs(apart) <= ORDER) & (apart != 0)
+        own = np.where(shared, echo[beside, np.clip(apart + ORDER, 0, 2 * ORDER)], 0.0)
+        missed = np.abs(off[beside] - own * off[:, None])
+        around = np.maximum(around, np.median(missed, axis=1))
+    return np.pad(sizes > most * np.maximum(NORMAL * around, SMALLEST), ORDER)
 
 
 def _by_itself(i: int, clock: Real, differences: Real, factors: Real) -> bool:

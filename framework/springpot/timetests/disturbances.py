@@ -21,6 +21,7 @@ from springpot.measurement.hum import (
     RARE,
     WIDE,
     at_mains,
+    of_a_motion,
     over_neighbours,
     periodogram,
 )
@@ -324,7 +325,8 @@ def _is_shown(story: Real, jump: Jump) -> bool:
 def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
     """The strongest line in a residual (m,) over the noise, in words; nothing where there is none.
 
-    Sought where a misfit of a model does not reach, and at the frequencies of the mains.
+    Sought where a misfit of a model does not reach, and at the frequencies of the mains. One that a
+    specimen may have made of its motion, as friction makes its harmonics, may be its own.
     """
     if not isinstance(part, InTimePart) or len(part.at) < FEWEST_OF_LINE or not is_even(part.at):
         return
@@ -339,10 +341,11 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
         return
     share = power[max(0, top - WIDE) : top + WIDE + 1].sum() / power.sum()
     size = np.sqrt(2.0 * share) * rms(missed - missed.mean())
-    whose = "a vibration, or the hum of a device"
-    if of_mains[top]:
-        whose = "the hum of the mains"
+    whose = "the hum of the mains" if of_mains[top] else "a vibration, or the hum of a device"
+    loading = part.test.loading
+    own, _ = of_a_motion(np.interp(part.at, loading.time, loading.value))
+    beside = "or a harmonic of the motion" if own[top] else "no part of the specimen"
     yield (
         f"what is left of {part.test.name} holds a line at {plain(float(hertz[top]), 3)} Hz,"
-        f" {plain(float(size), 2)} {part.unit} in amplitude: {whose}, no part of the specimen"
+        f" {plain(float(size), 2)} {part.unit} in amplitude: {whose}, {beside}"
     )

@@ -465,6 +465,11 @@ class View:
         return self.quick.followed(answer[None])[:, 0]
 
     @cached_property
+    def followed(self) -> bool:
+        """Whether the exponentials follow the model; one that swings under a force they do not."""
+        return bool(np.all(np.isfinite(self.amounts)))
+
+    @cached_property
     def loudest(self) -> Real:
         """Angular frequencies (b,) at one of which it rings, if it does.
 
@@ -487,6 +492,9 @@ class View:
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (n, g) for a change of K."""
+        if not self.followed:
+            slopes = [self._exact(change.whole, theta).by_theta for theta in change.theta]
+            return np.column_stack([each[:, change.size] for each in slopes]) * scale
         by_size = change(self.at, self.part.test) * scale
         if self.part.test.control == "force":
             by_size = -by_size / self.stiffness**2
@@ -494,6 +502,8 @@ class View:
 
     def of_step(self, change: _Change) -> Real:
         """Columns (n, g) for a K that is another altogether."""
+        if not self.followed:
+            return np.column_stack([self.with_model(change.whole, each) for each in change.theta])
         before, after = self.stiffness, change.stiffness(self.at, self.part.test)
         if self.part.test.control == "force":
             before, after = 1.0 / before, 1.0 / after
@@ -504,6 +514,8 @@ class View:
         test = self.part.test
         if not effect.applies_to(test):
             return np.zeros(len(self.t))
+        if not self.followed:
+            return self.with_model(*_with_effect(self.base, effect, values))
         place = [Placed(effect, "", list(range(len(values))))]
         if at_loading(place):
             loading, _ = reached(place, values, test, self.t)
@@ -520,6 +532,14 @@ class View:
         # At the instant of a step, of weight nothing, the answer may be endless: their product
         # would be no number.
         return np.where(self.weight > 0.0, answer.value - self.value, 0.0) * self.weight
+
+    def _exact(self, model: Model, theta: Real) -> Residual:
+        """The residuals (n,) of another model, exactly, and their slopes (n, p)."""
+        answer = recorded(model, theta, self.part.test, self.base.reference, self.t, NEGLIGIBLE)
+        counts = self.weight > 0.0
+        missed = np.where(counts, answer.value - self.part.test.response[self.part.rows], 0.0)
+        slopes = np.where(counts[:, None], answer.by_theta, 0.0)
+        return Residual(missed * self.weight, slopes * self.weight[:, None])
 
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
