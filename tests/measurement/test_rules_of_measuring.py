@@ -268,9 +268,7 @@ def test_runs_differ_by_an_analysis_of_variance(monkeypatch):
     np.testing.assert_allclose(found.mean.stiffness, exact, rtol=0.02)
     assert replicates.average_repeats(data).floor(
         Noise(0.01 * found.mean.magnitude * (1.0 + 1.0j), np.inf, "given")
-    ) == pytest.approx(
-        np.hypot(0.01 * np.sqrt(2.0 * np.mean(found.scatter.dof + 1.0)), found.own_gain)
-    )
+    ) == pytest.approx(np.hypot(0.01 * np.sqrt(2.0 * runs), found.own_gain))
 
 
 @pytest.mark.parametrize(

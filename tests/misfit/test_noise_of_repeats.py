@@ -6,14 +6,15 @@ import pytest
 from springpot.measurement import Measurement, average_repeats
 from springpot.measurement.replicates import noise_of_repeats
 from springpot.misfit.frame import NoiseFrame
+from springpot.misfit.residual_tests import repeats_structure
 
 N = 60
 OMEGA = np.geomspace(0.1, 100.0, N)
 STIFFNESS = 100.0 + 100.0 * 1j * OMEGA / (1.0 + 1j * OMEGA)
 
 
-def told_of(errors, count=2):
-    """Noise of the means of so many repeats with errors (count N,) over |K|."""
+def averaged(errors, count=2):
+    """Means of so many repeats with errors (count N,) over |K|."""
     off = np.abs(STIFFNESS) * np.reshape(errors, (count, N))
     data = Measurement(
         np.tile(OMEGA, count),
@@ -21,7 +22,12 @@ def told_of(errors, count=2):
         repeat=np.repeat(np.arange(count), N),
         name="made",
     )
-    return noise_of_repeats(average_repeats(data))
+    return average_repeats(data)
+
+
+def told_of(errors, count=2):
+    """Their noise."""
+    return noise_of_repeats(averaged(errors, count))
 
 
 def normal(rng, count=2):
@@ -82,3 +88,13 @@ def test_repeats_that_rise_towards_an_end_are_told_so():
     rise = 1.0 + 7.0 * np.linspace(0.0, 1.0, N) ** 4
     sd = told_of(normal(rng) * np.tile(rise, 2)).sd.real / np.abs(STIFFNESS)
     assert sd[-1] > 3.0 * sd[N // 2]
+
+
+def test_repeats_are_still_those_once_a_point_was_set_aside():
+    """Not one number of each point, which chance alone would never leave so still."""
+    rng = np.random.default_rng(1)
+    whole = averaged(normal(rng, 3), 3)
+    left = whole.without(np.arange(N) == 7)
+    assert len(left.raw) == 3 * (N - 1)
+    assert left.apart == pytest.approx(whole.apart[whole.group != 7])
+    assert repeats_structure(left, rng).p_value > 0.05

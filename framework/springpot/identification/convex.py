@@ -171,7 +171,7 @@ def relaxation_of(retardation: ConvexSpectrum) -> ConvexSpectrum:
     Examples
     --------
     >>> import numpy as np
-    >>> from .convex import ConvexSpectrum, relaxation_of
+    >>> from springpot.identification.convex import ConvexSpectrum, relaxation_of
     >>> found = relaxation_of(ConvexSpectrum(0.5, 0.0, np.array([0.5]), np.array([0.5])))
     >>> found.equilibrium, found.viscosity, found.rates.round(6), found.weights.round(6)
     (1.0, 0.0, array([1.]), array([1.]))

@@ -74,26 +74,37 @@ class Averaged:
             return 0.0
         return rms(np.abs(self.gains))
 
-    def deviations(self) -> Complex:
-        """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|.
+    @property
+    def count(self) -> Rows:
+        """How many rows each mean is of, (n,)."""
+        return np.bincount(self.group)
 
-        Shape (N,).
-        """
+    @property
+    def apart(self) -> Complex:
+        """Each measured row, its run's own gain taken away, less the mean of its repeats, (N,)."""
         stiffness = self.raw.stiffness
         if self.gains is not None:
             stiffness = stiffness / (1.0 + self.gains)
-        return (stiffness - self.mean.stiffness[self.group]) / self.raw.magnitude
+        return np.asarray(stiffness - self.mean.stiffness[self.group], dtype=np.complex128)
+
+    def deviations(self) -> Complex:
+        """The same over |K|, (N,)."""
+        return self.apart / self.raw.magnitude
 
     def scatter_after(self, turn: Complex) -> Scatter:
         """Of each mean (n,), after its repeats were turned by unit numbers (n,)."""
-        off = self.deviations() * self.raw.magnitude * turn[self.group]
-        return Scatter(*_squares_of(off, self.group), self.scatter.dof)
+        return Scatter(*_squares_of(self.apart * turn[self.group], self.group), self.scatter.dof)
 
     def without(self, rows: NDArray[np.bool_]) -> Averaged:
         """The averages without some of them, (n,); the reference temperature stays."""
-        mean = self.mean.subset(np.flatnonzero(~rows))
-        scatter = Scatter(*(column[~rows] for column in self.scatter))
-        return Averaged(mean, mean, scatter, np.arange(len(mean)))
+        kept = ~rows[self.group]
+        return Averaged(
+            self.raw.subset(kept),
+            self.mean.subset(~rows),
+            Scatter(*(column[~rows] for column in self.scatter)),
+            (np.cumsum(~rows) - 1)[self.group[kept]],
+            None if self.gains is None else self.gains[kept],
+        )
 
     def relative_rms(self, model: Model, theta: Real) -> float:
         """Root mean square of |K_model - K| / |K| over all measured rows."""
@@ -103,9 +114,8 @@ class Averaged:
     def floor(self, noise: Noise) -> float:
         """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""
         # The noise is that of the means: single rows scatter by the root of their number more.
-        count = self.scatter.dof + 1.0
-        single = (noise.sd.real**2 + noise.sd.imag**2) * count / self.mean.magnitude**2
-        return float(np.sqrt(np.sum(count * single) / np.sum(count) + self.own_gain**2))
+        single = (noise.sd.real**2 + noise.sd.imag**2) * self.count / self.mean.magnitude**2
+        return float(np.sqrt(np.average(single, weights=self.count) + self.own_gain**2))
 
 
 def average_repeats(measurement: Measurement) -> Averaged:
@@ -312,7 +322,7 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
         return None
     axes = np.asarray(np.conj(mean.stiffness) / mean.magnitude, dtype=np.complex128)
     sd, turn = noise_shape(mean, scatter, averaged.scatter_after(axes), axes, uneven=True)
-    noise = Noise.shaped(sd / np.sqrt(scatter.dof + 1.0), turn, dof, "repeats")
+    noise = Noise.shaped(sd / np.sqrt(averaged.count), turn, dof, "repeats")
     return replace(noise, tails=_tails(averaged, noise))
 
 
@@ -321,12 +331,12 @@ def _tails(averaged: Averaged, noise: Noise) -> float:
 
     Every other repeat of a point less the others: that is spread about as the error of their mean.
     """
-    group, count = averaged.group, np.bincount(averaged.group)
+    group, count = averaged.group, averaged.count
     order = np.argsort(group, kind="stable")
     place = np.arange(len(group)) - np.searchsorted(group[order], group[order])
     sign = np.empty(len(group))
     sign[order] = 1.0 - 2.0 * (place % 2)
-    apart = _means(averaged.deviations() * averaged.raw.magnitude * sign, group)
+    apart = _means(averaged.apart * sign, group)
     if noise.turn is not None:
         apart = apart * noise.turn
     # Of an odd number the signs have a mean, which the deviations have not.

@@ -346,9 +346,9 @@ def noise_shape(
     shapes = [*_shapes_of(measurement), along_k(measurement, turn)]
     if uneven:
         shapes += _uneven_shapes_of(measurement, None)
-    costs = [shape.fit(scatter if shape.turn is None else turned) for shape in shapes]
-    best = min(range(len(shapes)), key=lambda k: costs[k][0])
-    return costs[best][1], shapes[best].turn
+    fits = [(*shape.fit(scatter if shape.turn is None else turned), shape.turn) for shape in shapes]
+    _, sd, axes = min(fits, key=lambda fit: fit[0])
+    return sd, axes
 
 
 def robust_noise_shape(

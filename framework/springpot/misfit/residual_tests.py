@@ -528,7 +528,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     if np.sum(data.scatter.dof) < REPEATS.enough:
         return Battery(1.0, {})
     # Simulated repeats lose the mean of their group, as the measured ones did.
-    count = data.scatter.dof + 1.0
+    count = data.count
     noise = rng.standard_normal((DRAWS, 2, len(data.raw)))
     order = np.argsort(data.group, kind="stable")
     starts = np.searchsorted(data.group[order], np.arange(len(count)))
@@ -539,7 +539,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     told = noise_of_repeats(data)
     assert told is not None, "there are enough"
     sd = (told.sd * np.sqrt(count))[data.group]
-    off = data.deviations() * data.raw.magnitude
+    off = data.apart
     sample = np.concatenate([np.stack([off.real / sd.real, off.imag / sd.imag])[None], noise])
     # In units of their own scatter: how large repeats scatter is the noise itself, and only order
     # is evidence.
@@ -592,7 +592,7 @@ def sets_apart(data: Averaged) -> Apart:
     if size == 0.0:
         return Apart(0.0, 0.0, False)
     slow = drift_curves(len(measured))
-    count = np.bincount(data.group)
+    count = data.count
     # The deviations have lost the means of the repeats; so must the curves.
     sums = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T])
     lost = sums / count[data.group, None]
