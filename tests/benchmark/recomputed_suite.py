@@ -67,8 +67,7 @@ class Race:
 
     def share(self, label, part):
         names = [p for p in self.problems if self.suite[p]["part"] in PARTS[part]]
-        hits = [hit for name in names for hit, _ in self.trials[name, label]]
-        return wilson(sum(np.isfinite(hit) for hit in hits), len(hits))
+        return share_over([[hit for hit, _ in self.trials[name, label]] for name in names])
 
     def running_time(self, problem, label):
         return time_of(self.trials[problem, label])
@@ -127,13 +126,34 @@ def interval(ratios):
     return mean(ratios), *np.quantile(np.exp(np.log(ratios)[drawn].mean(axis=1)), [0.025, 0.975])
 
 
-def wilson(successes, n):
-    z = 1.959963984540054
-    rate, wide = successes / n, 1 + z * z / n
-    centre = (rate + z * z / (2 * n)) / wide
-    half = z / wide * sqrt(rate * (1 - rate) / n + z * z / (4 * n * n))
-    low = centre - half if successes else 0.0
-    return rate, low, centre + half if successes < n else 1.0
+Z = 1.959963984540054
+STUDENT = {
+    10: 2.2281388519649385,
+    18: 2.10092204024096,
+    19: 2.093024054408263,
+    29: 2.045229642132703,
+}
+"""Two-sided 5 % point of Student's t by degrees of freedom: of 11, 19, 20 and 30 problems."""
+
+
+def wilson(rate, n):
+    wide = 1 + Z * Z / n
+    centre = (rate + Z * Z / (2 * n)) / wide
+    half = Z / wide * sqrt(rate * (1 - rate) / n + Z * Z / (4 * n * n))
+    return max(centre - half, 0.0), min(centre + half, 1.0)
+
+
+def share_over(problems):
+    """Share of trials with its interval over problems, by the design effect of a cluster sample."""
+    shares = [np.mean(np.isfinite(hits)) for hits in problems]
+    k, trials, rate = len(shares), sum(map(len, problems)), float(np.mean(shares))
+    all_hit, none_hit = wilson(1.0, k), wilson(0.0, k)
+    if rate in (0.0, 1.0):
+        return rate, *(all_hit if rate else none_hit)
+    independent = rate * (1 - rate) / trials
+    effect = max(sum((share - rate) ** 2 for share in shares) / (k * (k - 1)) / independent, 1.0)
+    low, high = wilson(rate, trials / effect * (Z / STUDENT[k - 1]) ** 2)
+    return rate, min(low, all_hit[0]), max(high, none_hit[1])
 
 
 def judged(race, more, label):

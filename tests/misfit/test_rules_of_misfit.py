@@ -261,7 +261,9 @@ def test_a_ripple_is_looked_for_between_the_lines_beside_the_strongest(monkeypat
         lambda data, rows: power[None] if len(rows) == 1 else 0.0 * power[None],
     )
     monkeypatch.setattr(
-        outliers, "_energy_of_ripples", lambda frame, left, x: asked.append(x) or -abs(x - 4.0)
+        outliers,
+        "_energy_of_ripples",
+        lambda frame, curves, left, x: asked.append(x) or -abs(x - 4.0),
     )
     scatter = SimpleNamespace(kept=np.ones(82, bool), left=np.ones(82), variance=1.0)
     frame = SimpleNamespace(measurement=None)

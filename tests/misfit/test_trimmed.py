@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.frame import NoiseFrame
-from springpot.misfit.outliers import left_by, trimmed
+from springpot.misfit.frame import NoiseFrame, waves
+from springpot.misfit.outliers import _energy_of_ripples, left_by, trimmed
 
 SWEEPS, POINTS, NOISE = 80, 12, 0.01
 
@@ -58,3 +58,23 @@ def test_white_noise_of_many_short_sweeps_holds_no_ripple(seed):
 @pytest.mark.soak
 def test_a_ripple_in_many_sweeps_is_no_noise():
     assert trimmed(framed(NOISE, 4)).variance == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.7])
+def test_a_ripple_is_fitted_beside_the_curves_that_were_fitted_before(share):
+    """In one sweep its energy is what plain least squares of both gains over the curves alone."""
+    rng, n = np.random.default_rng(7), 24
+    k = (1.0 + 0.3j) * np.geomspace(1.0, 30.0, n)
+    weights = 1.0 / np.abs(k) + 2.0j / np.abs(k)
+    data = Measurement(np.geomspace(1.0, 50.0, n), k)
+    frame = NoiseFrame(data, k, weights, np.zeros((0, n), dtype=np.complex128))
+    periods = np.array([3.3, 7.9, 8.1, 12.0])
+    ripple = frame.relative(waves(data, 8.1))
+    curves, _ = np.linalg.qr(share * ripple[:, :1] + rng.normal(size=(2 * n, 5)) / n)
+    residual = ripple @ np.array([3.0, 1.0, -2.0, 1.0]) + rng.normal(size=2 * n)
+    left = residual - curves @ (curves.T @ residual)
+    told = []
+    for period in periods:
+        both = np.concatenate([curves, frame.relative(waves(data, period))], axis=1)
+        told.append(left @ left - np.linalg.lstsq(both, residual, rcond=None)[1][0])
+    np.testing.assert_allclose(_energy_of_ripples(frame, curves, left, periods), told)

@@ -205,13 +205,14 @@ def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
     # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at
     # the ends.
     periods = 2.0 * longest / np.linspace(peak - 1.0, peak + 1.0, FINE)[1:-1]
-    return float(periods[np.argmax(_energy_of_ripples(frame, left, periods))])
+    return float(periods[np.argmax(_energy_of_ripples(frame, followed, left, periods))])
 
 
-def _energy_of_ripples(frame: NoiseFrame, left: Real, periods: Real) -> Real:
+def _energy_of_ripples(frame: NoiseFrame, followed: Real, left: Real, periods: Real) -> Real:
     """Energy (m,) of a whitened scatter along ripples in size and phase of K.
 
-    The ripples are of some periods (m,), in points.
+    The ripples are of some periods (m,), in points, and fitted beside the curves (2n, q) that were
+    fitted before: what these have of a ripple would draw its period off.
     """
     n, energy = len(frame.measurement), np.zeros(len(periods))
     # Sweep by sweep: a ripple of one says nothing of the others, and small matrices are quickly
@@ -226,14 +227,18 @@ def _energy_of_ripples(frame: NoiseFrame, left: Real, periods: Real) -> Real:
             len(periods), len(rows), -1
         )
         turn = None if frame.turn is None else frame.turn[rows]
-        columns = weighted(np.swapaxes(change, 1, 2), frame.weights[rows], turn).swapaxes(1, 2)
-        size = np.linalg.norm(columns, axis=1, keepdims=True)
-        axes, sizes, _ = np.linalg.svd(
-            columns / np.where(size > 0.0, size, 1.0), full_matrices=False
-        )
-        along = np.einsum("kji,j->ki", axes, np.concatenate([left[rows], left[rows + n]]))
-        # The fastest alternation has no sine: its direction is rounding.
-        energy += np.sum(along**2 * (sizes > ALIKE * sizes[:, :1]), axis=1)
+        columns = weighted(np.swapaxes(change, 1, 2), frame.weights[rows], turn)
+        size = np.linalg.norm(columns, axis=-1, keepdims=True)
+        columns = columns / np.where(size > 0.0, size, 1.0)
+        both = np.concatenate([rows, rows + n])
+        beside = columns @ followed[both]
+        squares = columns @ columns.swapaxes(1, 2) - beside @ beside.swapaxes(1, 2)
+        sizes, ways = np.linalg.eigh(squares)
+        along = np.einsum("mki,mk->mi", ways, columns @ left[both])
+        # The fastest alternation has no sine, and curves may have all of a ripple: what is left of
+        # such a direction is rounding.
+        seen = sizes > LEAST_SEEN**2
+        energy += np.sum(along**2 * seen / np.where(seen, sizes, 1.0), axis=1)
     return energy
 
 

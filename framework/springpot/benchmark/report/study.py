@@ -175,8 +175,8 @@ def _choices(findings: Findings) -> Iterator[Html]:
     yield tag(
         "p",
         "For your model, your data and the evaluations you can afford. Shown are the share of"
-        " trials that reached the target, with its 95 % interval, and the expected evaluations to"
-        " it. ∇: uses gradients.",
+        " trials that reached the target, with its 95 % interval (over all problems: for further"
+        " problems like these), and the expected evaluations to it. ∇: uses gradients.",
         class_="quiet",
     )
     yield wide(f"table of {', '.join(headers)}", table(headers, rows), "choice")
