@@ -16,6 +16,7 @@ from springpot.distributions import f_sf
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
+from ..memory import LIKENESS, Links, effective_share, fitted_memory
 from ..numerics import SMALLEST, rms
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
@@ -322,14 +323,14 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
         return None
     axes = np.asarray(np.conj(mean.stiffness) / mean.magnitude, dtype=np.complex128)
     sd, turn = noise_shape(mean, scatter, averaged.scatter_after(axes), axes, uneven=True)
-    noise = Noise.shaped(sd / np.sqrt(averaged.count), turn, dof, "repeats")
-    return replace(noise, tails=_tails(averaged, noise))
+    return _with_course(Noise.shaped(sd / np.sqrt(averaged.count), turn, dof, "repeats"), averaged)
 
 
-def _tails(averaged: Averaged, noise: Noise) -> float:
-    """By how many degrees of freedom of Student's t the errors of the means are spread.
+def _with_course(noise: Noise, averaged: Averaged) -> Noise:
+    """Such noise with its memory along the sweeps, and its tails.
 
-    Every other repeat of a point less the others: that is spread about as the error of their mean.
+    Every other repeat of a point less the others: that goes on from point to point, and is spread
+    about, as the error of their mean.
     """
     group, count = averaged.group, averaged.count
     order = np.argsort(group, kind="stable")
@@ -341,10 +342,17 @@ def _tails(averaged: Averaged, noise: Noise) -> float:
         apart = apart * noise.turn
     # Of an odd number the signs have a mean, which the deviations have not.
     size, told = np.sqrt(1.0 - (count % 2) / count**2), count > 1
-    whole = np.stack([apart.real / noise.parts.real, apart.imag / noise.parts.imag])[:, told]
-    return tails_of(
-        np.concatenate([part / max(rms(part), SMALLEST) for part in whole / size[told]])
-    )
+    whole = np.stack([apart.real / noise.parts.real, apart.imag / noise.parts.imag])
+    whole = whole[:, told] / size[told]
+    values = np.concatenate([part / max(rms(part), SMALLEST) for part in whole])
+    lines = sweeps_of(averaged.mean.subset(told))
+    links = Links.along([rows + k for rows, _ in lines for k in (0, int(np.sum(told)))])
+    found = fitted_memory(values[:, None], links, LIKENESS)
+    if found.gain <= 0.0:
+        return replace(noise, tails=tails_of(values))
+    dof = effective_share(found.memory**2) * noise.dof
+    new = found.new / max(rms(found.new), SMALLEST)
+    return replace(noise, memory=found.memory, dof=dof, tails=tails_of(new))
 
 
 def thinned(measurement: Measurement) -> Measurement:
