@@ -331,8 +331,9 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
 
 def _places(averaged: Averaged) -> tuple[Rows, Rows]:
     """Rows (N,) by their points and runs, and which repeat of its point each of them is."""
-    group = averaged.group
-    order = np.lexsort((averaged.raw.repeat, group))
+    group, run = averaged.group, averaged.raw.repeat
+    assert run is not None, "only numbered rows are repeats"
+    order = np.lexsort((run, group))
     return order, np.arange(len(group)) - np.searchsorted(group[order], group[order])
 
 
