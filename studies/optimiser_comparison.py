@@ -27,7 +27,14 @@ from paper.results import available
 from springpot import plugins
 from springpot.benchmark import Store, Study, Table, save_table
 from springpot.benchmark.robustness import OF_ITS_OWN
-from springpot.benchmark.statistics import ecdf, hitting_time, median, target_value, wilson
+from springpot.benchmark.statistics import (
+    Interval,
+    ecdf,
+    hitting_time,
+    median,
+    target_value,
+    wilson_over,
+)
 from springpot.report.tables import Entry
 
 NIST = "nist-srm2491@temperature=20"
@@ -47,6 +54,8 @@ class Finish:
 
     Parameters
     ----------
+    problem : int
+        Number of its problem in the store.
     label : str
         Class of its data.
     hit : float
@@ -55,6 +64,7 @@ class Finish:
         Processor time of the optimiser in a trial of so many evaluations run alone.
     """
 
+    problem: int
     label: str
     hit: float
     seconds: float
@@ -88,7 +98,7 @@ def trials_of(path: Path) -> dict[str, list[Finish]]:
                 reached = row.best is not None and row.best <= goal
                 hit = hitting_time(*row.improvements(), goal) if reached else np.inf
                 alone = row.evaluations * (each or 0.0) if row.processor is None else row.processor
-                kept.append(Finish(LABELS[problem.dataset], hit, alone))
+                kept.append(Finish(problem.id, LABELS[problem.dataset], hit, alone))
     return race
 
 
@@ -96,6 +106,15 @@ def success(trials: Sequence[Finish], label: str | None = None) -> tuple[int, in
     """Trials that reached the target, and all of them, of one class or of all."""
     hits = [trial.hit for trial in trials if label in (None, trial.label)]
     return int(np.isfinite(hits).sum()), len(hits)
+
+
+def share(trials: Sequence[Finish], label: str | None = None) -> Interval | None:
+    """Share of trials that reached the target, of one class or of all."""
+    by_problem: dict[int, list[float]] = {}
+    for trial in trials:
+        if label in (None, trial.label):
+            by_problem.setdefault(trial.problem, []).append(trial.hit)
+    return wilson_over([np.array(hits) for hits in by_problem.values()])
 
 
 def order(race: dict[str, list[Finish]]) -> list[str]:
@@ -119,14 +138,14 @@ def ranking(race: dict[str, list[Finish]]) -> Table:
     rows: list[tuple[Entry, ...]] = []
     for name in order(race):
         trials = race[name]
-        rates = (wilson(*success(trials, label)) for label in classes())
+        rates = (share(trials, label) for label in classes())
         hits = np.array([trial.hit for trial in trials])
-        rows.append((name, len(trials), wilson(*success(trials)), *rates, median(hits)))
+        rows.append((name, len(trials), share(trials), *rates, median(hits)))
     note = (
-        "Share of trials that reached the target, over all five models, with Wilson's 95 %"
-        " interval; median of the evaluations to the target, infinite if fewer than half of the"
-        " trials reached it. The cells are in the summary, times in timing_by_optimiser. DIRECT"
-        " knows no chance: one run of it stands for its repetitions, and its intervals say nothing."
+        "Share of trials that reached the target, over all five models, with a 95 % interval for"
+        " further problems like these; median of the evaluations to the target, infinite if fewer"
+        " than half of the trials reached it. The cells are in the summary, times in"
+        " timing_by_optimiser. DIRECT knows no chance: one run of it stands for its repetitions."
     )
     if not SECOND:
         note += (

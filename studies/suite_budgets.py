@@ -27,7 +27,7 @@ from springpot.benchmark import Findings, Store, Study, Table, run_study, save_t
 from springpot.benchmark.archive import Archive, take_over
 from springpot.benchmark.comparison import MeanRanks, rank
 from springpot.benchmark.runner import provenance
-from springpot.benchmark.statistics import Interval, wilson
+from springpot.benchmark.statistics import Interval, wilson_over
 from springpot.report.tables import Entry
 from suite import ROOT, SUITE, sweeps
 
@@ -92,8 +92,7 @@ def ranked(findings: Findings, names: Sequence[str]) -> MeanRanks:
 
 def success(findings: Findings, label: str) -> Interval | None:
     """Share of an optimiser's trials that reached the target."""
-    hits = np.concatenate([s.hits for s in findings.scores if s.cell.label == label])
-    return wilson(int(np.isfinite(hits).sum()), len(hits))
+    return wilson_over([s.hits for s in findings.scores if s.cell.label == label])
 
 
 def ranks_table(found: Mapping[int, Findings], ranks: Mapping[int, MeanRanks]) -> Table:
@@ -112,7 +111,8 @@ def ranks_table(found: Mapping[int, Findings], ranks: Mapping[int, MeanRanks]) -
     note = (
         f"Mean ranks over {first.blocks} problems, at {LONG} evaluations over the"
         f" {ranks[LONG].blocks} sweeps among them, at {BUDGETS[-1]} over {last.blocks} of these,"
-        " with bootstrap 95 % intervals; success with Wilson's."
+        " with bootstrap 95 % intervals over problems; success with those for further problems like"
+        " these."
         " Each budget was raced by itself."
     )
     return Table("Ranks at five budgets", columns, rows, note)

@@ -148,7 +148,7 @@ study = Study(
         "Does `auto`, which reaches every target of springpot-60, do so on problems that were drawn"
         " to be harder by a rule that does not know of it?",
         "Share of trials within a millionth of the way to the best known value by 8,000"
-        " evaluations, with Wilson's interval: of `auto`, the three that come after it on the hard"
+        " evaluations, with its interval: of `auto`, the three that come after it on the hard"
         " half of springpot-60, and three without derivatives and residuals.",
         "More than 95 %: the suite is still too easy to tell the best apart. No more: where it"
         " misses tells what the next one has to learn.",

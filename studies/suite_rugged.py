@@ -116,7 +116,7 @@ study = Study(
         "Does anybody reach 95 % of the targets on problems that a thousand descents of four kinds"
         " miss?",
         "Share of trials within a millionth of the way to the best known value by 8,000"
-        " evaluations, with Wilson's interval: of `auto`, the ten that come first on the hard half"
+        " evaluations, with its interval: of `auto`, the ten that come first on the hard half"
         " of springpot-60, and the paper's swarm.",
         "More than 95 %: the suite is too easy to tell the best apart. No more: it tells them"
         " apart, and where all miss is what the next one has to learn.",

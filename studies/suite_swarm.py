@@ -11,14 +11,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from paper.asking import asked
 from springpot import plugins
 from springpot.benchmark import Findings, Study, Table, save_table
 from springpot.benchmark.archive import opened
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
-from springpot.benchmark.statistics import wilson
+from springpot.benchmark.statistics import wilson_over
 from springpot.report.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm
 from suite import SUITE, sweeps
@@ -55,7 +53,7 @@ def readings(findings: Findings) -> Table:
     measured = plugins().find("suite", SUITE).measured
 
     def share(label: str, half: str) -> Entry:
-        hits = np.concatenate(
+        return wilson_over(
             [
                 scores.hits
                 for scores in findings.scores
@@ -63,7 +61,6 @@ def readings(findings: Findings) -> Table:
                 and measured[scores.cell.problem.dataset].part in HALVES[half]
             ]
         )
-        return wilson(int(np.isfinite(hits).sum()), len(hits))
 
     ranked = {label: _against(findings, label) for label in READINGS}
     order = sorted(READINGS, key=lambda label: float(ranked[label].means[0]))
@@ -79,9 +76,10 @@ def readings(findings: Findings) -> Table:
     columns = ("reading", *HALVES, f"mean rank among {len(AGAINST) + 1}", *AGAINST)
     budget = findings.scale.budget
     note = (
-        f"Share of trials at the target by {budget} evaluations with Wilson's 95 % interval; mean"
-        " rank of the reading and the four rivals over every second sweep of the suite. Against"
-        " each rival: the probability that the reading is better, equal in practice and worse on a"
+        f"Share of trials at the target by {budget} evaluations, with a 95 % interval for further"
+        " problems like these; mean rank of the reading and the four rivals over every second sweep"
+        " of the suite. Against each rival: the probability that the reading is better, equal in"
+        " practice and worse on a"
         " further problem like these (Bayesian signed rank); an asterisk: told apart by Wilcoxon's"
         " test over problems, adjusted by Holm. The rivals' trials are those of suite_race.zip."
     )

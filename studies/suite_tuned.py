@@ -22,7 +22,7 @@ from paper.asking import asking
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
 from springpot.benchmark.plan import stream_of
-from springpot.benchmark.statistics import Interval, mean_interval, mean_ranks, wilson
+from springpot.benchmark.statistics import Interval, mean_interval, mean_ranks, wilson_over
 from springpot.report.tables import Entry
 from suite import sweeps
 from suite_repeated import halves
@@ -131,17 +131,17 @@ def table(findings: Findings, chosen: Mapping[str, tuple[str, Any]]) -> Table:
     rows.sort(key=lambda row: (str(row[1]) == "tuned", float(str(row[4]))))
     note = (
         f"Area over the convergence curve with a bootstrap 95 % interval over {len(columns)} unseen"
-        f" problems, share of trials at the target by {BUDGET} evaluations with Wilson's, mean rank"
-        " by the area among the untuned and among the tuned. Each method was tuned with the same"
-        " number of settings on problems of the other half of the suite."
+        f" problems, share of trials at the target by {BUDGET} evaluations with one for further"
+        " problems like these, mean rank by the area among the untuned and among the tuned. Each"
+        " method was tuned with the same number of settings on problems of the other half of the"
+        " suite."
     )
     heads = ("optimiser", "settings", "area", "success", "mean rank", "options")
     return Table("Tuned with the same effort", heads, rows, note)
 
 
 def _success(findings: Findings, label: str) -> Interval | None:
-    hits = np.concatenate([s.hits for s in findings.scores if s.cell.label == label])
-    return wilson(int(np.isfinite(hits).sum()), len(hits))
+    return wilson_over([s.hits for s in findings.scores if s.cell.label == label])
 
 
 def _changed(optimiser: Any) -> str:

@@ -21,7 +21,7 @@ from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
 from springpot.benchmark.robustness import OF_ITS_OWN
-from springpot.benchmark.statistics import Interval, wilson
+from springpot.benchmark.statistics import Interval, wilson_over
 from springpot.report.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm
 
@@ -88,8 +88,7 @@ def success(findings: Findings, name: str, label: str, budget: int) -> Interval 
     """Share of an optimiser's trials that reached the target within a budget."""
     data = {f"artificial-{model}{suffix}" for model in MODELS for suffix in CLASSES[name]}
     cells = [s for s in findings.scores if s.cell.label == label and s.cell.problem.dataset in data]
-    hits = np.concatenate([scores.hits for scores in cells])
-    return wilson(int((hits <= budget).sum()), len(hits))
+    return wilson_over([np.where(s.hits <= budget, s.hits, np.inf) for s in cells])
 
 
 def overview(findings: Findings, found: dict[tuple[str, int], MeanRanks]) -> Table:
@@ -157,9 +156,10 @@ def details(findings: Findings, found: dict[tuple[str, int], MeanRanks]) -> Tabl
         *("swarm ends below", "p (Wilcoxon, Holm)", "blocks"),
     )
     note = (
-        "Success with Wilson's 95 % interval; mean rank with a bootstrap 95 % interval over"
-        f" problems, or their range where they are too few{_doubts(found)}. Swarm ends below:"
-        " chance that a trial of the swarm is better than one of this optimiser on the same"
+        "Success with a 95 % interval for further problems like these; mean rank with a bootstrap"
+        " 95 % interval over problems, or their range where they are too"
+        f" few{_doubts(found)}. Swarm ends below: chance that a trial of the swarm is better than"
+        " one of this optimiser on the same"
         f" problem at that budget, ties by half (A12). {OF_ITS_OWN['native']}"
     )
     return Table("The paper's swarm: ranks", columns, rows, note)

@@ -53,7 +53,7 @@ class Race:
             traces.setdefault((cell, repetition), []).append((int(at), float(value)))
         # Known before the race: what the paper's swarm finds outside the box moves nobody's target.
         best = {i: float(self.suite[p["dataset"]]["best"]) for i, p in enumerate(problems)}
-        self.trials = {}
+        self.trials, self.gradients = {}, {}
         for row in trials:
             cell = self.cells[int(row["cell"])]
             least, reference = best[cell["problem"]], problems[cell["problem"]]["reference"]
@@ -62,13 +62,31 @@ class Race:
             hit = next((at for at, value in trace if value <= target), np.inf)
             key = problems[cell["problem"]]["dataset"], cell["label"]
             self.trials.setdefault(key, []).append((hit, int(row["evaluations"])))
+            self.gradients.setdefault(key, []).append(int(row["gradients"] or 0))
         self.labels = list(dict.fromkeys(cell["label"] for cell in self.cells))
         self.problems = list(dict.fromkeys(problem["dataset"] for problem in problems))
 
+    def price(self, name, label):
+        """What an evaluation costs if the derivative by each parameter counts as one."""
+        graded = np.median(self.gradients[name, label])
+        made = np.median([evaluations for _, evaluations in self.trials[name, label]])
+        return 1 + int(self.suite[name]["parameters"]) * graded / made
+
+    def charged(self, label, part):
+        names = [p for p in self.problems if self.suite[p]["part"] in PARTS[part]]
+        return share_over(
+            [
+                [
+                    hit if hit * self.price(name, label) <= self.budget else np.inf
+                    for hit, _ in self.trials[name, label]
+                ]
+                for name in names
+            ]
+        )
+
     def share(self, label, part):
         names = [p for p in self.problems if self.suite[p]["part"] in PARTS[part]]
-        hits = [hit for name in names for hit, _ in self.trials[name, label]]
-        return wilson(sum(np.isfinite(hit) for hit in hits), len(hits))
+        return share_over([[hit for hit, _ in self.trials[name, label]] for name in names])
 
     def running_time(self, problem, label):
         return time_of(self.trials[problem, label])
@@ -127,13 +145,34 @@ def interval(ratios):
     return mean(ratios), *np.quantile(np.exp(np.log(ratios)[drawn].mean(axis=1)), [0.025, 0.975])
 
 
-def wilson(successes, n):
-    z = 1.959963984540054
-    rate, wide = successes / n, 1 + z * z / n
-    centre = (rate + z * z / (2 * n)) / wide
-    half = z / wide * sqrt(rate * (1 - rate) / n + z * z / (4 * n * n))
-    low = centre - half if successes else 0.0
-    return rate, low, centre + half if successes < n else 1.0
+Z = 1.959963984540054
+STUDENT = {
+    10: 2.2281388519649385,
+    18: 2.10092204024096,
+    19: 2.093024054408263,
+    29: 2.045229642132703,
+}
+"""Two-sided 5 % point of Student's t by degrees of freedom: of 11, 19, 20 and 30 problems."""
+
+
+def wilson(rate, n):
+    wide = 1 + Z * Z / n
+    centre = (rate + Z * Z / (2 * n)) / wide
+    half = Z / wide * sqrt(rate * (1 - rate) / n + Z * Z / (4 * n * n))
+    return max(centre - half, 0.0), min(centre + half, 1.0)
+
+
+def share_over(problems):
+    """Share of trials with its interval over problems, by the design effect of a cluster sample."""
+    shares = [np.mean(np.isfinite(hits)) for hits in problems]
+    k, trials, rate = len(shares), sum(map(len, problems)), float(np.mean(shares))
+    all_hit, none_hit = wilson(1.0, k), wilson(0.0, k)
+    if rate in (0.0, 1.0):
+        return rate, *(all_hit if rate else none_hit)
+    independent = rate * (1 - rate) / trials
+    effect = max(sum((share - rate) ** 2 for share in shares) / (k * (k - 1)) / independent, 1.0)
+    low, high = wilson(rate, trials / effect * (Z / STUDENT[k - 1]) ** 2)
+    return rate, min(low, all_hit[0]), max(high, none_hit[1])
 
 
 def judged(race, more, label):
@@ -150,7 +189,8 @@ def tables(race, more):
     learnt, unseen = race.halves()
     parts, selector = {}, {}
     for label in race.labels:
-        parts[label] = [number for part in PARTS for number in race.share(label, part)]
+        shares = [*(race.share(label, part) for part in PARTS), race.charged(label, "hard half")]
+        parts[label] = [number for share in shares for number in share]
         early, (late, missed) = race.over_best(label, learnt)[0], race.over_best(label, unseen)
         selector[label] = [early, late, missed]
     ways = {name: np.ravel(list(judged(race, more, name))) for name in (CHOICE, ALONE)}

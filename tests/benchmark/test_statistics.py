@@ -27,6 +27,54 @@ def test_wilson_of_nothing_is_nothing():
     assert s.wilson(0, 0) is None
 
 
+def drawn(rng, k, m, mean, alike):
+    """Hits of k problems drawn at random, m trials each, of which a share is alike by problem."""
+    scale = (1 - alike) / alike
+    shares = rng.beta(mean * scale, (1 - mean) * scale, k)
+    return np.where(rng.random((k, m)) < shares[:, None], 1.0, INF)
+
+
+@pytest.mark.parametrize(("k", "m"), [(5, 50), (30, 2)])
+@pytest.mark.parametrize("mean", [0.5, 0.97])
+def test_a_share_over_problems_is_held_as_often_as_it_says(k, m, mean):
+    rng, held, counted = np.random.default_rng(5), 0, 0
+    for _ in range(200):
+        hits = drawn(rng, k, m, mean, alike=0.9)
+        ours, trials = s.wilson_over(hits), s.wilson(int(np.isfinite(hits).sum()), hits.size)
+        held += ours.low <= mean <= ours.high
+        counted += trials.low <= mean <= trials.high
+    assert held >= 0.92 * 200
+    # As if all trials were independent it would be too sure.
+    assert counted < held
+
+
+@pytest.mark.parametrize("count", [0, 3, 30])
+def test_problems_whose_trials_end_alike_are_one_trial_each(count):
+    hits = np.where(np.arange(30)[:, None] < count, np.ones(8), INF)
+    ours, alone = s.wilson_over(hits), s.wilson(count, 30)
+    assert ours.value == alone.value
+    # Wider where the variance had to be told from the same thirty.
+    assert ours.low <= alone.low + 1e-12
+    assert ours.high >= alone.high - 1e-12
+    assert ours.high - ours.low < 1.12 * (alone.high - alone.low)
+
+
+def test_a_share_over_problems_of_which_one_is_missed_once_tells_no_more_than_of_none():
+    hits = np.ones((30, 2))
+    never = s.wilson_over(hits)
+    hits[0, 0] = INF
+    once = s.wilson_over(hits)
+    assert once.low <= never.low
+    assert once.high < never.high
+
+
+def test_a_share_of_one_problem_counts_its_trials_and_of_none_is_nothing():
+    hits = np.array([1.0, INF, 2.0])
+    assert s.wilson_over([hits]) == s.wilson(2, 3)
+    assert s.wilson_over([hits, np.empty(0)]) == s.wilson(2, 3)
+    assert s.wilson_over([]) is None
+
+
 def test_hitting_time_is_the_first_improvement_at_or_below_the_target():
     evaluations, values = np.array([1, 5, 9]), np.array([10.0, 4.0, 1.0])
     assert [s.hitting_time(evaluations, values, t) for t in (20, 10, 9.9, 4, 1, 0.5)] == [

@@ -26,7 +26,7 @@ from .statistics import (
     median,
     pooled_ranks,
     ranked,
-    wilson,
+    wilson_over,
 )
 
 LEVELS = np.array([1e-1, 1e-2, 1e-4])
@@ -196,9 +196,10 @@ def noise_table(
     )
     note = (
         "Every repetition has a draw of the noise of its own, eq. (53) with both signs, the same"
-        " for all optimisers. Success: as in the summary, on the noisy data. Noise-free regret: (f"
-        " - f_best) / (g - f_best) of the best point against the data without noise; parameter"
-        " error: the largest relative one; both medians over all trials. Intervals with the truth:"
+        " for all optimisers. Success: as in the summary, on the noisy data, with a 95 % interval"
+        " over problems. Noise-free regret: (f - f_best) / (g - f_best) of the best point against"
+        " the data without noise; parameter error: the largest relative one; both medians over all"
+        " trials. Intervals with the truth:"
         " share of the 95 % intervals of least squares at the best point that hold the true"
         " parameter, mean over trials. Ranks: mean over problems at the whole budget, the best"
         " being 1; where they differ, the measure decides who wins."
@@ -212,13 +213,12 @@ def _rows(
     ranks = [_ranks(races, measure, scale) for measure in MEASURES]
     rows: list[tuple[Entry, ...]] = []
     for i, label in enumerate(races[0].labels):
-        hits = np.concatenate([race.hits[i] for race in races])
         regrets = np.concatenate([_regret(race)[i] for race in races])
         cells = [race.cells[i] for race in races]
         rows.append(
             (
                 *(100.0 * level, label, len(races)),
-                wilson(int(np.isfinite(hits).sum()), len(hits)),
+                wilson_over([race.hits[i] for race in races]),
                 _median(regrets),
                 _median(_joined(cells, "errors")),
                 _mean(_joined(cells, "covered")),
@@ -339,9 +339,9 @@ def _different(summaries: Sequence[CellSummary]) -> Iterator[str]:
     ]
     yield f"Not in common: derivatives, used by {_listed(graded)}."
     yield (
-        "Settings are the authors' or the library's defaults, unless the label names others: nobody"
-        " was tuned on these problems. An optimiser without randomness runs once where nothing but"
-        " random numbers differs between repetitions, and that run stands for all."
+        "Settings are the authors' or the library's defaults, unless the label names others:"
+        " nobody's were tuned on these problems. An optimiser without randomness runs once where"
+        " nothing but random numbers differs between repetitions, and that run stands for all."
     )
     names = {summary.cell.optimiser for summary in summaries}
     yield from (sentence for name, sentence in OF_ITS_OWN.items() if name in names)

@@ -31,10 +31,9 @@ from springpot.measurement.recording import (
     spread,
 )
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
-from springpot.rheology.effect import Effect, on_clock
+from springpot.rheology.effect import on_clock
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model, linear_network, sorted_out, through, with_laws
-from springpot.rheology.motion import velocity
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real, real_form
@@ -182,10 +181,10 @@ class QuickPart(InTimePart):
         # another.
         return basis, np.linalg.pinv(basis / size, rcond=1e-7) / size[:, None]
 
-    def followed(self, change: Complex) -> Real:
+    def followed(self, change: Complex, surely: bool = True) -> Real:
         """Amounts (b, g) of the exponentials that follow K or 1/K (g, w).
 
-        Numbers that are none where they cannot.
+        Numbers that are none where they cannot, if they must `surely`.
         """
         asked, ends = self._asked(change)
         basis, inverse = self.solver
@@ -196,7 +195,7 @@ class QuickPart(InTimePart):
         good = missed <= FOLLOWED * np.linalg.norm(asked, axis=0) + ALIKE * whole
         # What was taken off K comes back as amounts of dashpot and mass.
         amounts[1:3] += ends
-        return np.where(good, amounts, np.nan)
+        return np.where(good | (not surely), amounts, np.nan)
 
     def _asked(self, change: Complex) -> tuple[Real, Real]:
         """What exponentials should follow (2 w, g), dashpots and masses (2, g) being taken off K.
@@ -231,19 +230,6 @@ class QuickPart(InTimePart):
         """What laws are told."""
         return Record.of(self.test, self.t)
 
-    @cached_property
-    def forces(self) -> dict[tuple[str, tuple[float, ...]], Real]:
-        """Forces (n,) of effects beside the material, by their parameters, once worked out."""
-        return {}
-
-    def force_of(self, effect: Effect, values: Real) -> Real:
-        """The force (n,) of an effect beside the material, which no other parameter changes."""
-        key = (effect.name, tuple(values.tolist()))
-        if key not in self.forces:
-            x, law = self.record.imposed, effect.element.in_time  # type: ignore[attr-defined]
-            self.forces[key] = np.asarray(law(self.t, x, velocity(self.t, x), *values)[0])
-        return self.forces[key]
-
     @classmethod
     def of(cls, part: InTimePart) -> QuickPart:
         """A part, weighed by the stiffness that its record amounts to."""
@@ -273,11 +259,25 @@ class QuickPart(InTimePart):
         self, model: Model, theta: Real, reference: float, coarse: bool = False
     ) -> Residual:
         """Predicted less measured, over the noise."""
-        answer = self.recorded(model, theta, reference)
-        missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
-        return Residual(missed * self.weight, answer.by_theta * self.weight[:, None])
+        if self.test.warmth is not None and "temperature" in model.needs:
+            raise UnfollowedError("the temperature moves")
+        return self._missed(self.recorded(model, theta, reference))
 
-    def recorded(self, model: Model, theta: Real, reference: float) -> Traced:
+    def nearly(self, model: Model, theta: Real, reference: float) -> Residual:
+        """The same at the mean of a temperature that moves, without slopes that are none."""
+        return self._missed(self.recorded(model, theta, reference, surely=True))
+
+    def exactly(self, model: Model, theta: Real, reference: float) -> Residual:
+        """The same by the exact response."""
+        return self._missed(self.answer(model, theta, reference, self.rows))
+
+    def _missed(self, answer: Traced) -> Residual:
+        # At the instant of a step, of weight nothing, an exact answer may be endless.
+        missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
+        by_theta = np.where(self.seen[:, None], answer.by_theta, 0.0)
+        return Residual(missed * self.weight, by_theta * self.weight[:, None])
+
+    def recorded(self, model: Model, theta: Real, reference: float, surely: bool = False) -> Traced:
         """What the test records of a model, nearly.
 
         Raises
@@ -285,14 +285,12 @@ class QuickPart(InTimePart):
         UnfollowedError
             If these exponentials cannot follow the model.
         """
-        if self.test.warmth is not None and "temperature" in model.needs:
-            raise UnfollowedError("the temperature moves")
         # An effect that this test cannot have, such as a limit of force in creep, leaves it as it
         # is.
         there, places = model.had_by(self.test)
-        return spread(self._recorded(there, theta[places], reference), places, len(theta))
+        return spread(self._recorded(there, theta[places], reference, surely), places, len(theta))
 
-    def _recorded(self, model: Model, theta: Real, reference: float) -> Traced:
+    def _recorded(self, model: Model, theta: Real, reference: float, surely: bool) -> Traced:
         """The same of a model all of whose effects the test has."""
         mine, eased = at_work(model, self.test)
         _, beside, signals = sorted_out(model)
@@ -301,7 +299,7 @@ class QuickPart(InTimePart):
         network, places = linear_network(model)
         # Value and derivatives go through the same two matrices, side by side.
         amounts, slopes = self._amounts(
-            network.respond(theta[places], self._points(reference), GRADIENT)
+            network.respond(theta[places], self._points(reference), GRADIENT), surely
         )
         by_theta = np.zeros((len(self.t), len(theta)))
         both, columns = self._course(mine, theta, np.column_stack([amounts, slopes]))
@@ -326,7 +324,7 @@ class QuickPart(InTimePart):
     def _points(self, reference: float) -> Points:
         return points_at(self.omega, self.test.kelvin, reference)
 
-    def _amounts(self, response: Response) -> tuple[Real, Real]:
+    def _amounts(self, response: Response, surely: bool) -> tuple[Real, Real]:
         """Amounts of the exponentials (b,) and their derivatives (b, p)."""
         value, by_theta = response.value, response.by_theta
         if self.test.control == "force":
@@ -336,10 +334,7 @@ class QuickPart(InTimePart):
         amounts = self.followed(value[None])[:, 0]
         if not np.all(np.isfinite(amounts)):
             raise UnfollowedError("no sum of exponentials follows the model")
-        asked, ends = self._asked(by_theta)
-        slopes: Real = self.solver[1] @ asked
-        slopes[1:3] += ends
-        return amounts, slopes
+        return amounts, self.followed(by_theta, surely)
 
     def _course(self, mine: Sequence[Placed], theta: Real, mix: Real) -> tuple[Real, Real]:
         """Answers (n, c) to what reached the specimen by its clock, and slopes (n, q) by these."""

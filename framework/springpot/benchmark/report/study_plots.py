@@ -18,7 +18,7 @@ from springpot.rheology.points import Real
 from springpot.writing import Html, joined, number, tag
 
 from ..comparison import OVER_ALL, CellScores, MeanRanks, ProblemRace, profiles
-from ..statistics import Interval, cliques, expected_running_time, wilson
+from ..statistics import Interval, cliques, expected_running_time, wilson_over
 from .plot import Dot, Pen, PlotAxis, Ranked, StepLine, critical_differences, key, plot, scatter
 
 if TYPE_CHECKING:
@@ -280,13 +280,12 @@ def _pool(findings: Findings, ranking: MeanRanks) -> Pool:
     shares: dict[str, Interval] = {}
     for name in names:
         i = ranking.labels.index(name)
-        hits = np.concatenate([race.hits[i] for race in findings.races])
-        spent = np.minimum(np.concatenate([race.spent[i] for race in findings.races]), budget)
         # A target reached after this budget is not reached for one who can afford no more.
-        hits = np.where(hits <= budget, hits, np.inf)
-        share = wilson(int(np.isfinite(hits).sum()), len(hits))
+        hits = [np.where(race.hits[i] <= budget, race.hits[i], np.inf) for race in findings.races]
+        spent = np.minimum(np.concatenate([race.spent[i] for race in findings.races]), budget)
+        share = wilson_over(hits)
         assert share is not None
-        costs[name], shares[name] = expected_running_time(hits, spent), share
+        costs[name], shares[name] = expected_running_time(np.concatenate(hits), spent), share
     # Among those that are alike the cost decides.
     first, *others = sorted(names, key=lambda name: costs[name])
     return Pool(ranking, first, shares[first], costs[first], tuple(others))
@@ -313,6 +312,8 @@ def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     if pool.label in with_gradients(findings):
         yield joined([", which takes derivatives of the model"])
     yield joined([f": it reached the target in {share_text(pool.success)} of its trials here"])
+    if len(findings.races) > 1:
+        yield joined([" (the interval is for further problems like these)"])
     if np.isfinite(pool.running_time):
         yield joined(
             [f", after {number(pool.running_time, 3)} evaluations on average, restarts included"]
