@@ -13,8 +13,7 @@ import numpy as np
 import springpot.invention as invention
 import springpot.superposition as superposition
 import springpot.timetests as timetests
-from springpot.comparison.comparing import compare as compare_objects
-from springpot.comparison.ranking import rank
+from springpot.comparison.comparing import compare as compare_objects, rank
 from springpot.comparison.result import Comparison
 from springpot.constraints import (
     Bounds,

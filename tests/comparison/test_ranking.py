@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.comparison import Ranking, rank, ranking
+from springpot.comparison import Ranking, comparing, rank
 from springpot.comparison.ordering import chance_beside, spends_most
 from springpot.comparison.result import grouped
 from springpot.errors import DataError
@@ -279,7 +279,7 @@ def test_rows_of_several_tests_are_compared_one_by_one(mixed):
 @pytest.mark.soak
 def test_why_one_test_is_chosen_is_said_where_no_column_is_to_blame(monkeypatch):
     """The ladder has told only how."""
-    monkeypatch.setattr(ranking, "column_behind", lambda frame: None)
+    monkeypatch.setattr(comparing, "column_behind", lambda frame: None)
     found = ranked(switched(), SMALL[:1], ())
     why = "rows of several tests stand together, told apart by current"
     assert any(note.startswith(why) for note in found.notes)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.comparison import ordering, ranking, result
+from springpot.comparison import comparing, ordering, result
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 
@@ -157,10 +157,10 @@ def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(
 def test_one_test_is_told_unless_the_ladder_told_what_goes_with_the_time(
     one_test, course, told, monkeypatch
 ):
-    monkeypatch.setattr(ranking, "column_behind", lambda frame: "temperature")
-    monkeypatch.setattr(ranking, "one_test_of", lambda raw, column: ("3", f"why {column}"))
+    monkeypatch.setattr(comparing, "column_behind", lambda frame: "temperature")
+    monkeypatch.setattr(comparing, "one_test_of", lambda raw, column: ("3", f"why {column}"))
     best = SimpleNamespace(data=SimpleNamespace(raw=None), frame=lambda: None)
     case = SimpleNamespace(course=course, naming=SimpleNamespace(best=best))
     steps = [SimpleNamespace(case=None), SimpleNamespace(case=case)]
     ladder = SimpleNamespace(steps=steps, diagnosis=SimpleNamespace(one_test=one_test))
-    assert ranking._of_one_test(ladder) == (told and f"{told} temperature")
+    assert comparing._of_one_test(ladder) == (told and f"{told} temperature")

@@ -14,8 +14,7 @@ from springpot import Measurement, TimeTest, parse_model
 from springpot.identification.convex import ConvexSpectrum, relaxation_of
 from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests import identify
-from springpot.timetests.floor import coordinates_around, material_floor
-from springpot.timetests.material import MaterialPoint, _Search
+from springpot.timetests.material import MaterialPoint, _Search, coordinates_around, material_floor
 from springpot.timetests.native import TimeSearch
 
 DATA = (

@@ -10,7 +10,7 @@ from springpot.comparison import Ranking
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.timetests.ranking import rank
+from springpot.timetests.comparing import rank
 
 NAMES = ("spring", "maxwell", "zener", "fractional-zener", "fractional-maxwell", "material")
 FAMILIES = [each for each in plugins().items("model") if each.name == "maxwell-N"]

@@ -13,7 +13,7 @@ from springpot.errors import ModelError
 from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.misfit.residuals_of_tests import COARSE, part_of
 from springpot.registry import parse_model
-from springpot.timetests import exponentials, floor, hypotheses as left, material, specimen
+from springpot.timetests import exponentials, hypotheses as left, material, specimen
 
 
 def scatter(size=1.0, memory=0.0):
@@ -152,7 +152,7 @@ def test_an_effect_is_untold_where_lines_do_what_it_did(slope, log, told):
 def test_a_material_as_lines_is_nearest_in_shares_of_its_stiffness():
     model, rates = parse_model("fractional-zener"), np.geomspace(0.01, 100.0, 9)
     theta = model.theta(k1=3.0, k2=400.0, c=60.0, alpha=0.6)
-    found = floor.as_lines(model, theta, rates)
+    found = material.as_lines(model, theta, rates)
     s = 1j * rates[:, None]
     exact = model.stiffness(theta, rates)
     columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / np.abs(exact)[:, None]
@@ -162,11 +162,11 @@ def test_a_material_as_lines_is_nearest_in_shares_of_its_stiffness():
     np.testing.assert_allclose(found.amounts, amounts, rtol=1e-6, atol=1e-9)
     # Lines of its own are told as they are.
     zener = parse_model("zener")
-    own = floor.as_lines(zener, zener.theta(k1=5.0, k2=7.0, c=0.7), np.array([0.1, 10.0, 50.0]))
+    own = material.as_lines(zener, zener.theta(k1=5.0, k2=7.0, c=0.7), np.array([0.1, 10.0, 50.0]))
     np.testing.assert_allclose(own.amounts, [5.0, 0.0, 0.0, 7.0, 0.0], atol=1e-9)
     asking = replace(zener, material=SimpleNamespace(needs=frozenset({"amplitude"})))
     with pytest.raises(ModelError, match="its material is none of one temperature"):
-        floor.as_lines(asking, np.zeros(3), rates)
+        material.as_lines(asking, np.zeros(3), rates)
 
 
 @pytest.mark.parametrize("missed", [0.0, 3.0])

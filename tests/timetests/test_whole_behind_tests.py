@@ -32,7 +32,7 @@ from springpot.measurement.mixed_up import sign_note
 from springpot.misfit import residual_scatter as scatter, where_in_time as where
 from springpot.misfit.residuals_of_tests import part_of, parts_of_specimen
 from springpot.registry import plugins
-from springpot.timetests import exponentials, floor
+from springpot.timetests import exponentials, material
 from springpot.timetests.disturbances import lines_in
 from springpot.timetests.hypotheses import FitResiduals, noise_answer
 from springpot.timetests.score import TimeScan
@@ -146,8 +146,8 @@ def test_promises_and_what_is_left(case, stays):
             },
             "left": [left.chance, left.misfit, left.doubtful, left.squares(left.noise)],
             "felt": [left.squares_of_imposed(left.noise), left.over(left.noise)],
-            "floor": floor.material_floor([fit]),
-            "linear": floor.is_linear(fit),
+            "floor": material.material_floor([fit]),
+            "linear": material.is_linear(fit),
         },
         within=5e-3,
     )

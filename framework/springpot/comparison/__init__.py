@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .ranking import rank as rank
+    from .comparing import rank as rank
     from .result import Comparison as Comparison, Judgement as Judgement, Ranking as Ranking
 
 __getattr__, __dir__ = offered(__name__)

@@ -1,6 +1,6 @@
 """Models in order: the simplest that does what any material can comes first.
 
-Of sweeps and of tests in time alike; see `springpot.comparison.ranking`.
+Of sweeps and of tests in time alike; see `springpot.comparison.comparing.rank`.
 """
 
 from __future__ import annotations

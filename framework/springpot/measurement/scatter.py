@@ -281,10 +281,15 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     if np.ptp(units[1]) == 0.0:
         units = [same]
     for unit in units:
-        least = np.min(size * unit)
-        for level in FLOOR_LEVELS:
-            floor = np.hypot(size, level * least / unit)
-            yield Shape(floor, floor, True, VERDICT.clear_evidence)
+        yield from _beside_floor(size, unit)
+
+
+def _beside_floor(size: Real, unit: Real) -> Iterator[Shape]:
+    """Noise proportional to |K| beside a floor of one size in a unit (n,) of K."""
+    least = np.min(size * unit)
+    for level in FLOOR_LEVELS:
+        floor = np.hypot(size, level * least / unit)
+        yield Shape(floor, floor, True, VERDICT.clear_evidence)
 
 
 def along_k(measurement: Measurement, turn: Complex) -> Shape:
@@ -309,6 +314,9 @@ def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterato
     yield Shape(parts[0], parts[1], False, VERDICT.clear_evidence)
     for rise in _rises(np.log(measurement.omega)):
         yield Shape(size * rise, size * rise, True, SEARCH.decisive)
+    # What shakes a mass: a force that grows with the square of the frequency.
+    if np.ptp(measurement.omega) > 0.0:
+        yield from _beside_floor(size, 1.0 / measurement.omega**2)
 
 
 def _rises(log_omega: Real) -> Iterator[Real]:

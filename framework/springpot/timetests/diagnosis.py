@@ -67,7 +67,6 @@ from ..numerics import SMALLEST, evenly, rms
 from .disturbances import slip_beside
 from .exponentials import quick_parts
 from .fitting import identify, refound
-from .floor import material_floor
 from .hypotheses import (
     AskedTests,
     FitResiduals,
@@ -81,7 +80,8 @@ from .hypotheses import (
     one_of_each,
     sum_of_squares,
 )
-from .intervals import beside_limits
+from .material import material_floor
+from .native import beside_limits
 from .score import TimeScan
 from .screening import (
     alone,

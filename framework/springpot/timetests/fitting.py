@@ -41,11 +41,9 @@ from springpot.thresholds import VERDICT
 
 from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .exponentials import quick_parts
-from .floor import coordinates_around
 from .hypotheses import FitResiduals
-from .intervals import with_intervals
-from .material import FoundLines, UntoldError, spectral
-from .native import STARTS, Minimum, TimeSearch
+from .material import FoundLines, UntoldError, coordinates_around, spectral
+from .native import STARTS, Minimum, TimeSearch, with_intervals
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
 from .temperatures import is_material_alone

@@ -42,7 +42,6 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .disturbances import Slip, lines_in
-from .floor import TimeFloor
 from .hypotheses import (
     AskedTests,
     FitResiduals,
@@ -53,6 +52,7 @@ from .hypotheses import (
     explains_as_well,
     without_nested,
 )
+from .material import TimeFloor
 
 NAN = float("nan")
 
