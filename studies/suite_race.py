@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from paper.asking import asked
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import CellScores
 from springpot.benchmark.statistics import Interval, wilson_over
+from springpot.benchmark.summary import CellSummary
 
 SUITE = "springpot-60"
 RIVALS = (
@@ -55,16 +58,16 @@ def by_part(
     judging: str = "hard half",
 ) -> Table:
     """Share of trials at the target by part of the suite, the best on the judging one first."""
-    measured = plugins().find("suite", suite).measured
-    cells: dict[str, list[CellScores]] = {}
-    for scores in findings.scores:
-        cells.setdefault(scores.cell.label, []).append(scores)
+    measured, budget = plugins().find("suite", suite).measured, findings.scale.budget
+    cells: dict[str, list[tuple[CellScores, float]]] = {}
+    for scores, summary in zip(findings.scores, findings.summaries, strict=True):
+        cells.setdefault(scores.cell.label, []).append((scores, dearer(scores, summary)))
 
-    def share(label: str, part: str) -> Interval | None:
+    def share(label: str, part: str, charged: bool = False) -> Interval | None:
         return wilson_over(
             [
-                scores.hits
-                for scores in cells[label]
+                np.where(scores.hits * (price if charged else 1.0) <= budget, scores.hits, np.inf)
+                for scores, price in cells[label]
                 if measured[scores.cell.problem.dataset].part in parts[part]
             ]
         )
@@ -74,16 +77,28 @@ def by_part(
         return found.value if found else 0.0
 
     labels = sorted(cells, key=judged, reverse=True)
-    rows = [(label, *(share(label, part) for part in parts)) for label in labels]
+    rows = [
+        (label, *(share(label, part) for part in parts), share(label, judging, charged=True))
+        for label in labels
+    ]
     most = judged(labels[0])
     verdict = "No optimiser exceeds" if most <= CEILING else f"{labels[0]} exceeds"
     note = (
         f"Share of trials that reached the target within {findings.scale.budget} evaluations, with"
         f" a 95 % interval for further problems like these. {verdict} {100 * CEILING:g} % on the"
         f" {judging}: the most is {100 * most:.0f} %, of {labels[0]}. The parts are told by"
-        " measured features: docs/suite.md."
+        " measured features: docs/suite.md. An evaluation with its derivative counts as one; in the"
+        " last column as d + 1, d being the number of parameters, what differences would take."
     )
-    return Table("By the parts of the suite", ("optimiser", *parts), rows, note)
+    columns = ("optimiser", *parts, f"{judging}, a derivative as d more")
+    return Table("By the parts of the suite", columns, rows, note)
+
+
+def dearer(scores: CellScores, summary: CellSummary) -> float:
+    """How many times as many evaluations it takes if each parameter's derivative counts as one."""
+    if not summary.gradients or not summary.evaluations:
+        return 1.0
+    return 1.0 + scores.dimension * summary.gradients / summary.evaluations
 
 
 study = Study(

@@ -53,7 +53,7 @@ class Race:
             traces.setdefault((cell, repetition), []).append((int(at), float(value)))
         # Known before the race: what the paper's swarm finds outside the box moves nobody's target.
         best = {i: float(self.suite[p["dataset"]]["best"]) for i, p in enumerate(problems)}
-        self.trials = {}
+        self.trials, self.gradients = {}, {}
         for row in trials:
             cell = self.cells[int(row["cell"])]
             least, reference = best[cell["problem"]], problems[cell["problem"]]["reference"]
@@ -62,8 +62,27 @@ class Race:
             hit = next((at for at, value in trace if value <= target), np.inf)
             key = problems[cell["problem"]]["dataset"], cell["label"]
             self.trials.setdefault(key, []).append((hit, int(row["evaluations"])))
+            self.gradients.setdefault(key, []).append(int(row["gradients"] or 0))
         self.labels = list(dict.fromkeys(cell["label"] for cell in self.cells))
         self.problems = list(dict.fromkeys(problem["dataset"] for problem in problems))
+
+    def price(self, name, label):
+        """What an evaluation costs if the derivative by each parameter counts as one."""
+        graded = np.median(self.gradients[name, label])
+        made = np.median([evaluations for _, evaluations in self.trials[name, label]])
+        return 1 + int(self.suite[name]["parameters"]) * graded / made
+
+    def charged(self, label, part):
+        names = [p for p in self.problems if self.suite[p]["part"] in PARTS[part]]
+        return share_over(
+            [
+                [
+                    hit if hit * self.price(name, label) <= self.budget else np.inf
+                    for hit, _ in self.trials[name, label]
+                ]
+                for name in names
+            ]
+        )
 
     def share(self, label, part):
         names = [p for p in self.problems if self.suite[p]["part"] in PARTS[part]]
@@ -170,7 +189,8 @@ def tables(race, more):
     learnt, unseen = race.halves()
     parts, selector = {}, {}
     for label in race.labels:
-        parts[label] = [number for part in PARTS for number in race.share(label, part)]
+        shares = [*(race.share(label, part) for part in PARTS), race.charged(label, "hard half")]
+        parts[label] = [number for share in shares for number in share]
         early, (late, missed) = race.over_best(label, learnt)[0], race.over_best(label, unseen)
         selector[label] = [early, late, missed]
     ways = {name: np.ravel(list(judged(race, more, name))) for name in (CHOICE, ALONE)}

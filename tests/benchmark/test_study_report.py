@@ -23,7 +23,7 @@ from springpot.benchmark.report.plot import (
     plot,
     scatter,
 )
-from springpot.benchmark.report.study import write_study_report
+from springpot.benchmark.report.study import study_html, write_study_report
 from springpot.benchmark.report.study_plots import pools, share_text, verdict
 from springpot.benchmark.statistics import wilson
 from springpot.identification import Optimiser
@@ -112,6 +112,25 @@ def test_the_first_sentence_says_who_takes_derivatives(tmp_path):
     graded = [replace(summary, gradients=1.0) for summary in found.summaries]
     for findings, told in ((found, ""), (replace(found, summaries=graded), ", which takes deriv")):
         assert f"use <b>walk</b>{told}" in str(joined(verdict(findings, pools(findings)[-1])))
+
+
+def test_who_has_no_time_is_named_below_those_who_have(tmp_path):
+    """As trials of an archive have none."""
+    one = small_study(
+        datasets=[artificial()], models=["own"], optimisers=[Walk(), Lazy()], budget=50
+    )
+    outcome = run_study(one, engine="serial", out=tmp_path, quiet=True, tables=False)
+    with Store(outcome.store) as store:
+        found = Findings.of(store)
+    summaries = tuple(
+        replace(summary, processor=None if summary.cell.label == "walk" else 0.1, each=0.01)
+        for summary in found.summaries
+    )
+    page = str(study_html(replace(found, summaries=summaries)))
+    costs = page.partition("What do they cost?")[2].partition("<h2>")[0]
+    assert "No time is known of: walk." in costs
+    assert 'optimiser">lazy<' in costs
+    assert 'optimiser">walk<' not in costs
 
 
 def test_data_cannot_break_the_page(page):

@@ -37,3 +37,16 @@ def test_noise_rises_to_the_upper_end_the_lower_end_or_both():
     assert up.sum() == down.sum() == both.sum() == len(rises) / 3
     np.testing.assert_allclose(rises.min(axis=1), 1.0)
     assert not list(scatter._rises(np.zeros(9)))
+
+
+def test_noise_of_what_shakes_a_mass_grows_with_the_square_of_the_frequency():
+    """A thousandth of K far below, thirty times as much at the upper end."""
+    omega = np.geomspace(1.0, 300.0, 60)
+    data = Measurement(omega, (100.0 + 40.0j) * omega**0.2)
+    size = 1e-3 * np.hypot(1.0, 30.0 * (omega / omega[-1]) ** 2 * (omega / omega[-1]) ** -0.2)
+    rng = np.random.default_rng(3)
+    noise = size * data.magnitude * (rng.standard_normal(60) + 1j * rng.standard_normal(60))
+    told, _ = scatter.robust_noise_shape(data, noise, np.arange(60), uneven=True)
+    np.testing.assert_allclose(told.real / data.magnitude / size, 1.0, atol=0.5)
+    even, _ = scatter.robust_noise_shape(data, noise, np.arange(60))
+    assert np.max(even.real / data.magnitude) < 5.0 * np.min(even.real / data.magnitude)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from springpot.measurement import Measurement, average_repeats
 from springpot.measurement.replicates import noise_of_repeats
@@ -98,3 +99,33 @@ def test_repeats_are_still_those_once_a_point_was_set_aside():
     assert len(left.raw) == 3 * (N - 1)
     assert left.apart == pytest.approx(whole.apart[whole.group != 7])
     assert repeats_structure(left, rng).p_value > 0.05
+
+
+def remembered(rng, count, memory):
+    """Errors of 1 % of each run, of which each point keeps a share of the one before it."""
+    new = rng.standard_normal((2, count, N))
+    new[..., 1:] *= np.sqrt(1.0 - memory**2)
+    real, imag = lfilter([1.0], [1.0, -memory], new)
+    return 0.01 * (real + 1j * imag).ravel()
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_what_goes_on_from_point_to_point_in_each_run_is_the_memory_of_the_noise(count):
+    """By R - 1 independent differences of R runs; white runs have none in 98 of 100 draws."""
+    rng = np.random.default_rng(8)
+    found = [told_of(remembered(rng, count, 0.6), count) for _ in range(8)]
+    assert np.mean([noise.memory for noise in found]) == pytest.approx(0.58, abs=0.05)
+    assert all(noise.tails == np.inf for noise in found)
+    assert sum(told_of(normal(rng, count), count).memory > 0.0 for _ in range(8)) <= 1
+
+
+def test_repeats_of_unequal_number_in_no_order_tell_the_same_memory():
+    rng, count = np.random.default_rng(9), 3
+    data = averaged(remembered(rng, count, 0.7), count).raw
+    kept = rng.permutation(count * N)[: count * N - 25]
+    whole, some = (
+        noise_of_repeats(average_repeats(data.subset(rows)))
+        for rows in (np.arange(count * N), kept)
+    )
+    assert whole.memory == pytest.approx(0.66, abs=0.08)
+    assert some.memory == pytest.approx(whole.memory, abs=0.15)

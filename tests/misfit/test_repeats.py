@@ -1,5 +1,7 @@
 """Whether repeats differ by chance alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -83,10 +85,19 @@ def test_replicates_of_several_specimens_are_no_reason_for_doubt(seed):
 
 @pytest.mark.soak_cases("0")
 @pytest.mark.parametrize("seed", range(2))
-def test_an_error_that_goes_on_from_point_to_point_is_no_independent_noise(seed):
+def test_an_error_that_goes_on_from_point_to_point_in_each_run_is_noise_with_a_memory(seed):
+    """Runs differ by it, so that no model is to blame; what all runs share still is a misfit."""
     data = three_runs(going_on, seed)
     found = springpot.diagnose(data, MODEL.name)
-    assert found.verdict == "unexplained"
+    assert found.verdict == "adequate"
+    assert any("neighbouring points of a sweep go together" in note for note in found.notes)
+    assert not any("measured again" in note for note in found.notes)
+
+
+def test_a_mass_is_named_in_noise_with_a_memory_that_repeats_tell():
+    data = three_runs(going_on)
+    shared = replace(data, stiffness=data.stiffness - 5e-4 * data.omega**2)
+    assert springpot.diagnose(shared, MODEL.name).leading[0] == "inertia"
 
 
 def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():

@@ -339,9 +339,9 @@ def _different(summaries: Sequence[CellSummary]) -> Iterator[str]:
     ]
     yield f"Not in common: derivatives, used by {_listed(graded)}."
     yield (
-        "Settings are the authors' or the library's defaults, unless the label names others: nobody"
-        " was tuned on these problems. An optimiser without randomness runs once where nothing but"
-        " random numbers differs between repetitions, and that run stands for all."
+        "Settings are the authors' or the library's defaults, unless the label names others:"
+        " nobody's were tuned on these problems. An optimiser without randomness runs once where"
+        " nothing but random numbers differs between repetitions, and that run stands for all."
     )
     names = {summary.cell.optimiser for summary in summaries}
     yield from (sentence for name, sentence in OF_ITS_OWN.items() if name in names)

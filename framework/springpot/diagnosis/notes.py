@@ -279,10 +279,12 @@ def _of_floor(search: Search) -> Iterator[str]:
     """
     base = search.base
     if base.noise.memory:
+        again = "; measured again, noise comes otherwise and a misfit does not"
+        if base.noise.source == "repeats":
+            again = ""
         yield (
             "the errors of neighbouring points of a sweep go together (correlation"
-            f" {base.noise.memory:.2f}): the floor, all chances and all intervals count that;"
-            " measured again, noise comes otherwise and a misfit does not"
+            f" {base.noise.memory:.2f}): the floor, all chances and all intervals count that{again}"
         )
     if base.noise.source != "estimated":
         return

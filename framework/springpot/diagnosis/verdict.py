@@ -90,7 +90,7 @@ class Facts:
     by_column : bool
         Most of what the best model leaves goes with a column that no effect knows.
     remembers : bool
-        The noise of a sweep has a memory, and no other sweep shows that it is noise.
+        The noise of a sweep has a memory, and no repeat or other sweep shows that it is noise.
     """
 
     repeats: bool = False
@@ -266,7 +266,9 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         exact=not beside_material and is_arithmetic(search.base),
         below=below_floor(search.base, certain),
         by_column=column_behind(search.best.frame()) is not None,
-        remembers=bool(search.base.noise.memory) and not search.base.frame().shared.shape[1],
+        remembers=bool(search.base.noise.memory)
+        and search.base.noise.source != "repeats"
+        and not search.base.frame().shared.shape[1],
     )
 
 

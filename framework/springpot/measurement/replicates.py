@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -16,12 +17,22 @@ from springpot.distributions import f_sf
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
+from ..memory import LIKENESS, Links, effective_share, fitted_memory, prewhitened
 from ..numerics import SMALLEST, rms
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
 from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
+from .rounding import noise_before_rounding, shared_rounding
 from .rows import SAME_AMPLITUDE
-from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape, tails_of
+from .scatter import (
+    LEAST_RELATIVE,
+    Noise,
+    Scatter,
+    noise_shape,
+    steps_as_written,
+    tails_of,
+    turned_sd,
+)
 
 if TYPE_CHECKING:
     from springpot.rheology.model import Model
@@ -87,6 +98,20 @@ class Averaged:
             stiffness = stiffness / (1.0 + self.gains)
         return np.asarray(stiffness - self.mean.stiffness[self.group], dtype=np.complex128)
 
+    @cached_property
+    def shared(self) -> Complex:
+        """What all repeats of a point were rounded by alike, (n,): no scatter tells it."""
+        size = self.mean.magnitude
+        first = np.unique(self.group, return_index=True)[1]
+        steps = steps_as_written(self.raw)[first]
+        real, imag = (
+            shared_rounding(
+                noise_before_rounding(squares, self.scatter.dof, step, size) * size, step
+            )
+            for squares, step in zip(self.scatter[:2], (steps.real, steps.imag), strict=True)
+        )
+        return np.asarray(real + 1j * imag, dtype=np.complex128)
+
     def deviations(self) -> Complex:
         """The same over |K|, (N,)."""
         return self.apart / self.raw.magnitude
@@ -113,8 +138,12 @@ class Averaged:
 
     def floor(self, noise: Noise) -> float:
         """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""
-        # The noise is that of the means: single rows scatter by the root of their number more.
-        single = (noise.sd.real**2 + noise.sd.imag**2) * self.count / self.mean.magnitude**2
+        # The noise is that of the means: single rows scatter by the root of their number more, but
+        # for what all of them share.
+        squares = (noise.sd.real**2 + noise.sd.imag**2) * self.count
+        if noise.source == "repeats":
+            squares = squares - (self.count - 1.0) * np.abs(self.shared) ** 2
+        single = squares / self.mean.magnitude**2
         return float(np.sqrt(np.average(single, weights=self.count) + self.own_gain**2))
 
 
@@ -322,29 +351,73 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
         return None
     axes = np.asarray(np.conj(mean.stiffness) / mean.magnitude, dtype=np.complex128)
     sd, turn = noise_shape(mean, scatter, averaged.scatter_after(axes), axes, uneven=True)
-    noise = Noise.shaped(sd / np.sqrt(averaged.count), turn, dof, "repeats")
-    return replace(noise, tails=_tails(averaged, noise))
+    sd = sd / np.sqrt(averaged.count)
+    scattered = Noise.shaped(sd, turn, dof, "repeats")
+    memory = _memory(averaged, scattered)
+    tails = _tails(averaged, replace(scattered, memory=memory))
+    # Repeats tell the noise but for what was rounded alike in all of them.
+    shared = averaged.shared if turn is None else turned_sd(averaged.shared, turn)
+    sd = np.asarray(np.hypot(sd.real, shared.real) + 1j * np.hypot(sd.imag, shared.imag))
+    whole = Noise.shaped(sd, turn, effective_share(memory**2) * dof, "repeats")
+    return replace(whole, memory=memory, tails=tails)
+
+
+def _places(averaged: Averaged) -> tuple[Rows, Rows]:
+    """Rows (N,) by their points and runs, and which repeat of its point each of them is."""
+    group, run = averaged.group, averaged.raw.repeat
+    assert run is not None, "only numbered rows are repeats"
+    order = np.lexsort((run, group))
+    return order, np.arange(len(group)) - np.searchsorted(group[order], group[order])
+
+
+def _whitened(values: Complex, noise: Noise, point: Rows) -> Real:
+    """Both parts (2m,) of differences (m,) of some points, each of the size one on the whole."""
+    if noise.turn is not None:
+        values = values * noise.turn[point]
+    parts = noise.parts[point]
+    both = (values.real / parts.real, values.imag / parts.imag)
+    return np.concatenate([part / max(rms(part), SMALLEST) for part in both])
+
+
+def _memory(averaged: Averaged, noise: Noise) -> float:
+    """Correlation of the errors of neighbours in one run; none where white noise is as likely.
+
+    Each repeat less the mean of those before it is independent of these (Helmert 1876), and goes
+    on from point to point as a run does.
+    """
+    order, place = _places(averaged)
+    group, apart = averaged.group[order], averaged.apart[order]
+    before = np.cumsum(apart) - apart
+    first = np.flatnonzero(place == 0)
+    before = before - before[first][group]
+    later = np.flatnonzero(place > 0)
+    step = place[later]
+    told = (apart[later] - before[later] / step) * np.sqrt(step / (step + 1.0))
+    runs = sweeps_of(averaged.raw.subset(order[later]))
+    lines = [rows + k for rows, _ in runs for k in (0, len(step))]
+    white = _whitened(told / np.sqrt(averaged.count[group[later]]), noise, group[later])
+    found = fitted_memory(white[:, None], Links.along(lines), LIKENESS)
+    return found.memory if found.gain > 0.0 else 0.0
 
 
 def _tails(averaged: Averaged, noise: Noise) -> float:
     """By how many degrees of freedom of Student's t the errors of the means are spread.
 
     Every other repeat of a point less the others: that is spread about as the error of their mean.
+    What a point remembers of the one before it is no error of its own.
     """
-    group, count = averaged.group, averaged.count
-    order = np.argsort(group, kind="stable")
-    place = np.arange(len(group)) - np.searchsorted(group[order], group[order])
-    sign = np.empty(len(group))
+    order, place = _places(averaged)
+    sign = np.empty(len(order))
     sign[order] = 1.0 - 2.0 * (place % 2)
-    apart = _means(averaged.apart * sign, group)
-    if noise.turn is not None:
-        apart = apart * noise.turn
+    count = averaged.count
     # Of an odd number the signs have a mean, which the deviations have not.
-    size, told = np.sqrt(1.0 - (count % 2) / count**2), count > 1
-    whole = np.stack([apart.real / noise.parts.real, apart.imag / noise.parts.imag])[:, told]
-    return tails_of(
-        np.concatenate([part / max(rms(part), SMALLEST) for part in whole / size[told]])
-    )
+    size = np.sqrt(1.0 - (count % 2) / count**2)
+    told = np.flatnonzero(count > 1)
+    apart = _means(averaged.apart * sign, averaged.group)[told] / size[told]
+    white = _whitened(apart, noise, told)
+    lines = [rows + k for rows, _ in sweeps_of(averaged.mean.subset(told)) for k in (0, len(told))]
+    new = prewhitened(white, noise.memory, Links.along(lines))
+    return tails_of(new / max(rms(new), SMALLEST))
 
 
 def thinned(measurement: Measurement) -> Measurement:

@@ -241,17 +241,18 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
-    # Beside a model that is far off its misfit would be taken for noise that rises where it fails;
-    # but noise that does rise is more than what its quiet points tell, and these are not missed.
-    if usual.relative_rms > NEARLY * max(usual.floor, data.floor(shape)):
-        return usual
-    if _over(usual) > NEARLY and _misses_where_quiet(usual, shape):
-        return usual
     relative = real_form(shape.parts) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
+    # Beside a model that is far off its misfit would be taken for noise that rises where it fails;
+    # but noise that does rise is more than what its quiet points tell, and these are not missed.
+    risen = _in_rounds(in_noise(first, shape), uneven=True)
+    if usual.relative_rms > NEARLY * max(usual.floor, risen.floor):
+        return usual
+    if _over(usual) > NEARLY and _misses_where_quiet(usual, shape):
+        return usual
     # The first fit was in units of |K|, and where it misses for that the scatter seems to rise.
-    return min((_in_rounds(in_noise(first, shape), uneven=True), usual), key=_cost_of_scatter)
+    return min((risen, usual), key=_cost_of_scatter)
 
 
 def _over(fitted: Refit) -> float:

@@ -26,6 +26,7 @@ from springpot.plain_data import Plain
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, REPEATS, VERDICT
 
+from ..memory import autoregressive
 from ..numerics import SMALLEST
 from .error import plain, point_in_words, times
 from .frame import (
@@ -527,17 +528,20 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     """
     if np.sum(data.scatter.dof) < REPEATS.enough:
         return Battery(1.0, {})
-    # Simulated repeats lose the mean of their group, as the measured ones did.
-    count = data.count
+    told = noise_of_repeats(data)
+    assert told is not None, "there are enough"
+    count, lines = data.count, [sweep.rows for sweep in sweeps_of(data.raw)]
     noise = rng.standard_normal((DRAWS, 2, len(data.raw)))
+    if told.memory:
+        for rows in lines:
+            noise[..., rows] = autoregressive(noise[..., rows], told.memory)
+    # Simulated repeats lose the mean of their group, as the measured ones did.
     order = np.argsort(data.group, kind="stable")
     starts = np.searchsorted(data.group[order], np.arange(len(count)))
     mean = np.add.reduceat(noise[..., order], starts, axis=-1) / count
     noise -= mean[:, :, data.group]
     # In units of the noise at their place, which a load cell's floor makes large where K is small:
     # there all runs would seem to change together.
-    told = noise_of_repeats(data)
-    assert told is not None, "there are enough"
     sd = (told.sd * np.sqrt(count))[data.group]
     off = data.apart
     sample = np.concatenate([np.stack([off.real / sd.real, off.imag / sd.imag])[None], noise])
@@ -545,7 +549,6 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     # is evidence.
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
     drift = orthonormal(drift_curves(len(data.raw)))
-    lines = [sweep.rows for sweep in sweeps_of(data.raw)]
     statistics = {
         "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
         OF_NEIGHBOURS: sum(np.sum(kinship(sample[:, :, rows]), axis=1) for rows in lines),

@@ -252,10 +252,12 @@ def _rankings(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "Who ranks where, and how sure is it?")
     largest = rankings[-1]
     if not np.isnan(largest.p_all):
-        line = (
-            f"Friedman's test that all are alike at {largest.budget} evaluations: p ="
-            f" {number(largest.p_all, 2)}."
-        )
+        # What rounding leaves of nothing is no probability.
+        least = float(np.finfo(float).eps)
+        p = f"p = {number(largest.p_all, 2)}"
+        if largest.p_all < least:
+            p = f"p < {number(least, 2)}"
+        line = f"Friedman's test that all are alike at {largest.budget} evaluations: {p}."
         yield tag("p", line, class_="quiet")
     # What the whole budget says comes first.
     yield pair([diagram(ranking) for ranking in reversed(rankings)])
@@ -349,9 +351,10 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     by_label: dict[str, list[CellSummary]] = {}
     for summary in findings.summaries:
         by_label.setdefault(summary.cell.label, []).append(summary)
-    rows = [_cost_row(label, summaries) for label, summaries in by_label.items()]
+    found = {label: _cost_row(label, summaries) for label, summaries in by_label.items()}
     # By the time itself, which stands first in each row and is not shown.
-    rows.sort(key=lambda row: row[0])
+    rows = sorted(row for row in found.values() if row)
+    untold = [label for label, row in found.items() if not row]
     headers = (
         "optimiser",
         "trial, median",
@@ -369,20 +372,23 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     if any(summary.processor for summary in findings.summaries):
         yield pens.key()
         yield pair([accuracy_against_time(findings, pens)])
-    yield wide_table(headers, [row[1:] for row in rows], headers[1:])
+    if rows:
+        yield wide_table(headers, [row[1:] for row in rows], headers[1:])
+    # Such as those of an archive, which were run elsewhere.
+    if untold:
+        yield tag("p", f"No time is known of: {', '.join(untold)}.", class_="quiet")
 
 
 def _cost_row(
     label: str, summaries: Sequence[CellSummary]
-) -> tuple[float, str, str, str, str, str]:
+) -> tuple[float, str, str, str, str, str] | None:
     known = [
         (s.processor, s.each, s.evaluations, s.gradients or 0.0)
         for s in summaries
         if s.processor and s.each and s.evaluations
     ]
     if not known:
-        # Who has no time to tell stands last.
-        return np.inf, label, "-", "-", "-", "-"
+        return None
     spent, rates, evaluations, gradients = np.array(known).T
     middle, each = float(np.median(spent)), float(np.median(rates))
     share = f"{100 * float(np.median(gradients / evaluations)):.0f} %"
@@ -452,7 +458,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "To repeat this")
     yield tag("pre", facts.pop("command", ""))
     # The list of cells is for programs, and the name stands above.
-    left_out = {"cells", "name", "common start", NOISY, *ASKED}
+    left_out = {"cells", "optima", "name", "common start", NOISY, *ASKED}
     rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
     yield wide_table(("what", "value"), rows)
     yield tag(
