@@ -287,6 +287,8 @@ def test_words_of_constraints(stays):
     optimisers = (
         "least-squares", "pso-paper", "pso-paper:particles=7", "pso-paper:particles=7,",
         "pso-paper:particles=a", "pso-paper:flies=7", "pso-paper:particles", "nobody",
+        "pso-paper:neighbourhood=global", "pso-paper:neighbourhood=all",
+        "least-squares:method=dogbox", "least-squares:method=newton",
     )  # fmt: skip
     found = {
         "values": [answer(lambda text=text: constraints.values_of([text])) for text in pairs],

@@ -562,6 +562,9 @@ def parameters_of(text: str) -> dict[str, Any]:
     return found | ({"tie": given["tie"]} if "tie" in given else {})
 
 
+LITERAL = re.compile(r"Literal\[([^]]*)\]")
+
+
 def optimiser_of(text: str) -> Optimiser:
     """The optimiser that ``NAME`` or ``NAME:option=value,option=value`` names.
 
@@ -590,8 +593,13 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
         raise OptionError(
             f"{optimiser} has no option '{name}': it has {', '.join(known) or 'none'}"
         )
+    words = _words_of(kind, name)
+    if value in words:
+        return name, value
     # The default shows of which kind a value is.
     default = known[name]
+    if words and isinstance(default, str):
+        raise OptionError(f"{optimiser}: {name} is {' or '.join(words)}, not '{value}'")
     # Before the numbers: in Python true and false are whole numbers too.
     if isinstance(default, bool):
         if value.lower() not in ("true", "false"):
@@ -604,9 +612,17 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
             return name, float(value)
         return name, value
     except ValueError:
+        known_words = "".join(f" or {word}" for word in words)
         raise OptionError(
-            f"{optimiser}: {name} is a number such as {default}, not '{value}'"
+            f"{optimiser}: {name} is a number such as {default}{known_words}, not '{value}'"
         ) from None
+
+
+def _words_of(kind: type[Optimiser], name: str) -> list[str]:
+    """Words that an option may be, as its annotation says."""
+    # As text: what a plugin annotates by may be imported for type checkers only.
+    [told] = (str(field.type) for field in fields(kind) if field.name == name)  # type: ignore[arg-type]
+    return [word for part in LITERAL.findall(told) for word in re.findall(r"[\w-]+", part)]
 
 
 def _pair(text: str, example: str) -> tuple[str, str]:

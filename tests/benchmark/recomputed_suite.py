@@ -147,12 +147,15 @@ def interval(ratios):
 
 Z = 1.959963984540054
 STUDENT = {
-    10: 2.2281388519649385,
-    18: 2.10092204024096,
-    19: 2.093024054408263,
+    4: 2.7764451051977934,
+    9: 2.262157162798205,
+    10: 2.228138851986274,
+    18: 2.1009220402410382,
+    19: 2.0930240544083087,
+    24: 2.0638985616280245,
     29: 2.045229642132703,
 }
-"""Two-sided 5 % point of Student's t by degrees of freedom: of 11, 19, 20 and 30 problems."""
+"""Two-sided 5 % point of Student's t, by degrees of freedom: one less than there are problems."""
 
 
 def wilson(rate, n):

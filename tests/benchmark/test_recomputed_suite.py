@@ -6,6 +6,7 @@ import ast
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 import recomputed_suite
 
@@ -62,6 +63,40 @@ def test_so_are_the_shares_on_the_drawn_suites(race):
     }
     _, wrong = recomputed_suite.compared({f"{name}/parts": shares}, RESULTS)
     assert wrong == []
+
+
+def rows_of(name):
+    with (RESULTS / name).open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def hits_of(row):
+    """As many as the share of a cell says."""
+    trials = int(row["trials"])
+    return np.where(np.arange(trials) < round(float(row["success"]) * trials), 1.0, np.inf)
+
+
+def test_shares_of_the_first_race_follow_from_its_cells():
+    cells = rows_of("optimiser_comparison/summary.csv")
+    for row in rows_of("optimiser_comparison/ranking.csv"):
+        own = [cell for cell in cells if cell["optimiser"] == row["optimiser"]]
+        noisy = [cell for cell in own if cell["data set"].endswith("-noise1")]
+        for column, chosen in (("all", own), ("1 % noise", noisy)):
+            written = [float(row[f"{column}{end}"]) for end in ("", " low", " high")]
+            found = recomputed_suite.share_over([hits_of(cell) for cell in chosen])
+            assert written == pytest.approx(found, abs=1e-12), (row["optimiser"], column)
+
+
+def test_shares_of_the_swarm_and_its_rivals_follow_from_their_cells():
+    cells = rows_of("swarm_claim/summary.csv")
+    last = [row for row in rows_of("swarm_claim/swarm_ranks.csv") if row["budget"] == "40000"]
+    assert len(last) == 2 * 16
+    for row in last:
+        own = [cell for cell in cells if cell["optimiser"] == row["optimiser"]]
+        noisy = row["data"] == "noisy"
+        hits = [hits_of(cell) for cell in own if ("-noise" in cell["data set"]) == noisy]
+        written = [float(row[f"success{end}"]) for end in ("", " low", " high")]
+        assert written == pytest.approx(recomputed_suite.share_over(hits), abs=1e-12), row
 
 
 def test_it_knows_nothing_of_springpot():

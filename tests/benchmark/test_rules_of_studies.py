@@ -24,7 +24,7 @@ from springpot.benchmark.engine import ExecutorEngine
 from springpot.benchmark.fork_server import Parcel
 from springpot.benchmark.plan import BLOCK, WorkOrder
 from springpot.benchmark.trial import Bell, Status, TrialResult, TwinProblem, Workshop
-from springpot.errors import StudyError
+from springpot.errors import OptionError, StudyError
 from springpot.identification import BatchedOptimiser, Card, Optimiser, run
 from springpot.identification.problem import Problem
 from springpot.measurement import DataSet
@@ -104,6 +104,14 @@ def test_a_study_names_each_once():
         small_study(datasets=[artificial(), artificial()]).plan()
     with pytest.raises(StudyError, match="is no optimiser"):
         small_study(optimisers=[3]).plan()
+
+
+def test_an_optimiser_may_be_named_with_options():
+    plan = small_study(optimisers=["cma-es", "cma-es:sigma=0.5", ("wide", "cma-es:sigma=1")]).plan()
+    assert [entrant.label for entrant in plan.entrants] == ["cma-es", "cma-es(sigma=0.5)", "wide"]
+    assert plan.entrants[2].optimiser.sigma == 1.0
+    with pytest.raises(OptionError, match="cma-es has no option 'width'"):
+        small_study(optimisers=["cma-es:width=1"]).plan()
 
 
 def test_problems_of_a_study(stays):

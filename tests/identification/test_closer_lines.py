@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.identification.material import SpectrumSearch
+from springpot.identification.problem import relative_objective
 
 FREQUENCY = np.geomspace(0.1, 50.0, 15)
 WATER = (0.0, 5.0, 10.0, 15.0)
@@ -54,3 +56,18 @@ def test_a_column_behind_a_misfit_is_offered_to_a_master_curve():
     )
     joined = springpot.diagnose(measured(0.004), "material + free-shift:water")
     assert "same conditions" not in joined.says
+
+
+@pytest.mark.parametrize("begun", [(493.0, 1.0), (300.0, 0.9), (150.0, 0.01)])
+def test_a_try_that_is_refused_is_none_of_the_last_steps(begun):
+    """Along a bent valley a first step is too long: three of them that are refused led nowhere."""
+    omega = np.geomspace(1.5, 35.0, 60)
+    s, share = 1j * omega, omega / 181.0
+    exact = 1.0 / (0.375 + 1.02 / s + 1.0 / (1.33 + 0.2 * s)) / (1.0 - share**2 + 0.1j * share)
+    real, imaginary = np.random.default_rng(0).normal(size=(2, omega.size))
+    data = springpot.Measurement(omega, exact * (1.0 + 0.002 * (real + 1j * imaginary)))
+    model = springpot.parse_model("material + fixture-resonance")
+    search = SpectrumSearch.of(model, data, relative_objective())
+    start = search.refined(search.solve(search.u_of(np.array(begun))))
+    end, _ = search.descend(start, 3, lines=search.about(start))
+    assert end.cost < 0.97 * start.cost

@@ -175,11 +175,11 @@ def test_weights_of_a_plane_are_those_of_the_objective_to_first_order():
 )
 def test_a_step_that_lowers_the_cost_is_taken_and_the_damping_eased(cost, damping, better, rest):
     now, other = SimpleNamespace(cost=10.0), SimpleNamespace(cost=cost)
-    way = SimpleNamespace(trial=now, damping=3.0, better=None, at_rest=None)
+    way = SimpleNamespace(trial=now, damping=3.0, better=None, at_rest=None, taken=2)
     leastsquares.Way.take(way, other, 0.1001)
     assert way.trial is (other if better else now)
     assert way.damping == pytest.approx(damping)
-    assert (way.better, way.at_rest) == (better, rest)
+    assert (way.better, way.at_rest, way.taken) == (better, rest, 2 + better)
     way.damping = 1e-9
     leastsquares.Way.take(way, SimpleNamespace(cost=1.0), 0.1)
     assert way.damping == 1e-9

@@ -4,7 +4,7 @@ import numpy as np
 
 from springpot import TimeTest
 from springpot.measurement import Loading, Record
-from springpot.measurement.followed import followed
+from springpot.measurement.recording import followed
 
 
 def test_between_samples_a_loading_goes_straight_and_at_rest_it_has_no_rate():

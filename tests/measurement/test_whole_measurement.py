@@ -20,9 +20,9 @@ from springpot.measurement import (
 )
 from springpot.measurement.conversion import through
 from springpot.measurement.covered import Covered
-from springpot.measurement.followed import Record
 from springpot.measurement.mixed_up import exchange_note, material_misfit, sign_note
 from springpot.measurement.opening import select, without
+from springpot.measurement.recording import Record
 from springpot.measurement.replicates import again_note, stands_again
 
 

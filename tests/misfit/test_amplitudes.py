@@ -83,3 +83,11 @@ def test_a_mass_shows_where_no_material_behaves_so():
 def test_what_a_material_follows_is_no_such_place():
     found = springpot.diagnose(measured(GEL), "kelvin", only=FEW)
     assert not any("no linear material follows" in note for note in found.notes)
+
+
+@pytest.mark.soak
+def test_where_no_material_follows_any_amplitude_it_is_not_said_to_do_nothing():
+    """A damper of speed^0.4 is no material at one amplitude either: what differs is hidden."""
+    speed = OMEGA * AMPLITUDE
+    (note,) = notes(measured(GEL + 300j * speed**0.4 / AMPLITUDE * np.sign(OMEGA)))[:1]
+    assert "the amplitude does not matter" not in note

@@ -83,6 +83,16 @@ def test_a_ramp_that_was_said_may_have_been_slower_or_quicker(effect, size):
     assert exact == pytest.approx(slope, rel=1e-4, abs=1e-4 * np.abs(slope).max())
 
 
+def test_a_ramp_is_sought_before_the_first_sample_too():
+    """Most steps are over when the first sample is taken: there the ramp is a small thing."""
+    t = np.geomspace(0.04, 30.0, 25)
+    test = TimeTest.of_relaxation(t, t, "kPa")
+    (ramps,) = zip(*plugins().effect("finite-ramp").element.tries(test), strict=True)
+    assert min(ramps) == pytest.approx(0.1 * t[0])
+    assert max(ramps) == pytest.approx(t[-1])
+    assert sum(ramp < 0.9 * t[0] for ramp in ramps) >= 2
+
+
 def test_a_load_that_came_between_two_samples_may_have_come_at_once():
     t = np.linspace(0.0, 60.0, 31)
     load = np.where((t > 0.0) & (t < 31.0), 5.0, 0.0)

@@ -7,15 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from springpot.errors import ModelError
 from springpot.measurement import Measurement, TimeTest
 from springpot.misfit.residual_scatter import (
     ResidualScatter,
     scatter_of,
     scatter_of_sweep,
 )
+from springpot.misfit.residuals_of_tests import InTimePart, parts_of_specimen
 from springpot.registry import parse_model, plugins
-from springpot.timetests import diagnose
-from springpot.timetests.disturbances import Slip, likeliest_jump
+from springpot.timetests import diagnose, identify
+from springpot.timetests.disturbances import Slip, likeliest_jump, slip_beside
 from springpot.timetests.hypotheses import FitResiduals, delta_bic
 
 TIME = np.geomspace(0.01, 100.0, 80)
@@ -66,6 +68,21 @@ def test_a_large_slip_is_no_noise_with_a_memory():
     found = diagnose(relaxation(ZENER, THETA, -200.0), ZENER, library(*LIKE_A_SLIP))
     assert found.verdict == "unexplained"
     assert found.error.over_floor > 2.0
+
+
+def test_where_a_model_cannot_be_followed_nothing_is_sought(monkeypatch):
+    test, followed = relaxation(ZENER, THETA, -200.0), InTimePart.residual
+    fit, parts = identify(test, ZENER), parts_of_specimen([test])
+    before = FitResiduals.of(fit, parts)
+    assert before.misfit
+
+    def near(part, model, theta, reference, coarse=False):
+        if not np.allclose(theta, fit.theta):
+            raise ModelError("no sum of relaxations")
+        return followed(part, model, theta, reference, coarse)
+
+    monkeypatch.setattr(InTimePart, "residual", near)
+    assert JUMP in slip_beside(parts, fit, before).says
 
 
 @pytest.mark.soak

@@ -17,6 +17,7 @@ from typing import TypeAlias, TypeGuard
 
 import numpy as np
 
+from springpot.constraints import optimiser_of
 from springpot.errors import StudyError
 from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, options_of
@@ -94,7 +95,8 @@ class Study:
     objectives : sequence
         Names or `Objective` objects; ``"own"`` is that of a suite's problem.
     optimisers : sequence
-        Names, classes or instances with options; ``(label, optimiser)`` names an option set.
+        Names, with options as in ``"pso-paper:particles=40"``, classes or instances; ``(label,
+        optimiser)`` names an option set.
     repetitions : int
         Trials of each cell.
     budget : int
@@ -426,7 +428,7 @@ def _entrant(given: Labelled) -> Entrant:
     else:
         label, optimiser = "", given
     if isinstance(optimiser, str):
-        optimiser = plugins().find("optimiser", optimiser)
+        optimiser = optimiser_of(optimiser)
     if isinstance(optimiser, type):
         optimiser = optimiser()
     if not isinstance(optimiser, Optimiser):

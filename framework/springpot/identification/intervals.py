@@ -378,8 +378,8 @@ def beside_endless(paths: Iterable[Path], rise: float, low: Real, high: Real) ->
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
-def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = True) -> Real:
-    """Refit simulated data.
+def bootstrap(fit: Fit, n: int, rng: np.random.Generator) -> Real:
+    """Refit data that are simulated with normal errors.
 
     Parameters
     ----------
@@ -389,8 +389,6 @@ def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = 
         Number of simulated data sets.
     rng : numpy.random.Generator
         The only source of randomness.
-    parametric : bool
-        Draw Gaussian errors; otherwise draw from the residuals, with replacement.
 
     Returns
     -------
@@ -413,8 +411,7 @@ def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = 
     block = max(1, AT_ONCE // (2 * points))
     refitted = []
     for first in range(0, n, block):
-        errors = _errors(fit, min(block, n - first), rng, parametric)
-        refitted.append(_refitted(fit, errors))
+        refitted.append(_refitted(fit, _errors(fit, min(block, n - first), rng)))
     return np.concatenate(refitted)
 
 
@@ -457,18 +454,12 @@ def over_specimens(known: Uncertainty, n: int, rng: np.random.Generator) -> Real
     return within_bounds(fit.model, spread)
 
 
-def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Complex:
+def _errors(fit: Fit, n: int, rng: np.random.Generator) -> Complex:
     """Simulated weighted errors (n, points)."""
     known, count = Uncertainty.of(fit), len(fit.measurement)
-    if parametric:
-        drawn = rng.standard_normal((n, 2 * count)) * known.scale
-        for rows in known.lines if known.memory else ():
-            drawn[:, rows] = autoregressive(drawn[:, rows], known.memory)
-    else:
-        # The fit has taken its share of the scatter: residuals are smaller than the errors they
-        # come from.
-        grown = np.sqrt(2 * count / max(fit.dof, 1))
-        drawn = rng.choice(fit.residual * grown, size=(n, 2 * count))
+    drawn = rng.standard_normal((n, 2 * count)) * known.scale
+    for rows in known.lines if known.memory else ():
+        drawn[:, rows] = autoregressive(drawn[:, rows], known.memory)
     return drawn[:, :count] + 1j * drawn[:, count:]
 
 

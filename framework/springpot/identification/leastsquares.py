@@ -387,6 +387,7 @@ class Way:
     slopes: tuple[Real, Real] = (np.zeros(0), np.zeros((0, 0)))
     better: bool = True
     at_rest: bool = True
+    taken: int = 0
 
     def moves(self, low: Real, high: Real) -> bool:
         """Take the next step in view, and tell whether it is one."""
@@ -404,6 +405,7 @@ class Way:
             self.damping *= 10.0
             return
         self.trial, self.damping = other, max(0.1 * self.damping, 1e-9)
+        self.taken += 1
         self.at_rest = drop <= still * other.cost
 
 

@@ -385,10 +385,13 @@ class SpectrumSearch:
         ways = [Way(trial) for trial in trials]
         going = [way for way in ways if len(way.trial.u) and np.isfinite(way.trial.cost)]
         self._turn(going)
-        for step in range(iterations):
+        for step in range(MOST_STEPS):
             if step == QUICK:
                 going = [way for way in going if self._may_reach(hopeless, way.trial)]
-            going = [way for way in going if way.moves(self.low, self.high)]
+            # A try that is refused is none of the steps: the next one is only shorter.
+            going = [
+                way for way in going if way.taken < iterations and way.moves(self.low, self.high)
+            ]
             if not going:
                 break
             begun = [self.begun(way.ahead, lines, way.trial) for way in going]

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
         joined as joined,
         through as through,
     )
-    from .followed import Record as Record
     from .from_signals import measurement_from_signals as measurement_from_signals
     from .geometry import parse_geometry as parse_geometry
     from .imposed import Loading as Loading
@@ -68,6 +67,7 @@ if TYPE_CHECKING:
         Reader as Reader,
         parts_as_opened as parts_as_opened,
     )
+    from .recording import Record as Record
     from .replicates import average_repeats as average_repeats, thinned as thinned
     from .scatter import at_least_rounding as at_least_rounding, with_noise as with_noise
     from .signals import Signals as Signals, harmonics_of as harmonics_of

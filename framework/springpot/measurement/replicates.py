@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -21,8 +22,17 @@ from ..numerics import SMALLEST, rms
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
 from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
+from .rounding import noise_before_rounding, shared_rounding
 from .rows import SAME_AMPLITUDE
-from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape, tails_of
+from .scatter import (
+    LEAST_RELATIVE,
+    Noise,
+    Scatter,
+    noise_shape,
+    steps_as_written,
+    tails_of,
+    turned_sd,
+)
 
 if TYPE_CHECKING:
     from springpot.rheology.model import Model
@@ -88,6 +98,20 @@ class Averaged:
             stiffness = stiffness / (1.0 + self.gains)
         return np.asarray(stiffness - self.mean.stiffness[self.group], dtype=np.complex128)
 
+    @cached_property
+    def shared(self) -> Complex:
+        """What all repeats of a point were rounded by alike, (n,): no scatter tells it."""
+        size = self.mean.magnitude
+        first = np.unique(self.group, return_index=True)[1]
+        steps = steps_as_written(self.raw)[first]
+        real, imag = (
+            shared_rounding(
+                noise_before_rounding(squares, self.scatter.dof, step, size) * size, step
+            )
+            for squares, step in zip(self.scatter[:2], (steps.real, steps.imag), strict=True)
+        )
+        return np.asarray(real + 1j * imag, dtype=np.complex128)
+
     def deviations(self) -> Complex:
         """The same over |K|, (N,)."""
         return self.apart / self.raw.magnitude
@@ -114,8 +138,12 @@ class Averaged:
 
     def floor(self, noise: Noise) -> float:
         """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""
-        # The noise is that of the means: single rows scatter by the root of their number more.
-        single = (noise.sd.real**2 + noise.sd.imag**2) * self.count / self.mean.magnitude**2
+        # The noise is that of the means: single rows scatter by the root of their number more, but
+        # for what all of them share.
+        squares = (noise.sd.real**2 + noise.sd.imag**2) * self.count
+        if noise.source == "repeats":
+            squares = squares - (self.count - 1.0) * np.abs(self.shared) ** 2
+        single = squares / self.mean.magnitude**2
         return float(np.sqrt(np.average(single, weights=self.count) + self.own_gain**2))
 
 
@@ -323,10 +351,15 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
         return None
     axes = np.asarray(np.conj(mean.stiffness) / mean.magnitude, dtype=np.complex128)
     sd, turn = noise_shape(mean, scatter, averaged.scatter_after(axes), axes, uneven=True)
-    noise = Noise.shaped(sd / np.sqrt(averaged.count), turn, dof, "repeats")
-    memory = _memory(averaged, noise)
-    noise = replace(noise, memory=memory, dof=effective_share(memory**2) * dof)
-    return replace(noise, tails=_tails(averaged, noise))
+    sd = sd / np.sqrt(averaged.count)
+    scattered = Noise.shaped(sd, turn, dof, "repeats")
+    memory = _memory(averaged, scattered)
+    tails = _tails(averaged, replace(scattered, memory=memory))
+    # Repeats tell the noise but for what was rounded alike in all of them.
+    shared = averaged.shared if turn is None else turned_sd(averaged.shared, turn)
+    sd = np.asarray(np.hypot(sd.real, shared.real) + 1j * np.hypot(sd.imag, shared.imag))
+    whole = Noise.shaped(sd, turn, effective_share(memory**2) * dof, "repeats")
+    return replace(whole, memory=memory, tails=tails)
 
 
 def _places(averaged: Averaged) -> tuple[Rows, Rows]:

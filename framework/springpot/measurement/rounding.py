@@ -149,6 +149,62 @@ def digit_of(values: Real) -> float:
     return float(np.median(rounding_step(values))) or float(np.median(np.diff(levels)))
 
 
+def shared_rounding(noise: Real, step: Real) -> Real:
+    """Error (n,) that rounding to a step leaves alike in all repeats of a value.
+
+    Noise much smaller than the step is rounded the same way each time: what repeats scatter by says
+    nothing of that error, and their mean keeps it. Noise of half a step and more makes rounding
+    another error each time. Of a value anywhere within its step the mean over the noise is off by a
+    Fourier series, whose terms the noise damps (Widrow and Kollar, Quantization Noise, 2008).
+
+    Parameters
+    ----------
+    noise : ndarray, shape (n,)
+        Standard deviation before anything was rounded.
+    step : ndarray, shape (n,)
+        To which the values were rounded; 0 where they carry all digits.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Standard deviation, at most step / sqrt(12).
+
+    Examples
+    --------
+    >>> shared_rounding(np.array([0.0, 0.3, 1.0]), np.ones(3)).round(3).tolist()
+    [0.288, 0.038, 0.0]
+    """
+    order = np.arange(1.0, 100.0)[:, None]
+    share = noise / np.where(step > 0.0, step, np.inf)
+    terms = np.exp(-((2.0 * np.pi * order * share) ** 2)) / (2.0 * (np.pi * order) ** 2)
+    return np.asarray(step * np.sqrt(np.sum(terms, axis=0)), dtype=float)
+
+
+def noise_before_rounding(squares: Real, dof: Real, step: Real, size: Real) -> float:
+    """Noise over a size (n,) of repeats that were then rounded to a step (n,).
+
+    Parameters
+    ----------
+    squares, dof : ndarray, shape (n,)
+        Sums of squares of written repeats about their means, and degrees of freedom behind them.
+    step, size : ndarray, shape (n,)
+        To which they were rounded, and what the noise is proportional to.
+    """
+
+    def excess(level: float) -> float:
+        noise = level * size
+        # As much of the rounding as is not shared is scatter too.
+        scatter = noise**2 + step**2 / 12.0 - shared_rounding(noise, step) ** 2
+        return float(np.sum(dof * scatter / size**2) - np.sum(squares / size**2))
+
+    low, high = 0.0, float(np.sqrt(np.sum(squares / size**2) / max(np.sum(dof), 1.0)))
+    # To a thousandth of what they scatter by.
+    for _ in range(10):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
+    return high
+
+
 def roundings(exact: Real, written: Real) -> Real:
     """Errors (ZEROS, n) of exact values (n,) that are written to the digit of others.
 

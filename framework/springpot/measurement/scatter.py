@@ -20,7 +20,7 @@ from springpot.memory import effective_share
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
 from .mixed_tests import sweeps_of
 from .rounding import rounding_step
@@ -643,6 +643,60 @@ def rounding_steps(measurement: Measurement) -> Complex:
         step if np.ptp(column) > 0.0 else finest for column, step in zip(columns, own, strict=True)
     ]
     return np.asarray(told[0] + 1j * told[1], dtype=np.complex128)
+
+
+def steps_as_written(measurement: Measurement) -> Complex:
+    """The same, also of values that were written as a modulus, a phase or a loss factor.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The values as they were read.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement.scatter import steps_as_written
+    >>> written = Measurement([1.0, 2.0], [90.1 * (1.0 + 0.213j), 95.3 * (1.0 + 0.314j)])
+    >>> steps_as_written(written).round(3).tolist()
+    [(0.1+0.093j), (0.1+0.1j)]
+    """
+    own, size = rounding_steps(measurement), measurement.magnitude
+    angle = np.angle(measurement.stiffness)
+    cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))
+    storage, loss = (own.real, measurement.storage), (own.imag, measurement.loss)
+    modulus = _with_step(size)
+    turns = [
+        (_with_step(np.degrees(angle)), np.full(len(size), np.pi / 180.0)),
+        (_with_step(angle), np.ones(len(size))),
+        (_with_step(np.tan(angle)), cos**2),
+    ]
+    # What was written has few digits, and what follows from it has all of them.
+    found, best = own, min(map(_coarseness, (storage, loss)))
+    for column, unit in turns:
+        turned = column[0] * unit
+        by_modulus, by_storage = (
+            min(_coarseness(column), _coarseness(other)) for other in (modulus, storage)
+        )
+        if by_modulus > max(best, by_storage):
+            best, real = by_modulus, np.hypot(modulus[0] * cos, size * sin * turned)
+            found = real + 1j * np.hypot(modulus[0] * sin, size * cos * turned)
+        elif by_storage > best:
+            best = by_storage
+            found = own.real + 1j * np.hypot(own.real * sin / cos, size * turned / cos)
+    return np.asarray(found, dtype=np.complex128)
+
+
+def _with_step(column: Real) -> tuple[Real, Real]:
+    """A column and the rounding step of each value; 0 where one value throughout tells of none."""
+    if np.ptp(column) <= ALIKE * np.max(np.abs(column)):
+        return np.zeros(len(column)), column
+    return rounding_step(column), column
+
+
+def _coarseness(column: tuple[Real, Real]) -> float:
+    """The rounding step of a column's values over these, as a rule."""
+    return float(np.median(column[0] / np.maximum(np.abs(column[1]), SMALLEST)))
 
 
 def with_noise(

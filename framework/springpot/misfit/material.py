@@ -395,13 +395,29 @@ def needs_each(together: Refit, levels: Sequence[ConditionLevel]) -> bool:
     levels : sequence of ConditionLevel
         Each with its own.
     """
-    apart = sum(level.fitted.rss for level in levels)
-    spare = max(sum(level.fitted.fit.dof for level in levels), 1)
-    spent = max(together.fit.dof - spare, 1)
+    gain, spent, spare = _gain_of_each(together, levels)
     # Against the scatter about each level's own material, not the noise: that may have been
     # misjudged.
-    ratio = (together.rss - apart) / spent / max(apart / spare, SMALLEST)
+    apart = sum(level.fitted.rss for level in levels)
+    ratio = gain / spent / max(apart / spare, SMALLEST)
     return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
+
+
+def _gain_of_each(together: Refit, levels: Sequence[ConditionLevel]) -> tuple[float, float, float]:
+    """Squares that a material for each level explains, its further numbers, and those left."""
+    apart = sum(level.fitted.rss for level in levels)
+    spare = max(sum(level.fitted.fit.dof for level in levels), 1)
+    return together.rss - apart, max(together.fit.dof - spare, 1), spare
+
+
+def _follow_alike(base: Refit, together: Refit, levels: Sequence[ConditionLevel]) -> bool:
+    """Whether a material for each level explains no more than noise lets it.
+
+    Where none follows its level either, what all of them miss hides much that they differ by.
+    """
+    gain, spent, _ = _gain_of_each(together, levels)
+    ratio = gain / spent
+    return ratio <= 1.0 or float(f_sf(ratio, spent, base.noise.dof)) >= VERDICT.sentence_alarm
 
 
 def levels_of_no_material(levels: Sequence[ConditionLevel]) -> list[ConditionLevel]:
@@ -515,7 +531,10 @@ def notes_on_amplitudes(base: Refit) -> Iterator[str]:
     one, each = fitted_together(base, levels), error_of_each(levels)
     beside = f"one material for all {len(levels)} amplitudes is {percent(one.relative_rms)} off"
     if not needs_each(one, levels):
-        yield f"{beside}, one for each {percent(each)}: the amplitude does not matter"
+        told = "no material follows each by itself either"
+        if _follow_alike(base, one, levels):
+            told = "the amplitude does not matter"
+        yield f"{beside}, one for each {percent(each)}: {told}"
         return
     yield f"{beside}, one for each {percent(each)}: {_course(measurement, levels)}"
     strange = levels_of_no_material(levels)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from springpot.identification.leastsquares import levenberg_marquardt, one_by_one
 from springpot.identification.result import Identification
 from springpot.measurement.hum import (
     FEWEST_OF_LINE,
@@ -35,9 +36,9 @@ from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, r
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, DECADE, SMALLEST, rms
+from ..numerics import ALIKE, SMALLEST, rms
 from .hypotheses import FitResiduals, delta_bic
-from .specimen import stepped
+from .native import TimeSearch
 
 SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""
@@ -243,29 +244,36 @@ def _over(left: FitResiduals, sizes: Sequence[Real]) -> FitResiduals:
 
 def slip_beside(parts: Sequence[TestPart], base: Identification, before: FitResiduals) -> Slip:
     """What slipped or let go in one test beside the model, if that is what it was."""
-    theta = base.theta
+    search = TimeSearch(base.model, parts, base.reference, [base.theta], thorough=False)
     weights = [
         np.where(part.counted, 1.0 / part.sd, 0.0) if isinstance(part, InTimePart) else None
         for part in parts
     ]
+    ends = np.cumsum([0, *(len(part.measured) for part in parts)]).tolist()
 
-    def missed(at: Real) -> list[Residual]:
-        return [part.over_noise(base.model, at, base.reference) for part in parts]
+    def jumped(value: Real, slopes: Real) -> tuple[list[Residual], Jump]:
+        residuals = [Residual(value[i:j], slopes[:, i:j].T) for i, j in pairwise(ends)]
+        return residuals, likeliest_jump(residuals, weights, before.noise)
 
-    residuals = missed(theta)
-    jump = likeliest_jump(residuals, weights, before.noise)
-    # Where the tests are missed the model makes way by more than one linear step, each as short as
-    # it has to be for them to be missed by less (Marquardt 1963, doi:10.1137/0111030).
-    damping = 1.0
-    for _ in range(FURTHER * before.misfit):
-        step, squares = _way_made(residuals, jump, weights, damping)
-        nearer = stepped(base.model, theta, step)
-        there = missed(nearer)
-        if _way_made(there, jump, weights, damping)[1] < squares:
-            theta, residuals, damping = nearer, there, damping / DECADE
-            jump = likeliest_jump(residuals, weights, before.noise)
-        else:
-            damping *= DECADE
+    def beside(u: Real) -> tuple[Real, Real]:
+        """Residuals (m,) but for a jump of any height where it does most, and slopes (p, m)."""
+        value, slopes = search.guarded(parts, u, False)
+        if not np.all(np.isfinite(value)):
+            return value, slopes
+        _, jump = jumped(value, slopes)
+        column, weight = np.zeros(len(value)), weights[jump.number]
+        if weight is not None:
+            moves = slice(jump.row, jump.row + 1 if jump.alone else len(weight))
+            column[ends[jump.number] : ends[jump.number + 1]][moves] = weight[moves]
+        column /= max(float(np.linalg.norm(column)), SMALLEST)
+        return value - column * (column @ value), slopes - np.outer(slopes @ column, column)
+
+    [u] = search.starts()
+    # Where the tests are missed the model makes way by more than one linear step.
+    if before.misfit:
+        bounds = search.coordinates.bounds
+        u = levenberg_marquardt(one_by_one(beside), u[None], *bounds, iterations=FURTHER).u[0]
+    residuals, jump = jumped(*search.guarded(parts, u, False))
     scatters = [part.scatter(value) for part, value in zip(parts, jump.left, strict=True)]
     part, (value, slopes) = parts[jump.number], residuals[jump.number]
     name, when = part.test.name, f"{part.at[jump.row]:.3g} s"
@@ -283,25 +291,6 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: FitResi
         scatters=tuple(scatters),
     )
     return Slip(says, left, jump.places, _is_shown(value + slopes @ jump.moved, jump), aside)
-
-
-def _way_made(
-    residuals: Sequence[Residual], jump: Jump, weights: Sequence[Real | None], damping: float
-) -> tuple[Real, float]:
-    """A damped step (p,) of a model beside a jump of any height, and what is missed before it."""
-    column = np.concatenate([np.zeros(len(value)) for value, _ in residuals])
-    begin = sum(len(value) for value, _ in residuals[: jump.number])
-    weight = weights[jump.number]
-    if weight is not None:
-        last = jump.row + 1 if jump.alone else len(weight)
-        column[begin + jump.row : begin + last] = weight[jump.row : last]
-    column /= max(float(np.linalg.norm(column)), SMALLEST)
-    value, slopes = (np.concatenate(each) for each in zip(*residuals, strict=True))
-    value, slopes = value - column * (column @ value), slopes - np.outer(column, column @ slopes)
-    size = np.maximum(np.linalg.norm(slopes, axis=0), SMALLEST)
-    square = (slopes / size).T @ (slopes / size)
-    step = np.linalg.solve(square + damping * np.eye(len(size)), -(slopes / size).T @ value)
-    return step / size, float(value @ value)
 
 
 def _is_shown(story: Real, jump: Jump) -> bool:

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 from springpot.identification.convex import answers_of
-from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.measurement.recording import (
     Clock,
+    Record,
     at_loading,
     at_stage,
     at_work,

@@ -174,6 +174,13 @@ def _held(test: TimeTest) -> bool:
     return len(test.loading.jumps[0]) == 1 and test.loading.smooth is None
 
 
+def _rises(test: TimeTest) -> list[tuple[float]]:
+    """Rises in s from which to look further: most steps were over before the first sample."""
+    clock = test.time - test.start
+    first, last = float(np.min(clock[clock > 0.0])), float(np.max(clock))
+    return [(float(rise),) for rise in np.geomspace(0.1 * first, last, 9)]
+
+
 def _ruptures(test: TimeTest) -> list[tuple[float, float]]:
     """Times and exponents from which to look further."""
     last = float(test.time[-1] - test.start)
@@ -239,7 +246,7 @@ EFFECTS = (
     Effect(
         "finite-ramp",
         on_loading,
-        StageLaw(ramped, (relaxation_time("rise"),)),
+        StageLaw(ramped, (relaxation_time("rise"),), _rises),
         "the step was no step: it took some time, in a straight line, or more than was said",
         citation="Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
         applies_to=AppliesTo(suits=_stepped_or_said),

@@ -48,7 +48,8 @@ if TYPE_CHECKING:
     "optimisers",
     multiple=True,
     metavar="NAME",
-    help="Race this one beside an archive that is given for STUDY.py; may be repeated.",
+    help="Race this one, with options as in pso-paper:particles=40, beside an archive that is"
+    " given for STUDY.py; may be repeated.",
 )
 @click.option(
     "--problem",
