@@ -17,12 +17,12 @@ from scipy.special import gammaln
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
 from springpot.memory import effective_share
+from springpot.rheology.levels import levels_of, rows_of_levels
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
-from .mixed_tests import sweeps_of
 from .rounding import rounding_step
 
 Source = Literal["given", "repeats", "estimated"]
@@ -323,15 +323,21 @@ def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterato
 def _rises_of(measurement: Measurement) -> Iterator[Real]:
     """Factors (n,) of noise that is larger in some part of the measurement."""
     yield from _rises(np.log(measurement.omega))
-    for values in measurement.conditions.values():
-        # By order: of temperatures the next is as far as the last, and of amplitudes ten times it.
-        yield from _rises(np.unique(values, return_inverse=True)[1].astype(np.float64))
-    sweeps = sweeps_of(measurement)
-    for rows, _ in sweeps[: len(sweeps) * (len(sweeps) > 1)]:
-        for level in END_LEVELS:
-            louder = np.ones(len(measurement))
-            louder[rows] = level
-            yield louder
+    levels = [levels_of(*column) for column in measurement.conditions.items()]
+    for level in levels:
+        # By order: of temperatures the next is as far as the last, of amplitudes ten times it.
+        yield from _rises(level.astype(np.float64))
+    _, sweep = np.unique(
+        np.stack([*levels, np.zeros(len(measurement))]), axis=1, return_inverse=True
+    )
+    sweeps = rows_of_levels(sweep.ravel(), int(sweep.max()) + 1)
+    # A single sweep is louder than no other, and points each of its own conditions are no sweeps.
+    if 1 < len(sweeps) <= len(measurement) // 3:
+        for rows in sweeps:
+            for factor in END_LEVELS:
+                louder = np.ones(len(measurement))
+                louder[rows] = factor
+                yield louder
 
 
 def _rises(along: Real) -> Iterator[Real]:
