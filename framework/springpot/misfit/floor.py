@@ -393,8 +393,8 @@ def _shapes(
     inside : ndarray of bool, shape (n,)
         Those that do not.
     uneven : bool
-        Whether the noise may be larger at an end of the frequencies, or of another size in each
-        part.
+        Whether the noise may be larger in some part of the measurement, or of another size in K'
+        and K''.
     cautious : bool
         Whether points whose noise nothing tells are to have as much as may be.
     """
