@@ -50,3 +50,17 @@ def test_noise_of_what_shakes_a_mass_grows_with_the_square_of_the_frequency():
     np.testing.assert_allclose(told.real / data.magnitude / size, 1.0, atol=0.5)
     even, _ = scatter.robust_noise_shape(data, noise, np.arange(60))
     assert np.max(even.real / data.magnitude) < 5.0 * np.min(even.real / data.magnitude)
+
+
+@pytest.mark.parametrize("louder", ["one sweep", "warm"])
+def test_noise_may_be_larger_in_one_sweep_or_grow_with_the_temperature(louder):
+    """Of five sweeps the third four times as much, or the last four times as much as the first."""
+    omega, celsius = np.tile(np.geomspace(1.0, 100.0, 15), 5), np.repeat(np.arange(5.0), 15)
+    data = Measurement(omega, (9.0 + 3.0j) * omega**0.1, conditions={"temperature": celsius})
+    size = 0.01 * np.where(celsius == 2.0, 4.0, 1.0)
+    if louder == "warm":
+        size = 0.01 * np.hypot(1.0, 4.0 * (celsius / 4.0) ** 2)
+    rng = np.random.default_rng(4)
+    noise = size * data.magnitude * (rng.standard_normal(75) + 1j * rng.standard_normal(75))
+    told, _ = scatter.robust_noise_shape(data, noise, np.arange(75), uneven=True)
+    np.testing.assert_allclose(told.real / data.magnitude / size, 1.0, atol=0.6)

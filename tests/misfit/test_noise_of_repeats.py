@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+import springpot
 from springpot.measurement import Measurement, average_repeats
 from springpot.measurement.replicates import noise_of_repeats
 from springpot.misfit.frame import NoiseFrame
+from springpot.misfit.outliers import off_from_repeats
 from springpot.misfit.residual_tests import repeats_structure
 
 N = 60
@@ -129,3 +131,33 @@ def test_repeats_of_unequal_number_in_no_order_tell_the_same_memory():
     )
     assert whole.memory == pytest.approx(0.66, abs=0.08)
     assert some.memory == pytest.approx(whole.memory, abs=0.15)
+
+
+@pytest.mark.parametrize(("count", "off"), [(3, [20]), (4, [20, 100]), (2, [])])
+def test_a_row_far_from_its_repeats_is_told_without_a_model(count, off):
+    """Twelve deviations of each part; of two repeats either may be the one that is off."""
+    errors = normal(np.random.default_rng(10), count)
+    errors[[20, 100]] += 0.12 + 0.12j
+    if count == 3:
+        errors[100] -= 0.12 + 0.12j
+    assert off_from_repeats(averaged(errors, count).raw).tolist() == off
+
+
+def test_a_run_that_is_off_as_a_whole_and_long_tails_are_no_single_rows():
+    rng = np.random.default_rng(11)
+    errors = normal(rng, 4)
+    errors[N : 2 * N] *= 6.0
+    assert not len(off_from_repeats(averaged(errors, 4).raw))
+    tails = 0.01 * (rng.standard_t(5.0, 4 * N) + 1j * rng.standard_t(5.0, 4 * N))
+    assert not len(off_from_repeats(averaged(tails, 4).raw))
+
+
+def test_a_row_that_is_off_among_repeats_is_set_aside_and_told_by_its_number():
+    model = springpot.parse_model("zener")
+    errors = normal(np.random.default_rng(12), 4)
+    errors[140] += 0.15
+    stiffness = np.tile(model.stiffness(np.array([100.0, 100.0, 100.0]), OMEGA), 4) * (1.0 + errors)
+    data = Measurement(np.tile(OMEGA, 4), stiffness, repeat=np.repeat(np.arange(4), N), name="made")
+    found = springpot.diagnose(data, model.name, only=["inertia", "friction", "time-delay"])
+    assert found.verdict == "adequate"
+    assert [step.exclude for step in found.actions] == [(141,)]

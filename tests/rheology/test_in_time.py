@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from scipy.special import erfc, erfcx, gamma, wofz
+from scipy.special import erfc, erfcx, gamma, gammaincc, wofz
 
 import mittag_leffler
 from springpot.errors import ModelError
@@ -628,3 +628,13 @@ def test_a_springpot_has_no_force_yet_as_a_ramp_begins(alpha: float):
     assert np.all(traced.by_theta[0] == pytest.approx(0.0, abs=1e-12))
     # A dashpot has its force at once.
     assert of(dashpot(), 2.0).respond(t, 3.0 * t).value[0] == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize("order", [0.3, 0.6, 0.9])
+def test_davidson_and_cole_relax_as_an_incomplete_gamma_function(order):
+    """The spectrum of (1 + s tau)^-gamma has an infinite edge at 1/tau."""
+    t = np.geomspace(0.01, 20.0, 40)
+    theta = np.array([1.0, 3.0, 2.0, 1.0, order])
+    model = parse_model("havriliak-negami")
+    exact = 1.0 + 3.0 * gammaincc(order, t / 2.0)
+    assert model.relaxation(theta, t) == pytest.approx(exact, rel=5e-4)

@@ -428,7 +428,8 @@ def _explained(steps: list[Step], sets: Sequence[int] = ()) -> list[Step]:
     while kept < len(steps):
         before, after = steps[kept - 1], steps[kept]
         left = (after.relative_rms / before.relative_rms) ** 2
-        if left > VERDICT.remainder and _prediction_gain(before, after) > VERDICT.predicts:
+        bases = before.case.search.base, after.case.search.base
+        if left > VERDICT.remainder and prediction_gain(*bases) > VERDICT.predicts:
             break
         kept += 1
     return steps[:kept]
@@ -451,7 +452,3 @@ def _likelier(one: Step, other: Step) -> bool:
     judged, begun = other.case.search.base, one.case.search.base.theta
     again = refit(one.model, judged.data, judged.noise, [begun], starts=2)
     return again.log_evidence > judged.log_evidence
-
-
-def _prediction_gain(before: Step, after: Step) -> float:
-    return prediction_gain(before.case.search.base, after.case.search.base)

@@ -40,7 +40,6 @@ from .scan import (
     Score,
     applicable,
     best_pairs,
-    enough_for,
     influence,
     scan_effects,
     shifted_twice,
@@ -402,10 +401,6 @@ class AskedSet:
         return replace(
             self, starts=starts, read_off=max(self.read_off, other.read_off), predicted=predicted
         )
-
-    def is_judged_by(self, base: Refit) -> bool:
-        """Whether the data are numbers enough for it."""
-        return enough_for(base, self.model)
 
     def fitted(self, base: Refit, effort: Effort) -> Grown:
         """The refit beside a base, in units of its noise."""

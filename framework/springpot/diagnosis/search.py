@@ -353,7 +353,8 @@ def fit_new(search: Search, asked: Sequence[AskedSet]) -> None:
     known = {grown.key for grown in search.grown}
     new = [each for each in once(asked) if each.key not in known]
     effort = effort_of(search)
-    judged = [each.fitted(search.base, effort) for each in new if each.is_judged_by(search.base)]
+    base = search.base
+    judged = [each.fitted(base, effort) for each in new if enough_for(base, each.model)]
     search.grown += clear(search, [*judged, *_less_one(search, judged)])
 
 

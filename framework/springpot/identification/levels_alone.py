@@ -83,10 +83,6 @@ class Alone:
         far_off = error > SUPERPOSITION.stands_out * np.median(error[judged])
         return np.asarray(far_off & (error > SUPERPOSITION.nearly * self.repeats))
 
-    def weighted_by(self, share: Real) -> Alone:
-        """The same at other weights of the levels."""
-        return replace(self, cost=self.cost * share**2)
-
     @property
     def judged(self) -> NDArray[np.bool_]:
         """Levels with points enough."""

@@ -17,6 +17,7 @@ from scipy.special import gammaln
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
 from springpot.memory import effective_share
+from springpot.rheology.levels import levels_of, rows_of_levels
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
@@ -36,7 +37,7 @@ judged nearly as well as by its own likelihood."""
 STUDENT_ROUNDS = 25
 """Rounds of reweighting for a scale: each takes away a fixed share of what is left to go."""
 END_LEVELS = (2.0, 4.0, 8.0)
-"""Noise at an end of the frequencies over that far from it.
+"""Noise at an end of the frequencies or of a condition, or in one sweep, over that elsewhere.
 
 Rigs are weak where forces are small or masses pull.
 """
@@ -299,7 +300,7 @@ def along_k(measurement: Measurement, turn: Complex) -> Shape:
 
 
 def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterator[Shape]:
-    """Noise of two sizes, or larger at an end of the frequencies.
+    """Noise of two sizes, or larger at an end of the frequencies, of a condition or in one sweep.
 
     What the misfit of a wrong model looks like too.
     """
@@ -312,23 +313,40 @@ def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterato
     ]
     yield Shape(size, size, False, VERDICT.clear_evidence)
     yield Shape(parts[0], parts[1], False, VERDICT.clear_evidence)
-    for rise in _rises(np.log(measurement.omega)):
+    for rise in _rises_of(measurement):
         yield Shape(size * rise, size * rise, True, SEARCH.decisive)
     # What shakes a mass: a force that grows with the square of the frequency.
     if np.ptp(measurement.omega) > 0.0:
         yield from _beside_floor(size, 1.0 / measurement.omega**2)
 
 
-def _rises(log_omega: Real) -> Iterator[Real]:
-    """Factors (n,) of noise that is larger towards the upper end, the lower end or both.
+def _rises_of(measurement: Measurement) -> Iterator[Real]:
+    """Factors (n,) of noise that is larger in some part of the measurement."""
+    yield from _rises(np.log(measurement.omega))
+    levels = [levels_of(*column) for column in measurement.conditions.items()]
+    for level in levels:
+        # By order: of temperatures the next is as far as the last, of amplitudes ten times it.
+        yield from _rises(level.astype(np.float64))
+    _, sweep = np.unique(
+        np.stack([*levels, np.zeros(len(measurement))]), axis=1, return_inverse=True
+    )
+    sweeps = rows_of_levels(sweep.ravel(), int(sweep.max()) + 1)
+    # A single sweep is louder than no other, and points each of its own conditions are no sweeps.
+    if 1 < len(sweeps) <= len(measurement) // 3:
+        for rows in sweeps:
+            for factor in END_LEVELS:
+                louder = np.ones(len(measurement))
+                louder[rows] = factor
+                yield louder
 
-    The ends are those of the frequencies.
-    """
-    # A single frequency has no ends.
-    whole = float(np.ptp(log_omega))
+
+def _rises(along: Real) -> Iterator[Real]:
+    """Factors (n,) of noise that is larger towards one end of values (n,), the other or both."""
+    # A single value has no ends.
+    whole = float(np.ptp(along))
     if whole == 0.0:
         return
-    up = (log_omega - log_omega.min()) / whole
+    up = (along - along.min()) / whole
     for way in (up, 1.0 - up, np.abs(2.0 * up - 1.0)):
         for power in END_POWERS:
             for level in END_LEVELS:
@@ -349,7 +367,7 @@ def noise_shape(
     turn : ndarray of complex, shape (n,)
         Unit numbers that turn K to the real axis.
     uneven : bool
-        Whether it may be larger at an end of the frequencies.
+        Whether it may be larger in some part of the measurement.
     """
     shapes = [*_shapes_of(measurement), along_k(measurement, turn)]
     if uneven:
@@ -385,7 +403,7 @@ def robust_noise_shape(
     rows : ndarray of int, shape (m,)
         Which these are.
     uneven : bool
-        Whether it may be larger at an end of the frequencies, or of another size in each part.
+        Whether it may be larger in some part of the measurement, or of another size in K' and K''.
     turn : ndarray of complex, shape (n,), optional
         Unit numbers that turn K of a model to the real axis, where these parts may be those along K
         and across it.

@@ -31,7 +31,7 @@ from springpot.measurement.scatter import (
 from springpot.memory import FittedMemory, deviance, effective_share, fitted_memory
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
-from springpot.thresholds import REPEATS, SCATTER, VERDICT
+from springpot.thresholds import REPEATS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import SMALLEST, projected_out
 from .frame import (
@@ -334,7 +334,8 @@ def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
 def sharpened(base: Refit, best: Refit) -> Refit | None:
     """The base model refitted in units of a better model's scatter, where that is much smaller.
 
-    Or where it goes on from point to point, which beside the misfit was not to be seen.
+    Or where it goes on from point to point or depends on the point otherwise, which beside the
+    misfit was not to be seen.
 
     Where conditions differ from point to point there are no smooth curves whose scatter could be
     taken, and the misfit of a wrong model passes for noise; the scatter about a model that explains
@@ -365,9 +366,15 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     sharper |= noise.worth < SCATTER.sharper * base.noise.worth
     # Whether noise goes along K or across it only a model that leaves nothing else can tell.
     other_axes = (noise.along is None) != (base.noise.along is None) and not beyond_floor(best)
-    if not sharper and not other_axes:
+    if not sharper and not other_axes and not _is_likelier(noise, best):
         return None
     return in_noise(base, noise, STARTS_AGAIN)
+
+
+def _is_likelier(noise: Noise, fitted: Refit) -> bool:
+    """Whether noise of this shape, of whatever size, makes a fit's data decisively likelier."""
+    gain = likelihood_of_all(in_noise(fitted, noise)) - likelihood_of_all(fitted)
+    return 2.0 * gain >= SEARCH.decisive
 
 
 def _shapes(
@@ -393,8 +400,8 @@ def _shapes(
     inside : ndarray of bool, shape (n,)
         Those that do not.
     uneven : bool
-        Whether the noise may be larger at an end of the frequencies, or of another size in each
-        part.
+        Whether the noise may be larger in some part of the measurement, or of another size in K'
+        and K''.
     cautious : bool
         Whether points whose noise nothing tells are to have as much as may be.
     """

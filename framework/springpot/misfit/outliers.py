@@ -27,6 +27,7 @@ from springpot.measurement.hum import HARMONICS, near_mains
 from springpot.measurement.independence import frequency_numbers, rounded_log_omega
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.replicates import average_repeats, noise_of_repeats
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
@@ -405,6 +406,53 @@ def outlying(frame: NoiseFrame) -> NDArray[np.int64]:
             return np.array(sorted(found), dtype=np.int64)
         found.append(worst)
     return np.zeros(0, dtype=np.int64)
+
+
+def off_from_repeats(measurement: Measurement) -> NDArray[np.int64]:
+    """Rows that are further from the other repeats of their point than noise takes them.
+
+    No model is asked, and none of two repeats: either may be the one that is off.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data, repeats and all.
+    """
+    rows, off = np.arange(len(measurement)), np.zeros(0)
+    most = max(2, int(OUTLIERS.most * len(rows)))
+    found = taken = np.zeros(0, dtype=np.int64)
+    # One may hide beside another: the search ends where two more are none.
+    while len(taken) <= min(len(found) + 2, most):
+        told = _off_from_others(measurement.subset(rows))
+        if told is None:
+            break
+        scaled, dof = told
+        if len(taken) > len(found) and _chance(scaled, off, max(2, len(off)), dof) < OUTLIERS.rare:
+            found = taken
+        furthest = int(np.argmax(scaled))
+        off, taken = np.append(off, scaled[furthest]), np.append(taken, rows[furthest])
+        rows = np.delete(rows, furthest)
+    return np.sort(found) if len(found) <= most else found[:0]
+
+
+def _off_from_others(measurement: Measurement) -> tuple[Real, float] | None:
+    """Squared deviations (N,) of rows from the others of their point, both parts, and their dof.
+
+    In units of the noise that repeats tell; None where they tell too little.
+    """
+    data = average_repeats(measurement)
+    noise = noise_of_repeats(data)
+    if noise is None:
+        return None
+    count, group = data.count, data.group
+    values = data.apart
+    if noise.turn is not None:
+        values = values * noise.turn[group]
+    sd = (noise.parts * np.sqrt(count))[group]
+    squares = (values.real / sd.real) ** 2 + (values.imag / sd.imag) ** 2
+    several = count[group] > 2
+    free = 1.0 - 1.0 / count[group]
+    return np.where(several, squares / np.where(several, free, 1.0), 0.0), noise.dof
 
 
 def pulling(frames: Iterable[NoiseFrame], alarmed: bool = True) -> NDArray[np.int64]:

@@ -273,13 +273,13 @@ class Refit:
     def frame_of(self, measurement: Measurement) -> NoiseFrame:
         """The fit beside other data under the same conditions.
 
-        Their noise is that of the point of nearest |K|.
+        Their noise is that of one row of the point of nearest |K|.
         """
         apart = np.abs(np.subtract.outer(measurement.magnitude, self.fit.measurement.magnitude))
         nearest = np.argmin(apart, axis=1)
         stiffness = self.model.stiffness(self.theta, measurement.points)
         nothing = np.zeros((0, len(measurement)), dtype=np.complex128)
-        weights = self.noise.weights[nearest]
+        weights = (self.noise.weights / np.sqrt(self.data.count))[nearest]
         turn = None
         if self.noise.turn is not None:
             turn = np.conj(phase_of(stiffness, measurement))

@@ -384,7 +384,7 @@ def mastercurve(
         vertical,
         _error(alone),
         tuple(laws),
-        simplicity(rows, own.weighted_by(own.share)),
+        simplicity(rows, replace(own, cost=own.cost * own.share**2)),
         known,
         tuple(notes),
         perf_counter() - began,

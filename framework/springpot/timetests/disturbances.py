@@ -36,16 +36,14 @@ from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, r
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, SMALLEST, rms
+from ..numerics import ALIKE, MOST_STEPS, SMALLEST, rms
 from .hypotheses import FitResiduals, delta_bic
-from .native import TimeSearch
+from .native import ROUGHLY, TimeSearch
 
 SHOWN = 0.5
 """Share of a jump by which its two samples at least differ, beside what their neighbours do."""
 BESIDE = 3
 """Such neighbours on either side."""
-FURTHER = 24
-"""Steps at most by which the model makes way for a jump in tests that it misses plainly."""
 
 
 class Jump(NamedTuple):
@@ -271,8 +269,8 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: FitResi
     [u] = search.starts()
     # Where the tests are missed the model makes way by more than one linear step.
     if before.misfit:
-        bounds = search.coordinates.bounds
-        u = levenberg_marquardt(one_by_one(beside), u[None], *bounds, iterations=FURTHER).u[0]
+        bounds, asked = search.coordinates.bounds, one_by_one(beside)
+        u = levenberg_marquardt(asked, u[None], *bounds, iterations=MOST_STEPS, flat=ROUGHLY).u[0]
     residuals, jump = jumped(*search.guarded(parts, u, False))
     scatters = [part.scatter(value) for part, value in zip(parts, jump.left, strict=True)]
     part, (value, slopes) = parts[jump.number], residuals[jump.number]

@@ -8,7 +8,7 @@ that is met or not, the change as it is.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise, product
 from math import prod
 
@@ -249,6 +249,12 @@ class TimeScan:
         return atoms
 
 
+@lru_cache(maxsize=256)
+def _joined(model: Model, effect: Effect) -> Model:
+    """One model for all places of an effect: what it is taken apart into is worked out once."""
+    return model + effect
+
+
 def _with_effect(
     base: Identification, effect: Effect, place: Sequence[float]
 ) -> tuple[Model, Real, int]:
@@ -256,7 +262,7 @@ def _with_effect(
 
     They are those of the fit, and `place` (q,) of the effect.
     """
-    model = base.model + effect
+    model = _joined(base.model, effect)
     known = base.model.named(base.theta)
     # The size is the first of what it brings.
     new = [name for name in model.names if name not in known]

@@ -187,11 +187,6 @@ def is_law(effect: Effect) -> bool:
     return effect.plane == "shift" and effect.needs == {"temperature"}
 
 
-def laws_of(model: Model) -> tuple[Effect, ...]:
-    """Its effects that hang on the temperature alone."""
-    return tuple(effect for effect in model.effects if effect.needs == {"temperature"})
-
-
 def told_by_steps(model: Model, parts: Sequence[TestPart], reference: float) -> dict[str, float]:
     """Parameters of a model's laws of temperature, as steps laid over one another tell them.
 
@@ -205,7 +200,8 @@ def told_by_steps(model: Model, parts: Sequence[TestPart], reference: float) -> 
     reference : float
         Temperature in kelvin at which shifts are one.
     """
-    laws, told = laws_of(model), dict[str, float]()
+    laws = tuple(effect for effect in model.effects if effect.needs == {"temperature"})
+    told: dict[str, float] = {}
     tests = [part.test for part in parts if isinstance(part.test, TimeTest)]
     for kind in SHOWN:
         alike = [test for test in tests if test.kind == kind and test.temperature is not None]
