@@ -17,11 +17,18 @@ from springpot.distributions import f_sf
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
-from ..memory import LIKENESS, Links, effective_share, fitted_memory, prewhitened
+from ..memory import Links, effective_share, fitted_memory, prewhitened
 from ..numerics import SMALLEST, rms
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
-from .mixed_tests import NOTE as TOGETHER, RUNS, largest_test, sweeps_of, told_apart
+from .mixed_tests import (
+    NOTE as TOGETHER,
+    RUNS,
+    largest_test,
+    longest_memory,
+    sweeps_of,
+    told_apart,
+)
 from .rounding import noise_before_rounding, shared_rounding
 from .rows import SAME_AMPLITUDE
 from .scatter import (
@@ -396,7 +403,8 @@ def _memory(averaged: Averaged, noise: Noise) -> float:
     runs = sweeps_of(averaged.raw.subset(order[later]))
     lines = [rows + k for rows, _ in runs for k in (0, len(step))]
     white = _whitened(told / np.sqrt(averaged.count[group[later]]), noise, group[later])
-    found = fitted_memory(white[:, None], Links.along(lines), LIKENESS)
+    # What is slower sets specimens apart, by a gain and a slope of each.
+    found = fitted_memory(white[:, None], Links.along(lines), longest_memory(runs))
     return found.memory if found.gain > 0.0 else 0.0
 
 
