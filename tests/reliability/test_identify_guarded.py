@@ -25,7 +25,7 @@ import springpot.api
 from faulty_optimisers import Faulty, Innocent
 from springpot import registry
 from springpot.cli import main
-from springpot.identification import fitting as guard
+from springpot.identification import searching as guard
 
 guard.DEADLINE, guard.MEMORY = 3.0, 512
 find = registry.Registry.find

@@ -368,7 +368,7 @@ def with_laws(
     """
     value, by_theta = traced
     # Laws that are not linear need the speed, which a record does not have.
-    moving = velocity(t, x)
+    moving = velocity(t, x) if beside else x
     for effect, _, own in beside:
         force, slopes = effect.element.in_time(t, x, moving, *theta[own])  # type: ignore[attr-defined]
         value = value + force
