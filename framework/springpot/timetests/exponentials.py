@@ -9,9 +9,9 @@ finished by a few exact steps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +33,17 @@ from springpot.measurement.recording import (
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.effect import on_clock
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model, linear_network, sorted_out, through, with_laws
+from springpot.rheology.model import (
+    Model,
+    forces_along,
+    linear_network,
+    sorted_out,
+    through,
+    with_laws,
+)
 from springpot.rheology.named import Placed
-from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.nonlinear import Law
 from springpot.rheology.points import Complex, Points, Real, real_form
 
 from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
@@ -230,6 +238,11 @@ class QuickPart(InTimePart):
         """What laws are told."""
         return Record.of(self.test, self.t)
 
+    @cached_property
+    def force_of(self) -> Callable[[Node, tuple[float, ...]], Law]:
+        """Forces (n,) of laws beside the material; where a scan looks again they are known."""
+        return lru_cache(maxsize=256)(forces_along(self.t, self.record.imposed))
+
     @classmethod
     def of(cls, part: InTimePart) -> QuickPart:
         """A part, weighed by the stiffness that its record amounts to."""
@@ -333,7 +346,7 @@ class QuickPart(InTimePart):
             raise ModelError(f"{model.name} has no answer to a step or a force")
         if forced:
             return through(traced, signals, theta, self.t, "under_force")
-        return with_laws(traced, beside, signals, theta, self.t, self.record.imposed)
+        return with_laws(traced, beside, signals, theta, self.t, self.force_of)
 
     def _points(self, reference: float) -> Points:
         return points_at(self.omega, self.test.kelvin, reference)
