@@ -16,7 +16,18 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import betaln, chdtrc, fdtrc, fdtri, gammaincc, gammaincinv, ndtr, ndtri, stdtrit
+from scipy.special import (
+    betaln,
+    chdtrc,
+    fdtrc,
+    fdtri,
+    gammaincc,
+    gammaincinv,
+    ndtr,
+    ndtri,
+    stdtr,
+    stdtrit,
+)
 
 Chance: TypeAlias = NDArray[np.float64] | Any
 
@@ -68,6 +79,30 @@ def normal_sf(value: ArrayLike) -> Chance:
     # The other tail, not 1 - ndtr(value): that is nothing but rounding from eight standard
     # deviations on.
     return ndtr(-np.asarray(value))
+
+
+def normal_score(value: ArrayLike, dof: float) -> Chance:
+    """Standard normal number that is as rare as a value of a Student's t of variance one.
+
+    Parameters
+    ----------
+    value : array_like
+        Values of variance one.
+    dof : float
+        Their degrees of freedom, more than two; endless of normal ones.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.distributions import normal_score
+    >>> [round(float(normal_score(6.0, dof)), 2) for dof in (3.0, 4.0, np.inf)]
+    [3.11, 3.27, 6.0]
+    """
+    x = np.asarray(value, dtype=np.float64)
+    if np.isinf(dof):
+        return x
+    # By the lower tail, as the upper one is nothing but rounding far out.
+    return -np.sign(x) * ndtri(stdtr(dof, -np.abs(x) * np.sqrt(dof / (dof - 2.0))))
 
 
 def student(level: float, dof: float) -> float:

@@ -82,6 +82,19 @@ def test_the_scan_looks_at_each_test_with_its_own_effects():
     np.testing.assert_allclose(atom.column[-size:], other.column, rtol=1e-3)
 
 
+@pytest.mark.parametrize("changed", ["alpha", "ageing.mu", "finite-ramp.rise", "force-drift.rate"])
+def test_many_places_asked_at_once_are_those_asked_one_by_one(changed):
+    model = springpot.parse_model("fractional-maxwell + finite-ramp + ageing + force-drift")
+    theta = np.append(THETA, [0.3, 0.4, 20.0, 0.1])
+    [quick], place = quick_parts(parts_of_specimen([relaxation()])), model.names.index(changed)
+    many = np.tile(theta, (3, 1))
+    many[:, place] *= [0.9, 1.0, 1.1]
+    for each, told in zip(many, quick.nearly(model, many, 293.0, [place]), strict=True):
+        alone = quick.residual(model, each, 293.0)
+        np.testing.assert_allclose(told.value, alone.value, rtol=1e-6)
+        np.testing.assert_allclose(told.by_theta[:, place], alone.by_theta[:, place], rtol=1e-4)
+
+
 def test_a_law_stands_at_a_stage_and_an_element_in_the_network():
     law = springpot.plugins().effect("force-drift").element
     for composition, element in ((on_response, spring()), (parallel, law)):

@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from springpot.measurement import TimeTest
-from springpot.misfit.coloured_noise import colour_of
-from springpot.misfit.residual_scatter import MEMORIES, ResidualScatter, period_test, scatter_of
+from springpot.misfit.coloured_noise import colour_of, period_test
+from springpot.misfit.residual_scatter import MEMORIES, ResidualScatter, scatter_of
 from springpot.registry import parse_model
 from springpot.timetests import identify
 from springpot.timetests.hypotheses import FitResiduals, chi_square_gain

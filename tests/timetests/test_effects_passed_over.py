@@ -60,6 +60,20 @@ def test_what_explains_the_test_has_no_other_fitted(missed) -> None:
     assert left_by_screening(entries, tried(missed, 0.0), before) == []
 
 
+def test_of_few_samples_several_times_the_noise_is_not_explained(missed) -> None:
+    """They know their noise too badly for a plain misfit."""
+    base, before, entries = missed
+    few = 4.3 * np.where(np.arange(25) % 2, 1.0, -1.0)
+    worse, left = (
+        replace(before, residuals=(each,), scatters=(scatter_of(each),))
+        for each in (3.0 * few, few)
+    )
+    assert not left.misfit
+    best = Hypothesis((EFFECTS[0],), base.model + EFFECTS[0], base.theta, left)
+    others = left_by_screening(entries, [best], worse)
+    assert {each[0].effect.name for each in others} == {*NAMES} - {EFFECTS[0].name}
+
+
 def test_what_does_not_go_as_its_size_is_tried_at_several() -> None:
     """Friction that holds back nearly all of a load is no start for one that holds back little."""
     time, knots = np.linspace(0.15, 20.0, 40), np.array([0.0, 0.0, 6.3, 6.3, 20.0])

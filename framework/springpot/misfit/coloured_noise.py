@@ -1,4 +1,4 @@
-"""Spectra of noise that remembers more than the sample before, and Fisher's test of a period.
+"""Spectra of noise that remembers more than the sample before, and tests of a period.
 
 A channel that swings, a filter, a mean over a few samples and 1/f noise beside white leave such.
 They are read from the continuum of a residual's spectrum: from medians over neighbouring
@@ -16,10 +16,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import gamma_sf
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 
-from ..numerics import MEDIAN_WORTH, NORMAL
+from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -200,3 +201,55 @@ def fisher_test(
     others = max(0.5 * (count * n - followed) - count, 0.5)
     chance = np.count_nonzero(sought) * betainc(others, float(count), 1.0 - share)
     return float(min(1.0, chance)), np.pi * (top + 1) / n
+
+
+def period_test(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
+    """Chance that noise repeats with a motion as a residual does, and what does not repeat.
+
+    Whatever its colour, noise has at the harmonics of a motion what it has between them, over
+    which each of them is a variable of F; all of them together by Fisher (1925, Statistical
+    Methods for Research Workers, section 21.1).
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    period : tuple of int
+        So many periods of what was imposed, and their samples.
+
+    Returns
+    -------
+    tuple of float and ndarray, shape (m,)
+        The chance, and the rest of as many whole periods.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.misfit.coloured_noise import period_test
+    >>> noise, t = np.random.default_rng(1).normal(size=200), np.arange(200)
+    >>> wave = np.cos(0.1 * np.pi * t)
+    >>> [round(period_test(each, (1, 20))[0], 3) for each in (noise, noise + wave)]
+    [1.0, 0.0]
+    """
+    periods, lag = period
+    n = len(residual) // lag * lag
+    cycles = n // lag * periods
+    transform = np.fft.rfft(residual[:n] - np.mean(residual[:n]))
+    count = (n - 1) // 2 // cycles
+    # Of two cycles the harmonics have nothing between them.
+    beside = (cycles - 1) // 2
+    if not count * beside:
+        return 1.0, residual
+    lines = cycles * np.arange(1, count + 1)
+    away = np.concatenate([-np.arange(1, beside + 1), np.arange(1, beside + 1)])
+    power = np.abs(transform) ** 2
+    around = power[np.minimum(lines[:, None] + away, len(power) - 1)].mean(axis=1)
+    worth = float(len(away))
+    ratio = power[lines] / np.maximum(around, SMALLEST)
+    # F of 2 and 2 m numbers has a closed form.
+    logs = -worth * np.log1p(ratio / worth)
+    transform[lines] = 0.0
+    rest = np.fft.irfft(transform, n) * np.sqrt(n / (n - 2.0 * count))
+    # One of them may stand out, or all may a little.
+    chances = count * np.exp(logs.min()), gamma_sf(-np.sum(logs), count)
+    return float(min(2.0 * min(chances), 1.0)), rest

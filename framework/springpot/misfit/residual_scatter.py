@@ -21,14 +21,15 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view as windows
 from numpy.typing import NDArray
 
-from springpot.distributions import chi2_sf, f_sf, gamma_sf, normal_sf
+from springpot.distributions import chi2_sf, f_sf, normal_score, normal_sf
 from springpot.measurement.hum import WIDE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
+from springpot.measurement.scatter import tails_of
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.measurement.timetest import TimeTest
-from springpot.memory import effective_share, prewhitened, spectrum_of
+from springpot.memory import autoregressive, effective_share, prewhitened, spectrum_of
 from springpot.rheology.points import Real
 
 from ..numerics import (
@@ -39,6 +40,7 @@ from ..numerics import (
     SMALLEST,
     non_negative,
     projected_out,
+    rms,
 )
 from .coloured_noise import (
     FEWEST as FEWEST_OF_COLOUR,
@@ -48,6 +50,7 @@ from .coloured_noise import (
     colour_of,
     fisher_test,
     frequencies,
+    period_test,
     transformed,
 )
 from .frame import chance_of_squares
@@ -540,6 +543,11 @@ def _standardised(residual: Real) -> Real:
     # A sample beside plainly larger noise may belong to it.
     near = np.pad(rougher(residual), NEIGHBOURS // 2, mode="edge")
     even = residual / windows(near, NEIGHBOURS).max(axis=1)
+    return _cut(even)
+
+
+def _cut(even: Real) -> Real:
+    """Values (n,), of which none is further off than `TAILS` where its neighbours are not."""
     limit = TAILS * NORMAL * float(np.median(np.abs(even)))
     level = np.median(windows(np.pad(even, LEVEL // 2, mode="reflect"), LEVEL + 1), axis=1)
     return np.asarray(np.clip(even, np.minimum(level, 0.0) - limit, np.maximum(level, 0.0) + limit))
@@ -574,6 +582,30 @@ def _log_likelihood(power: Real, spectrum: Real) -> float:
 
 def _chance_of_worst_part(residual: Real, memory: float) -> float:
     """Chance that noise alone makes the worst part so large, against the usual size of all."""
+    chance = _by_parts(residual, memory)
+    if chance >= HARDLY:
+        return chance
+    # Noise of long tails may excuse a part, and accuses of nothing.
+    even = autoregressive(_with_normal_tails(prewhitened(residual, memory)), memory)
+    return max(chance, _by_parts(even, memory))
+
+
+def _with_normal_tails(new: Real) -> Real:
+    """What is new with each sample (n,), each as rare as it is and the tails normal.
+
+    A misfit is large in some parts, and tails are long in all: they are told of each part over its
+    own size, without the worst.
+    """
+    parts = np.array_split(new, PARTS)
+    sizes = np.maximum([rms(part) for part in parts], SMALLEST)
+    parts.pop(int(np.argmax(sizes)))
+    others = np.concatenate([part / max(rms(part), SMALLEST) for part in parts])
+    # Few samples tell of no tails: one that is off by itself tells nothing of its part either.
+    return _cut(normal_score(new / np.median(sizes), tails_of(others)))
+
+
+def _by_parts(residual: Real, memory: float) -> float:
+    """The same of noise with normal tails."""
     white = residual[1:] - memory * residual[:-1]
     # Squares of neighbours are correlated by the square of their memory: so many of them are
     # independent.
@@ -716,55 +748,3 @@ def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) ->
     left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
     rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
     return float(f_sf(explained / left, count - linear, n - count)), rest
-
-
-def period_test(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
-    """Chance that noise repeats with a motion as a residual does, and what does not repeat.
-
-    Whatever its colour, noise has at the harmonics of a motion what it has between them, over
-    which each of them is a variable of F; all of them together by Fisher (1925, Statistical
-    Methods for Research Workers, section 21.1).
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of a record.
-    period : tuple of int
-        So many periods of what was imposed, and their samples.
-
-    Returns
-    -------
-    tuple of float and ndarray, shape (m,)
-        The chance, and the rest of as many whole periods.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.misfit.residual_scatter import period_test
-    >>> noise, t = np.random.default_rng(1).normal(size=200), np.arange(200)
-    >>> wave = np.cos(0.1 * np.pi * t)
-    >>> [round(period_test(each, (1, 20))[0], 3) for each in (noise, noise + wave)]
-    [1.0, 0.0]
-    """
-    periods, lag = period
-    n = len(residual) // lag * lag
-    cycles = n // lag * periods
-    transform = np.fft.rfft(residual[:n] - np.mean(residual[:n]))
-    count = (n - 1) // 2 // cycles
-    # Of two cycles the harmonics have nothing between them.
-    beside = (cycles - 1) // 2
-    if not count * beside:
-        return 1.0, residual
-    lines = cycles * np.arange(1, count + 1)
-    away = np.concatenate([-np.arange(1, beside + 1), np.arange(1, beside + 1)])
-    power = np.abs(transform) ** 2
-    around = power[np.minimum(lines[:, None] + away, len(power) - 1)].mean(axis=1)
-    worth = float(len(away))
-    ratio = power[lines] / np.maximum(around, SMALLEST)
-    # F of 2 and 2 m numbers has a closed form.
-    logs = -worth * np.log1p(ratio / worth)
-    transform[lines] = 0.0
-    rest = np.fft.irfft(transform, n) * np.sqrt(n / (n - 2.0 * count))
-    # One of them may stand out, or all may a little.
-    chances = count * np.exp(logs.min()), gamma_sf(-np.sum(logs), count)
-    return float(min(2.0 * min(chances), 1.0)), rest

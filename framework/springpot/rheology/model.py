@@ -25,6 +25,7 @@ from .intime import Passive, Traced
 from .motion import Between, velocity
 from .named import NamedNetwork, Placed
 from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
+from .nonlinear import Law
 from .points import ROOM, Points, Real
 from .spectrum import Spectrum, blaming, conditions_at, spectrum_of
 
@@ -122,7 +123,7 @@ class InTime:
         inside, beside, signals = sorted_out(self.model)
         with self._blaming():
             traced = self._materials(inside, t, x, motion)
-        return with_laws(traced, beside, signals, self.theta, t, x)
+        return with_laws(traced, beside, signals, self.theta, t, forces_along(t, x))
 
     def by_clock(self, t: Real, imposed: Real, control: str, moves: Real) -> Real:
         """How the answer changes where the material's clock does.
@@ -345,13 +346,26 @@ def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
     return passive.respond_force
 
 
+def forces_along(t: Real, x: Real) -> Callable[[Node, tuple[float, ...]], Law]:
+    """The force (n,) of any law beside the material, and its slopes, at its parameters.
+
+    Parameters
+    ----------
+    t, x : ndarray, shape (n,)
+        Times in s and displacements.
+    """
+    # Laws that are not linear need the speed, which a record does not have.
+    moving = velocity(t, x)
+    return lambda law, values: law.in_time(t, x, moving, *values)  # type: ignore[attr-defined]
+
+
 def with_laws(
     traced: Traced,
     beside: Sequence[Placed],
     signals: Sequence[Placed],
     theta: Real,
     t: Real,
-    x: Real,
+    force_of: Callable[[Node, tuple[float, ...]], Law],
 ) -> Traced:
     """The force (n,) of a material with the forces beside it, as the measurement chain shows it.
 
@@ -363,14 +377,14 @@ def with_laws(
         Effects that are not linear, and those of the measurement chain; see `sorted_out`.
     theta : ndarray, shape (p,)
         Parameters of the whole model.
-    t, x : ndarray, shape (n,)
-        Times in s and displacements.
+    t : ndarray, shape (n,)
+        Times in s.
+    force_of : callable
+        See `forces_along`.
     """
     value, by_theta = traced
-    # Laws that are not linear need the speed, which a record does not have.
-    moving = velocity(t, x)
     for effect, _, own in beside:
-        force, slopes = effect.element.in_time(t, x, moving, *theta[own])  # type: ignore[attr-defined]
+        force, slopes = force_of(effect.element, tuple(theta[own].tolist()))
         value = value + force
         by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
     return through(Traced(value, by_theta), signals, theta, t, "in_time")

@@ -9,9 +9,9 @@ finished by a few exact steps.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +33,17 @@ from springpot.measurement.recording import (
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.effect import on_clock
 from springpot.rheology.intime import Traced
-from springpot.rheology.model import Model, linear_network, sorted_out, through, with_laws
+from springpot.rheology.model import (
+    Model,
+    forces_along,
+    linear_network,
+    sorted_out,
+    through,
+    with_laws,
+)
 from springpot.rheology.named import Placed
-from springpot.rheology.nodes import GRADIENT, Response
+from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.nonlinear import Law
 from springpot.rheology.points import Complex, Points, Real, real_form
 
 from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
@@ -181,10 +189,10 @@ class QuickPart(InTimePart):
         # another.
         return basis, np.linalg.pinv(basis / size, rcond=1e-7) / size[:, None]
 
-    def followed(self, change: Complex, surely: bool = True) -> Real:
+    def followed(self, change: Complex, surely: bool | NDArray[np.bool_] = True) -> Real:
         """Amounts (b, g) of the exponentials that follow K or 1/K (g, w).
 
-        Numbers that are none where they cannot, if they must `surely`.
+        Numbers that are none where they cannot, of those that they must `surely` (g,).
         """
         asked, ends = self._asked(change)
         basis, inverse = self.solver
@@ -195,7 +203,7 @@ class QuickPart(InTimePart):
         good = missed <= FOLLOWED * np.linalg.norm(asked, axis=0) + ALIKE * whole
         # What was taken off K comes back as amounts of dashpot and mass.
         amounts[1:3] += ends
-        return np.where(good | (not surely), amounts, np.nan)
+        return np.where(good | np.logical_not(surely), amounts, np.nan)
 
     def _asked(self, change: Complex) -> tuple[Real, Real]:
         """What exponentials should follow (2 w, g), dashpots and masses (2, g) being taken off K.
@@ -230,6 +238,11 @@ class QuickPart(InTimePart):
         """What laws are told."""
         return Record.of(self.test, self.t)
 
+    @cached_property
+    def force_of(self) -> Callable[[Node, tuple[float, ...]], Law]:
+        """Forces (n,) of laws beside the material; where a scan looks again they are known."""
+        return lru_cache(maxsize=256)(forces_along(self.t, self.record.imposed))
+
     @classmethod
     def of(cls, part: InTimePart) -> QuickPart:
         """A part, weighed by the stiffness that its record amounts to."""
@@ -263,9 +276,18 @@ class QuickPart(InTimePart):
             raise UnfollowedError("the temperature moves")
         return self._missed(self.recorded(model, theta, reference))
 
-    def nearly(self, model: Model, theta: Real, reference: float) -> Residual:
-        """The same at the mean of a temperature that moves, without slopes that are none."""
-        return self._missed(self.recorded(model, theta, reference, surely=True))
+    def nearly(
+        self, model: Model, theta: Real, reference: float, by: Sequence[int]
+    ) -> Iterator[Residual]:
+        """The same of each of many thetas (g, p), at the mean of a temperature that moves.
+
+        What would take time to be followed is followed only `by` some of its parameters. Numbers
+        that are none stand where exponentials follow no model, or not its slopes.
+        """
+        there, places = model.had_by(self.test)
+        asked = [i for i, place in enumerate(places) if place in by]
+        for answer in self._recorded(there, theta[:, places], reference, asked, surely=True):
+            yield self._missed(spread(answer, places, theta.shape[1]))
 
     def exactly(self, model: Model, theta: Real, reference: float) -> Residual:
         """The same by the exact response."""
@@ -277,7 +299,7 @@ class QuickPart(InTimePart):
         by_theta = np.where(self.seen[:, None], answer.by_theta, 0.0)
         return Residual(missed * self.weight, by_theta * self.weight[:, None])
 
-    def recorded(self, model: Model, theta: Real, reference: float, surely: bool = False) -> Traced:
+    def recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """What the test records of a model, nearly.
 
         Raises
@@ -288,55 +310,84 @@ class QuickPart(InTimePart):
         # An effect that this test cannot have, such as a limit of force in creep, leaves it as it
         # is.
         there, places = model.had_by(self.test)
-        return spread(self._recorded(there, theta[places], reference, surely), places, len(theta))
+        every = range(len(places))
+        [answer] = self._recorded(there, theta[None, places], reference, every, surely=False)
+        return spread(answer, places, len(theta))
 
-    def _recorded(self, model: Model, theta: Real, reference: float, surely: bool) -> Traced:
-        """The same of a model all of whose effects the test has."""
-        mine, eased = at_work(model, self.test)
-        _, beside, signals = sorted_out(model)
-        if eased:
-            beside = ()
+    def _recorded(
+        self, model: Model, theta: Real, reference: float, by: Sequence[int], surely: bool
+    ) -> Iterator[Traced]:
+        """The same of a model all of whose effects the test has, at each theta (g, p)."""
+        mine, _ = at_work(model, self.test)
         network, places = linear_network(model)
+        inner = [i for i, place in enumerate(places) if place in by]
+        value, by_theta, _ = network.respond(theta[:, places], self._points(reference), GRADIENT)
         # Value and derivatives go through the same two matrices, side by side.
-        amounts, slopes = self._amounts(
-            network.respond(theta[places], self._points(reference), GRADIENT), surely
-        )
-        by_theta = np.zeros((len(self.t), len(theta)))
-        both, columns = self._course(mine, theta, np.column_stack([amounts, slopes]))
-        value = both[:, 0]
-        by_theta[:, places] = both[:, 1:]
-        moved = indices([*at_loading(mine), *at_stage(mine, on_clock)])
-        if moved:
-            by_theta[:, moved] = columns
-        if beside or signals:
-            # Steps have no speed, and laws of a force ask for displacements.
-            forced = self.test.control == "force"
-            if len(self.test.loading.jumps[0]) or (beside and forced):
-                raise ModelError(f"{model.name} has no answer to a step or a force")
-            traced = Traced(value, by_theta)
-            if forced:
-                value, by_theta = through(traced, signals, theta, self.t, "under_force")
-            else:
-                imposed = self.record.imposed
-                value, by_theta = with_laws(traced, beside, signals, theta, self.t, imposed)
-        return shown(mine, theta, self.record, value, by_theta)
+        mixes = self._amounts(value, by_theta[:, inner], surely)
+        courses = self._courses(mine, theta, mixes, by)
+        for values, (both, moved, columns) in zip(theta, courses, strict=True):
+            slopes = np.zeros((len(self.t), len(values)))
+            slopes[:, [places[i] for i in inner]] = both[:, 1:]
+            if moved:
+                slopes[:, moved] = columns
+            answer = self._with_laws(model, values, Traced(both[:, 0], slopes))
+            yield shown(mine, values, self.record, *answer)
+
+    def _with_laws(self, model: Model, theta: Real, traced: Traced) -> Traced:
+        """An answer with the forces beside the material, as the measurement chain shows it."""
+        _, beside, signals = sorted_out(model)
+        if at_work(model, self.test)[1]:
+            beside = ()
+        if not beside and not signals:
+            return traced
+        # Steps have no speed, and laws of a force ask for displacements.
+        forced = self.test.control == "force"
+        if len(self.test.loading.jumps[0]) or (beside and forced):
+            raise ModelError(f"{model.name} has no answer to a step or a force")
+        if forced:
+            return through(traced, signals, theta, self.t, "under_force")
+        return with_laws(traced, beside, signals, theta, self.t, self.force_of)
 
     def _points(self, reference: float) -> Points:
         return points_at(self.omega, self.test.kelvin, reference)
 
-    def _amounts(self, response: Response, surely: bool) -> tuple[Real, Real]:
-        """Amounts of the exponentials (b,) and their derivatives (b, p)."""
-        value, by_theta = response.value, response.by_theta
+    def _amounts(self, value: Complex, by_theta: Complex, surely: bool) -> Real:
+        """Amounts of the exponentials at each theta, beside their derivatives (b, g, 1 + q).
+
+        Of K (g, w) and its derivatives (g, q, w).
+        """
         if self.test.control == "force":
             # Under a force the exponentials add up to 1/K, and d(1/K) = -dK / K^2.
-            by_theta = -by_theta / value**2
+            by_theta = -by_theta / value[:, None] ** 2
             value = 1.0 / value
-        amounts = self.followed(value[None])[:, 0]
-        if not np.all(np.isfinite(amounts)):
+        whole = np.concatenate([value[:, None], by_theta], axis=1)
+        must = np.full(whole.shape[:2], surely)
+        must[:, 0] = True
+        amounts = self.followed(whole.reshape(-1, whole.shape[2]), must.ravel())
+        if not surely and not np.all(np.isfinite(amounts[:, 0])):
             raise UnfollowedError("no sum of exponentials follows the model")
-        return amounts, self.followed(by_theta, surely)
+        return amounts.reshape(len(amounts), *whole.shape[:2])
 
-    def _course(self, mine: Sequence[Placed], theta: Real, mix: Real) -> tuple[Real, Real]:
+    def _courses(
+        self, mine: Sequence[Placed], theta: Real, mixes: Real, by: Sequence[int]
+    ) -> Iterator[tuple[Real, list[int], Real]]:
+        """At each theta the answers (n, c), and the slopes (n, q) by what moves the loading."""
+        moving = indices([*at_loading(mine), *at_stage(mine, on_clock)])
+        moved = [i for i in moving if i in by]
+        if moved or (theta[:, moving] != theta[0, moving]).any():
+            for i, values in enumerate(theta):
+                both, columns = self._course(mine, values, mixes[:, i], by)
+                yield both, moved, columns
+            return
+        # One loading and one clock for all of them.
+        whole, columns = self._course(mine, theta[0], mixes.reshape(len(mixes), -1), by)
+        every = whole.reshape(len(whole), *mixes.shape[1:])
+        for i in range(len(theta)):
+            yield every[:, i], moved, columns
+
+    def _course(
+        self, mine: Sequence[Placed], theta: Real, mix: Real, by: Sequence[int]
+    ) -> tuple[Real, Real]:
         """Answers (n, c) to what reached the specimen by its clock, and slopes (n, q) by these."""
         loads, clocks = at_loading(mine), at_stage(mine, on_clock)
         if not loads and not clocks:
@@ -344,18 +395,24 @@ class QuickPart(InTimePart):
             return self.answers @ mix, np.zeros((len(self.t), 0))
         loading, slopes = reached(mine, theta, self.test, self.t)
 
-        def by(load: Loading, values: Real, amounts: Real) -> Real:
+        def at(load: Loading, values: Real, amounts: Real) -> Real:
             if not clocks:
                 return self.answers_to(load, self.t, amounts)
             clock = Clock(clocks, values, self.test.start)
             return self.answers_to(clock.turned(load, self.t), clock.at(self.t), amounts)
 
-        both, alone = by(loading, theta, mix), mix[:, :1]
-        columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
+        both, alone = at(loading, theta, mix), mix[:, :1]
+        columns = [
+            at(slope, theta, alone)[:, 0]
+            for index, slope in zip(indices(loads), slopes, strict=True)
+            if index in by
+        ]
         for index in indices(clocks):
+            if index not in by:
+                continue
             # A clock bends time for all exponentials at once, which has no closed derivative here.
             step = DIFFERENCE * max(abs(float(theta[index])), DIFFERENCE)
-            more = by(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
+            more = at(loading, theta + step * (np.arange(len(theta)) == index), alone)[:, 0]
             columns.append((more - both[:, 0]) / step)
         # An effect all of whose parameters are held has none.
         return both, np.column_stack([np.zeros((len(self.t), 0)), *columns])

@@ -26,7 +26,7 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST
-from .exponentials import QuickPart, UnfollowedError, points_at
+from .exponentials import QuickPart, points_at
 from .hypotheses import Atom, ScanEntry
 from .specimen import MOST, Scales, stepped, tries_of
 
@@ -160,11 +160,11 @@ class TimeScan:
         places = self._places(effect, [little])
         # A specimen that swings answers a small mass by large ringing: no linear step leads there.
         for view in self.views:
-            if any(view.swings(effect, place) for place in places):
+            if view.swings(effect, places):
                 return self._as_they_are(effect, view.ringing(effect, places), exactly=True)
         atoms = []
-        for place in places:
-            slope, start = self._grown(effect, place).by_theta, np.array([1.0, *place[1:]])
+        for place, (_, slope) in self._grown(effect, places):
+            start = np.array([1.0, *place[1:]])
             atoms.append(Atom(effect, start, powers, scale * slope, signed))
         if effect.plane == "compliance":
             # What gives way in series, at sizes to which no small step leads.
@@ -187,24 +187,32 @@ class TimeScan:
     ) -> list[Atom]:
         """An effect at places of its parameters (q,) where no small step tells what it changes."""
         return [
-            Atom(
-                effect,
-                np.array(place),
-                np.zeros(len(place)),
-                self._grown(effect, place, exactly).value,
-                False,
-            )
-            for place in places
+            Atom(effect, np.array(place), np.zeros(len(place)), value, False)
+            for place, (value, _) in self._grown(effect, list(places), exactly=exactly)
         ]
 
-    def _grown(self, effect: Effect, place: Sequence[float], exactly: bool = False) -> Residual:
-        """What an effect changes in all tests (n,), and how it goes by its size (n,)."""
-        model, theta, size = _with_effect(self.base, effect, place)
-        told = [view.changed(effect, model, theta, exactly) for view in self.views]
-        value = np.concatenate([each.value for each in told])
-        slope = np.concatenate([each.by_theta[:, size] for each in told])
-        # Where exponentials do not follow how it goes by a size, it is not followed there itself.
-        return Residual(np.where(np.isfinite(slope), value, np.nan), slope)
+    def _grown(
+        self,
+        effect: Effect,
+        places: Sequence[Sequence[float]],
+        by_size: bool = True,
+        exactly: bool = False,
+    ) -> Iterator[tuple[Sequence[float], Residual]]:
+        """At each place what an effect changes in all tests (n,), and how by its size (n,).
+
+        That is asked for only `by_size`, as of a clock it takes as long as the change itself.
+        """
+        if not places:
+            return
+        model, theta, size = _with_effect(self.base, effect, places)
+        by = [size] if by_size else []
+        told = [view.changed(effect, model, theta, by, exactly) for view in self.views]
+        for place, *each in zip(places, *told, strict=True):
+            value = np.concatenate([one.value for one in each])
+            slope = np.concatenate([one.by_theta[:, size] for one in each])
+            # Where exponentials do not follow how it goes by a size, it is not followed there
+            # itself.
+            yield place, Residual(np.where(np.isfinite(slope), value, np.nan), slope)
 
     # --- effects with a law of their own ---
 
@@ -216,8 +224,7 @@ class TimeScan:
         if of_signal:
             little, unit[0] = 0.0, 1.0
         atoms = []
-        for place in self._places(effect, [little]):
-            column, slope = self._grown(effect, place)
+        for place, (column, slope) in self._grown(effect, self._places(effect, [little])):
             if of_signal:
                 column, place = slope, (1.0, *place[1:])
             atoms.append(Atom(effect, np.array(place), unit, column, first.lower < 0.0))
@@ -233,12 +240,11 @@ class TimeScan:
         atoms, first = [], effect.element.parameters[0]
         # An effect of the test is tried at several places: a stop that is not met has no slope to
         # follow.
-        for place in tries_of(effect, test, self.scales):
-            column, slope = self._grown(effect, place)
+        places, of_record = tries_of(effect, test, self.scales), effect.composition == on_response
+        for place, (column, slope) in self._grown(effect, places, by_size=of_record):
             # What is proportional to its size needs one try: the size then follows by least
             # squares.
-            straight = np.allclose(column, place[0] * slope, rtol=1e-6)
-            linear = straight and effect.composition == on_response
+            linear = of_record and np.allclose(column, place[0] * slope, rtol=1e-6)
             powers = np.zeros(len(place))
             # A limit or a place is what it is, and what reached the specimen hardly goes with the
             # size of its cause: a ramp is another where samples lie within it. A clock nearly does.
@@ -256,17 +262,18 @@ def _joined(model: Model, effect: Effect) -> Model:
 
 
 def _with_effect(
-    base: Identification, effect: Effect, place: Sequence[float]
+    base: Identification, effect: Effect, places: Sequence[Sequence[float]]
 ) -> tuple[Model, Real, int]:
-    """A fitted model with an effect, its parameters, and which of them is the effect's size.
+    """A fitted model with an effect, its parameters (g, p), and which of them is the effect's size.
 
-    They are those of the fit, and `place` (q,) of the effect.
+    They are those of the fit, and at each of g places (q,) those of the effect.
     """
     model = _joined(base.model, effect)
     known = base.model.named(base.theta)
     # The size is the first of what it brings.
     new = [name for name in model.names if name not in known]
-    theta = model.vector(known | dict(zip(new, place, strict=True)))
+    theta = np.tile(model.vector(known | dict.fromkeys(new, 0.0)), (len(places), 1))
+    theta[:, [model.names.index(name) for name in new]] = places
     return model, theta, model.names.index(new[0])
 
 
@@ -352,33 +359,39 @@ class View:
         """What is left of the model by exponentials; exactly where they do not follow it."""
         if self.quick is None:
             return Residual(self.residual, self.slopes)
-        try:
-            return self.quick.nearly(self.base.model, self.base.theta, self.base.reference)
-        except UnfollowedError:
-            return Residual(self.residual, self.slopes)
+        [nearly] = self.quick.nearly(
+            self.base.model, self.base.theta[None], self.base.reference, []
+        )
+        if np.all(np.isfinite(nearly.value)):
+            return nearly
+        return Residual(self.residual, self.slopes)
 
-    def changed(self, effect: Effect, model: Model, theta: Real, exactly: bool) -> Residual:
-        """What the model with an effect changes here (n,), and its slopes (n, p)."""
-        count = len(self.residual)
+    def changed(
+        self, effect: Effect, model: Model, theta: Real, by: Sequence[int], exactly: bool
+    ) -> Iterator[Residual]:
+        """What the model with an effect changes here (n,) at each theta (g, p), and slopes (n, p).
+
+        Of these those `by` some parameters are always told.
+        """
+        count, quick = len(self.residual), self.quick
         if not effect.applies_to(self.part.test):
-            return Residual(np.zeros(count), np.zeros((count, len(theta))))
-        quick = self.quick
+            nothing = Residual(np.zeros(count), np.zeros((count, theta.shape[1])))
+            yield from [nothing] * len(theta)
+            return
         # A temperature that moves is followed sample by sample.
         warms = (
             quick is not None and quick.test.warmth is not None and "temperature" in effect.needs
         )
         if quick is None or exactly or warms or self._before.value is self.residual:
-            value, slopes = self._exactly(model, theta)
-            return Residual(value - self.residual, slopes)
-        try:
-            value, slopes = quick.nearly(model, theta, self.base.reference)
-        except UnfollowedError:
-            # Numbers that are none: what nothing follows at this place is not looked for there.
-            return Residual(np.full(count, np.nan), np.full((count, len(theta)), np.nan))
-        return Residual(value - self._before.value, slopes)
+            for each in theta:
+                value, slopes = self._exactly(model, each)
+                yield Residual(value - self.residual, slopes)
+            return
+        for value, slopes in quick.nearly(model, theta, self.base.reference, by):
+            yield Residual(value - self._before.value, slopes)
 
-    def swings(self, effect: Effect, place: Sequence[float]) -> bool:
-        """Whether a change of K is so steep that a specimen under a force would swing."""
+    def swings(self, effect: Effect, places: Sequence[Sequence[float]]) -> bool:
+        """Whether a change of K is so steep somewhere that a specimen under a force would swing."""
         if self.quick is None or self.quick.test.control != "force":
             return False
         if not effect.applies_to(self.quick.test):
@@ -386,8 +399,9 @@ class View:
         # The last two lie far beyond the test, where no material has a meaning; these are the
         # highest of its band.
         omega = self.quick.omega[[-4, -3]]
-        _, slope = _stiffness(self.base, effect, place, self.quick.test, omega)
-        return bool(np.diff(np.log(np.abs(slope))) > STEEP * np.diff(np.log(omega)))
+        _, slope = _stiffness(self.base, effect, places, self.quick.test, omega)
+        steepness = np.diff(np.log(np.abs(slope))) / np.diff(np.log(omega))
+        return bool(np.any(steepness > STEEP))
 
     def ringing(
         self, effect: Effect, places: Sequence[tuple[float, ...]]
@@ -399,21 +413,25 @@ class View:
         slow, fast = self.quick.test.seen
         bands = np.geomspace(slow, np.pi * fast, RESONANCES + 1)
         omega = loudest(self.residual, self.quick.t, bands)
-        for place in places:
-            little = NEGLIGIBLE, *place[1:]
-            value, slope = _stiffness(self.base, effect, little, self.quick.test, omega)
-            for size in np.abs(value / slope).tolist():
+        little = [(NEGLIGIBLE, *place[1:]) for place in places]
+        value, slope = _stiffness(self.base, effect, little, self.quick.test, omega)
+        for place, sizes in zip(places, np.abs(value / slope).tolist(), strict=True):
+            for size in sizes:
                 yield size, *place[1:]
 
 
 def _stiffness(
-    base: Identification, effect: Effect, place: Sequence[float], test: TimeTest, omega: Real
+    base: Identification,
+    effect: Effect,
+    places: Sequence[Sequence[float]],
+    test: TimeTest,
+    omega: Real,
 ) -> tuple[Complex, Complex]:
-    """K of the network with an effect, and dK by its size."""
-    model, theta, size = _with_effect(base, effect, place)
+    """K (g, w) of the network with an effect at g places, and dK by its size."""
+    model, theta, size = _with_effect(base, effect, places)
     own, there = model.had_by(test)
     network, inner = linear_network(own)
-    places = [there[i] for i in inner]
+    within = [there[i] for i in inner]
     at = points_at(omega, test.kelvin, base.reference)
-    told = network.respond(theta[places], at, GRADIENT)
-    return told.value, told.by_theta[places.index(size)]
+    told = network.respond(theta[:, within], at, GRADIENT)
+    return told.value, told.by_theta[:, within.index(size)]

@@ -86,14 +86,15 @@ def leading_of_scan(
 def left_by_screening(
     entries: dict[str, list[ScanEntry]], nearly: Sequence[Hypothesis], before: FitResiduals
 ) -> list[list[ScanEntry]]:
-    """Scan entries of the other effects, where all that were fitted miss the tests.
+    """Scan entries of the other effects, where all that were fitted may well miss the tests.
 
     A linear step foretells little: what an effect does the model may do in its stead, as at one
     frequency any mass is a spring, and at corners no delay is small. That none explains the tests
     is said of those alone that were fitted.
     """
     best = min([before, *(each.left for each in nearly)], key=bic_of)
-    if not best.misfit:
+    # By few samples several times the noise is no plain misfit yet, and explained it is not either.
+    if not best.doubtful:
         return []
     fitted = {each.effect.name for each in nearly}
     return [each for each in _by_rig(entries) if each[0].effect.name not in fitted]
