@@ -38,11 +38,16 @@ class Links(NamedTuple):
         return cls(*(np.concatenate([rows[k:][: len(rows) - 1] for rows in lines]) for k in (1, 0)))
 
     @classmethod
+    def of_parts(cls, lines: Sequence[NDArray[np.int64]], count: int) -> Links:
+        """Of lines of these points in each of the two parts of `count` points."""
+        return cls.along([rows + k for k in (0, count) for rows in lines])
+
+    @classmethod
     def of_levels(cls, omega: Real, number: NDArray[np.int64]) -> Links:
         """Of two parts of points (n,), level by level, rising in frequency."""
         order = np.lexsort((omega, number))
         lines = np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
-        return cls.along([rows + k for k in (0, len(omega)) for rows in lines])
+        return cls.of_parts(lines, len(omega))
 
 
 LINE = Links()

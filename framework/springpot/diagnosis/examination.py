@@ -96,6 +96,11 @@ def search_data(
     DataError
         If there are too few data to judge the model.
     """
+    # Repeats tell by themselves which of them is off, before any model is asked.
+    off = off_from_repeats(measurement)
+    whole = measurement
+    if len(off):
+        begun, measurement = None, without(whole, off)
     if begun is None:
         search = _search_in_noise(measurement, model, library, rng, seeds, seek)
     else:
@@ -103,16 +108,12 @@ def search_data(
     start = better_start(search)
     if start is not None:
         search = _search_in_noise(measurement, model, library, rng, [*seeds, start], seek)
+    if search.base.data.mean is not measurement:
+        return search, described(search.base.frame_of(whole), off)
 
     def reduced_by(rows: NDArray[np.int64]) -> Search:
         return _search_in_noise(without(measurement, rows), model, library, rng, seeds, seek)
 
-    # Repeats tell by themselves which of them is off.
-    if search.base.data.mean is not measurement:
-        rows = off_from_repeats(measurement)
-        if len(rows):
-            search = reduced_by(rows)
-        return search, described(search.base.frame_of(measurement), rows)
     # A point that bends the curve can make its neighbour stand out: it is sought first.
     for way in (_without_a_pulling_point, _without_outliers):
         without_points = way(search, measurement, reduced_by)

@@ -401,10 +401,10 @@ def _memory(averaged: Averaged, noise: Noise) -> float:
     step = place[later]
     told = (apart[later] - before[later] / step) * np.sqrt(step / (step + 1.0))
     runs = sweeps_of(averaged.raw.subset(order[later]))
-    lines = [rows + k for rows, _ in runs for k in (0, len(step))]
+    links = Links.of_parts([rows for rows, _ in runs], len(step))
     white = _whitened(told / np.sqrt(averaged.count[group[later]]), noise, group[later])
     # What is slower sets specimens apart, by a gain and a slope of each.
-    found = fitted_memory(white[:, None], Links.along(lines), longest_memory(runs))
+    found = fitted_memory(white[:, None], links, longest_memory(runs))
     return found.memory if found.gain > 0.0 else 0.0
 
 
@@ -423,8 +423,8 @@ def _tails(averaged: Averaged, noise: Noise) -> float:
     told = np.flatnonzero(count > 1)
     apart = _means(averaged.apart * sign, averaged.group)[told] / size[told]
     white = _whitened(apart, noise, told)
-    lines = [rows + k for rows, _ in sweeps_of(averaged.mean.subset(told)) for k in (0, len(told))]
-    new = prewhitened(white, noise.memory, Links.along(lines))
+    lines = [rows for rows, _ in sweeps_of(averaged.mean.subset(told))]
+    new = prewhitened(white, noise.memory, Links.of_parts(lines, len(told)))
     return tails_of(new / max(rms(new), SMALLEST))
 
 

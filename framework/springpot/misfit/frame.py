@@ -430,8 +430,8 @@ class NoiseFrame:
     @cached_property
     def links(self) -> Links:
         """Which numbers (2n,) have one before them in their sweep."""
-        sweeps, n = sweeps_of(self.measurement), self.size // 2
-        return Links.along([rows + k for k in (0, n) for rows, _ in sweeps])
+        lines = [rows for rows, _ in sweeps_of(self.measurement)]
+        return Links.of_parts(lines, self.size // 2)
 
     @property
     def has_mirror(self) -> bool:

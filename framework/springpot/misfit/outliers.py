@@ -445,11 +445,9 @@ def _off_from_others(measurement: Measurement) -> tuple[Real, float] | None:
     if noise is None:
         return None
     count, group = data.count, data.group
-    values = data.apart
-    if noise.turn is not None:
-        values = values * noise.turn[group]
-    sd = (noise.parts * np.sqrt(count))[group]
-    squares = (values.real / sd.real) ** 2 + (values.imag / sd.imag) ** 2
+    single = noise.weights / np.sqrt(count)
+    turn = None if noise.turn is None else noise.turn[group]
+    squares = np.sum(weighted(data.apart, single[group], turn).reshape(2, -1) ** 2, axis=0)
     several = count[group] > 2
     free = 1.0 - 1.0 / count[group]
     return np.where(several, squares / np.where(several, free, 1.0), 0.0), noise.dof
