@@ -5,7 +5,7 @@ What a linearised scan foretells, fits by fixed exponentials, exact fits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +32,6 @@ from .hypotheses import (
 )
 from .material import UntoldError
 from .native import STARTS, TimeSearch
-from .score import TimeScan
 from .temperatures import is_law
 
 FEWEST = 3
@@ -224,85 +223,9 @@ def nearly_all(
     return nearly + approximately_fitted(asked, base, others, before, fitted=fitted)
 
 
-def from_the_best(
-    asked: AskedTests,
-    base: Identification,
-    nearly: Sequence[Hypothesis],
-    before: FitResiduals,
-    promised: Mapping[str, Sequence[ScanEntry]] | None = None,
-) -> list[Hypothesis]:
-    """Effects anew from where the best one has led the model's own parameters.
-
-    From a fit that misses the tests a linear step leads astray, the more so where a parameter has
-    gone to its end in the effect's stead: so a dashpot may be left out that a springpot of order
-    one was found to be, or a drift that a slow mode was. What was fitted already, and had
-    `promised` to leave no more than it does from there, is not fitted again.
-    """
-    found: list[Hypothesis] = []
-    known = _as_predicted(nearly, promised or {})
-    while tried := [*nearly, *found]:
-        best = min(tried, key=lambda each: bic_of(each.left))
-        # By the noise that the best one leaves: what is missing may look like noise without it.
-        if delta_bic(before, best.left, noise_of_best(before, best.left)) < SEARCH.decisive:
-            break
-        near = {each.effect.name for each in tried if _as_near(each, best)}
-        there = replace(base, theta=alone(best, base.model))
-        entries = TimeScan(there, asked.quick).entries(asked.effects)
-        left = FitResiduals.of(there, asked.parts)
-        leading = [
-            each
-            for each in leading_of_scan(entries, left)
-            if each[0].effect.name not in near
-            and each[0].leaves < known.get(each[0].effect.name, np.inf)
-        ]
-        if not leading:
-            break
-        known |= {each[0].effect.name: -np.inf for each in leading}
-        found += approximately_fitted(asked, there, leading, before)
-    return found
-
-
-def _as_predicted(
-    nearly: Sequence[Hypothesis], promised: Mapping[str, Sequence[ScanEntry]]
-) -> dict[str, float]:
-    """What each effect that was fitted had promised to leave."""
-    names = {each.effect.name for each in nearly}
-    return {name: of_effect[0].leaves for name, of_effect in promised.items() if name in names}
-
-
-def least_left(
-    asked: AskedTests, base: Identification, tried: Sequence[Hypothesis], before: FitResiduals
-) -> FitResiduals:
-    """What tells the noise: what the best effect leaves, or that with another effect beside it.
-
-    Noise that another effect explains is none, however well it passes for noise with a memory, as
-    the jumps of friction in an irregular motion do.
-    """
-    if not tried:
-        return before
-    best = min(tried, key=lambda each: bic_of(each.left))
-    noise = noise_of_best(before, best.left)
-    # Of a misfit that is seen the noise is told already.
-    if best.left.misfit or delta_bic(before, best.left, noise) < SEARCH.decisive:
-        return best.left
-    grown = replace(base, model=best.model, theta=best.theta)
-    entries = TimeScan(grown, asked.quick).entries(asked.effects)
-    leading = leading_of_scan(entries, best.left)[:FEWEST]
-    quietly = asked._replace(left_out={})
-    both = approximately_fitted(quietly, grown, leading, best.left, starts=1)
-    # By the noise of the best alone, which is the wider one.
-    beside = [each for each in both if delta_bic(best.left, each.left, noise) >= SEARCH.decisive]
-    return min([best.left, *(each.left for each in beside)], key=bic_of)
-
-
 def alone(each: Hypothesis, model: Model) -> Real:
     """A model's own parameters (p,) where an effect has led them."""
     return model.picked(each.model.named(each.theta))
-
-
-def _as_near(each: Hypothesis, best: Hypothesis) -> bool:
-    """Whether a fit is so near the best that a better start would change nothing."""
-    return bic_of(each.left) - bic_of(best.left) <= 2.0 * EVIDENCE.rivals
 
 
 def from_the_data(
