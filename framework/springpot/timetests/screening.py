@@ -6,7 +6,7 @@ What a linearised scan foretells, fits by fixed exponentials, exact fits.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from contextlib import suppress
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter
+from springpot.misfit.residuals_of_tests import TestPart
+from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
@@ -32,6 +34,7 @@ from .hypotheses import (
 )
 from .material import UntoldError
 from .native import STARTS, TimeSearch
+from .specimen import reference_of
 from .temperatures import is_law
 
 FEWEST = 3
@@ -115,27 +118,42 @@ def of_material(
     fitted: Fitted = unseen,
 ) -> list[Hypothesis]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
-    from .fitting import identify
-
     tried = []
     for entries in leading:
         effect = entries[0].effect
         model = base.model + effect
-        try:
-            seeds = [entry.start(base, model) for entry in _first(entries, STARTS)]
-            fit = identify(asked.tests, model, seeds=seeds, thorough=False, noise=asked.known)
-        except UntoldError as error:
-            # Of no known size, it may explain the tests all the same.
-            asked.left_out[effect.name] = str(error)
-            left = FitResiduals.by(error.model, error.theta, base.reference, asked.parts)
-            tried.append(Hypothesis((effect,), error.model, error.theta, left))
-            continue
-        except SpringpotError as error:
-            asked.left_out[effect.name] = str(error)
-            continue
-        tried.append(Hypothesis.exactly((effect,), fit, asked.parts))
-        fitted(TriedEffect(effect, fit.model, fit.theta))
-    return tried
+        seeds = [entry.start(base, model) for entry in _first(entries, STARTS)]
+        tried.append(_exact_fit(asked, effect, model, seeds, fitted))
+    return [each for each in tried if each is not None]
+
+
+def _exact_fit(
+    asked: AskedTests,
+    effect: Effect,
+    model: Model,
+    seeds: Sequence[Real],
+    fitted: Fitted,
+    *,
+    thorough: bool = False,
+    near: bool = False,
+) -> Hypothesis | None:
+    """An effect fitted exactly; None, and why among those left out, where that fails."""
+    from .fitting import identify
+
+    try:
+        fit = identify(
+            asked.tests, model, seeds=seeds, noise=asked.known, thorough=thorough, near=near
+        )
+    except UntoldError as error:
+        # Of no known size, it may explain the tests all the same.
+        asked.left_out[effect.name] = str(error)
+        left = FitResiduals.by(error.model, error.theta, reference_of(asked.tests), asked.parts)
+        return Hypothesis((effect,), error.model, error.theta, left)
+    except SpringpotError as error:
+        asked.left_out[effect.name] = str(error)
+        return None
+    fitted(TriedEffect(effect, fit.model, fit.theta))
+    return Hypothesis.exactly((effect,), fit, asked.parts)
 
 
 def _first(entries: Sequence[ScanEntry], count: int) -> list[ScanEntry]:
@@ -176,30 +194,38 @@ def approximately_fitted(
         search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         begun = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        # The exact response takes long: it is spent only where more than noise is left to explain,
+        # or where most of what passes for noise would go.
+        worth = before.misfit or _predicted_gain(entries[0]) >= SEARCH.decisive
         try:
-            u, _ = search.near(asked.quick, begun)
-            # Not of the exponentials: by the part in a thousand that they are off, the right effect
-            # could fall behind.
-            left = FitResiduals.by(model, search.theta(u), base.reference, asked.parts)
-        except UnfollowedError:
-            # The exact response takes long: it is spent only where more than noise is left to
-            # explain, or where most of what passes for noise would go.
-            worth = before.misfit or _predicted_gain(entries[0]) >= SEARCH.decisive
-            if entries[0].drop < COSTLY * best or not worth:
-                continue
             try:
-                u, _ = search.near(asked.parts, begun[:starts])
-                left = FitResiduals.by(model, search.theta(u), base.reference, asked.parts)
-            except SpringpotError as error:
-                asked.left_out[effect.name] = str(error)
-                continue
+                found = _near_fit(asked, effect, search, asked.quick, begun)
+            except UnfollowedError:
+                if entries[0].drop < COSTLY * best or not worth:
+                    continue
+                found = _near_fit(asked, effect, search, asked.parts, begun[:starts])
         except SpringpotError as error:
             # It has no law in time for such a test.
             asked.left_out[effect.name] = str(error)
             continue
-        tried.append(Hypothesis((effect,), model, search.theta(u), left))
-        fitted(TriedEffect(effect, model, search.theta(u)))
+        tried.append(found)
+        fitted(TriedEffect(effect, model, found.theta))
     return tried
+
+
+def _near_fit(
+    asked: AskedTests,
+    effect: Effect,
+    search: TimeSearch,
+    parts: Sequence[TestPart],
+    begun: Sequence[Real],
+) -> Hypothesis:
+    """An effect nearly fitted to tests as a search sees them, from where it has begun."""
+    theta = search.theta(search.near(parts, begun)[0])
+    # Not of the exponentials: by the part in a thousand that they are off, the right effect could
+    # fall behind.
+    left = FitResiduals.by(search.model, theta, search.reference, asked.parts)
+    return Hypothesis((effect,), search.model, theta, left)
 
 
 def _predicted_gain(entry: ScanEntry) -> float:
@@ -247,13 +273,9 @@ def from_the_data(
     for i in behind:
         each = nearly[i]
         search = TimeSearch(each.model, asked.quick, base.reference, [each.theta])
-        try:
-            u, _ = search.near(asked.quick, search.starts())
-            left = FitResiduals.by(each.model, search.theta(u), base.reference, asked.parts)
-        except SpringpotError:
-            continue
-        if bic_of(left) < bic_of(each.left):
-            found[i] = replace(each, theta=search.theta(u), left=left)
+        with suppress(SpringpotError):
+            anew = _near_fit(asked, each.effect, search, asked.quick, search.starts())
+            found[i] = min(each, anew, key=lambda one: bic_of(one.left))
     return found
 
 
@@ -265,8 +287,6 @@ def exactly_fitted(
     fitted: Fitted = unseen,
 ) -> list[Hypothesis]:
     """The best of them fitted exactly, and the others as they are."""
-    from .fitting import identify
-
     # The noise is read where the least is left, and the effects are then rated by that one noise.
     least = min((each.left for each in nearly), key=bic_of, default=before)
     noise = noise_of_best(before, least)
@@ -281,26 +301,13 @@ def exactly_fitted(
     astray = best.left.over(noise) > ASTRAY
     if astray:
         near = list(range(len(rated)))[:EXACT]
-    tried = []
-    for i, each in enumerate(rated):
-        if i not in near:
-            tried.append(each)
-            continue
-        try:
-            fit = identify(
-                asked.tests,
-                each.model,
-                seeds=[each.theta],
-                thorough=astray,
-                noise=asked.known,
-                near=not astray,
-            )
-        except SpringpotError as error:
-            asked.left_out[each.effect.name] = str(error)
-            continue
-        tried.append(Hypothesis.exactly(each.effects, fit, asked.parts))
-        fitted(TriedEffect(each.effect, fit.model, fit.theta))
-    return tried
+    tried: list[Hypothesis | None] = list(rated)
+    for i in near:
+        one, seeds = rated[i], [rated[i].theta]
+        tried[i] = _exact_fit(
+            asked, one.effect, one.model, seeds, fitted, thorough=astray, near=not astray
+        )
+    return [each for each in tried if each is not None]
 
 
 def _near(
