@@ -142,7 +142,8 @@ def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(
 
         family = SimpleNamespace(name="a", largest=largest, build=lambda number: number)
         floor = SimpleNamespace(model=SimpleNamespace(effects=()))
-        return [found.number for found in comparing.fits_of([family], floor, one, lambda told: None)]
+        found = comparing.fits_of([family], floor, one, lambda told: None)
+        return [each.number for each in found]
 
     low, edge = [0.0] * 5, COMPARISON.chance
     assert tried([1.0, 2.0, 3.0, 4.0, 5.0], low) == [2, 3, 4, 5, 6]
