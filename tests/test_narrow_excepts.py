@@ -134,7 +134,7 @@ BOUNDARIES = {
     ),
     "framework/springpot/registry.py:_guarded": PLUGIN,
     "framework/springpot/processes.py:_ask": "a system without this call",
-    "framework/springpot/surroundings.py:kept_surroundings": (
+    "framework/springpot/processes.py:kept_surroundings": (
         "what a plugin changed and cannot be put back is told as changed"
     ),
     "plugins/springpot_plugins/optimisers/nloptlib.py:search": FOREIGN,
