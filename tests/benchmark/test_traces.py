@@ -1,5 +1,6 @@
 """What is kept of a run: every improvement and, on noisy data, its worth without the noise."""
 
+import zlib
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 from springpot import parse_model, plugins
 from springpot.benchmark import Store, run_study
 from springpot.benchmark.schema import seal
-from springpot.benchmark.traces import at, geometric_grid, improvements
+from springpot.benchmark.traces import Traces, at, geometric_grid, improvements, pack, unpack
 from springpot.benchmark.trial import TwinProblem
 from springpot.identification import Problem, Recorder, all_points, run, run_batch
 
@@ -141,3 +142,18 @@ def test_a_seal_is_the_same_in_every_python():
     # Equal texts are one object in one row, and two in another.
     text = "".join(["a", "b"])
     assert seal((text, text)) == seal(("ab", "".join(["a", "b"])))
+
+
+@pytest.mark.parametrize("count", [1, 150, 8191, 8192, 20_000])
+def test_traces_are_streams_of_zlib_as_those_of_older_stores(rng, count):
+    # More than 65,535 bytes of values take several blocks, and 8,191 values all but fill one.
+    steps, values = rng.integers(1, 9, count), np.sort(rng.random(count))[::-1]
+    numbers = np.cumsum(steps)
+    older = zlib.compress(steps.astype("<u4").tobytes() + values.astype("<f8").tobytes(), 6)
+    blob = pack(list(zip(numbers.tolist(), values.tolist(), strict=True)))
+    for each in (older, blob):
+        found = Traces.of([each, b"", each])
+        assert found.counts.tolist() == [count, 0, count]
+        assert np.array_equal(found.evaluations, np.tile(numbers, 2))
+        assert np.array_equal(found.values, np.tile(values, 2))
+        assert np.array_equal(unpack(each), (numbers, values))

@@ -45,7 +45,8 @@ def test_the_gate_to_start_from_installs_the_users_package_and_says_what_got_wor
     springpot("init", "plugin", "--folder", tmp_path)
     springpot("init", "ci", "--folder", tmp_path)
     workflow = (tmp_path / ".github" / "workflows" / "accuracy.yml").read_text()
-    assert "python -m pip install .\n" in workflow
+    assert re.search(r"python -m pip install (\S.* )?\.(  #.*)?\n", workflow)
+    assert "cache-dependency-path: .github/workflows/accuracy.yml\n" in workflow
     script = re.findall(r"^ +sed -n '(.*)' gate.txt$", workflow, re.M)
     told = "seen: cma-es\nworse: mine on x got worse: 3\n"
     done = subprocess.run(["sed", "-n", *script], input=told, capture_output=True, text=True)
@@ -84,26 +85,30 @@ def test_what_a_newcomer_types_is_answered_in_one_line(springpot, tmp_path, argu
     assert springpot(*given).is_one_line(says)
 
 
+FROM_GIT = {"url": "https://x.org/s.git", "vcs_info": {"vcs": "git", "commit_id": "ab12"}}
+
+
 @pytest.mark.parametrize(
-    ("origin", "installed"),
+    ("origin", "package", "installed"),
     [
-        ({}, "springpot"),
-        (
-            {"url": "https://x.org/s.git", "vcs_info": {"vcs": "git", "commit_id": "ab12"}},
-            '"springpot @ git+https://x.org/s.git@ab12"',
-        ),
+        ({}, "", "springpot"),
+        ({}, ".", "."),
+        (FROM_GIT, "", '"springpot @ git+https://x.org/s.git@ab12"'),
+        (FROM_GIT, ".", '"springpot @ git+https://x.org/s.git@ab12" .'),
         (
             {"url": "https://x.org/s-1.0.whl", "archive_info": {}},
+            "",
             '"springpot @ https://x.org/s-1.0.whl"',
         ),
         (
             {"url": "file:///mine/s", "dir_info": {"editable": True}},
-            "springpot  # installed from a folder here: write where it is to be found",
+            ".",
+            "springpot .  # springpot is from a folder here: write where it is to be found",
         ),
     ],
 )
-def test_the_gate_installs_springpot_from_where_it_came(origin, installed):
-    assert init._address(origin) == installed
+def test_the_gate_installs_springpot_from_where_it_came(origin, package, installed):
+    assert init._addresses(origin, package) == installed
 
 
 def test_a_study_to_start_from_races_the_users_own_optimisers(monkeypatch):

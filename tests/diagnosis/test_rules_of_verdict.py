@@ -402,9 +402,12 @@ def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
     assert row.over_floor == pytest.approx(2.0)
     assert row.predicted_error == pytest.approx(0.02)
     assert row.parameters == {"m": True}
-    pair = SimpleNamespace(refit=SimpleNamespace(error=0.0123, log_evidence=-12.0))
-    beside = answer._beside(row, "delay", pair, {})
+    refit = SimpleNamespace(error=0.0123, log_evidence=-12.0, known=None)
+    pair = SimpleNamespace(refit=refit, predicted=9.0)
+    beside = answer._beside(before, row, pair, "delay", None)
     assert (beside.delta_bic, beside.error_beside) == (60.0, 0.0123)
+    assert beside.predicted_error == pytest.approx(0.012)
     assert beside.says == "beside delay: a mass that moves along; 1.23 % is left with both"
+    assert beside.parameters == {"m": False}
     alone = SimpleNamespace(refit=SimpleNamespace(log_evidence=-15.0))
-    assert answer._beside(row, "delay", pair, {"delay": alone}).delta_bic == pytest.approx(6.0)
+    assert answer._beside(before, row, pair, "delay", alone).delta_bic == pytest.approx(6.0)

@@ -34,6 +34,15 @@ def test_rivals_for_the_place_beside_the_leading_effect_explain_too(found):
     assert set(found.next_experiment.separates) <= set(names(found, "explains"))
 
 
+def test_the_parameters_beside_the_leading_effect_are_those_of_the_model_with_both(found):
+    """They were those of the model with that effect alone, where a delay is of another size."""
+    delay = found.on_shelf("explains")[1]
+    both = springpot.identify("artificial-hidden", "fractional-maxwell + inertia + time-delay")
+    told, fitted = delay.parameters["tau"], both.parameters["time-delay.tau"]
+    assert told.value == pytest.approx(fitted.value, rel=1e-3)
+    assert told.low < fitted.value < told.high
+
+
 def test_what_helps_takes_a_tenth_of_the_error_and_the_most_stands_first(found):
     after = [row.after for row in found.on_shelf("helps")]
     assert after == sorted(after)
@@ -43,10 +52,10 @@ def test_what_helps_takes_a_tenth_of_the_error_and_the_most_stands_first(found):
 
 def test_what_helps_only_beside_another_effect_is_not_offered_before_it(found):
     """Accepted alone it left the error where it was."""
-    rows = [replace(row, error_beside=float("nan")) for row in found.candidates]
+    rows = [replace(row, beside=AsTold()) for row in found.candidates]
     least = min(row.after for row in rows)
     pair = next(i for i, row in enumerate(rows) if row.effect == "fixture-resonance")
-    rows[pair] = replace(rows[pair], error_beside=0.5 * least)
+    rows[pair] = replace(rows[pair], beside=AsTold(0.5 * least))
     nameless = replace(found, verdict="unexplained", leading=(), candidates=tuple(rows))
     assert names(nameless, "helps")[-1] == "fixture-resonance"
     assert nameless.offered != "fixture-resonance"
@@ -69,7 +78,7 @@ def test_without_a_name_the_best_help_is_offered_and_said_to_be_no_proof(found):
 
 def test_an_effect_that_leaves_the_error_is_never_offered(found):
     stays = tuple(
-        replace(row, alone=AsTold(found.error.relative_rms), error_beside=float("nan"))
+        replace(row, alone=AsTold(found.error.relative_rms), beside=AsTold())
         for row in found.candidates
     )
     bare = replace(found, verdict="unexplained", leading=("inertia",), candidates=stays)

@@ -59,6 +59,8 @@ SEEN = {"by_battery": True, "certain": True}
         ({"by_scan": True, "gain": 0.5 * CLEAR, "named": True}, "inconclusive"),
         ({"by_scan": True, "outliers": True}, "unexplained"),
         ({"remembers": True}, "inconclusive"),
+        ({"left": True}, "inconclusive"),
+        ({"left": True, "below": True}, "adequate"),
         (SEEN | {"remembers": True}, "unexplained"),
     ],
 )

@@ -219,7 +219,8 @@ def score_cell(
         excess = _excess(traces.values, bests[own][owners], references[owners])
         # On the few evaluations of the grid: the traces may have thousands.
         along[own] = traces.at(excess, scale.grid)
-        reached += traces.reached(excess, scale.targets, scale.grid)
+        # How many of the falling targets each has reached, all trials together.
+        reached += np.searchsorted(-scale.targets, -along[own], side="right").sum(axis=0)
         hits[own] = traces.hits(goals_of(references, bests[own], scale.target))
         area[own] = area_over_curve(traces, excess, scale)
     return CellScores(
@@ -325,17 +326,19 @@ class ProblemRace:
     cells: tuple[CellScores, ...]
 
     @cached_property
-    def shared(self) -> list[NDArray[np.bool_]]:
-        """Which trials of each cell every entrant has."""
+    def shared(self) -> list[NDArray[np.bool_] | slice]:
+        """Which trials of each cell every entrant has; a slice where those are all."""
         # Only where all have run: an entrant must not win by the repetitions that others have still
         # to do.
         common = sorted(set.intersection(*(set(cell.repetitions.tolist()) for cell in self.cells)))
-        return [np.isin(cell.repetitions, common) for cell in self.cells]
+        masks = [np.isin(cell.repetitions, common) for cell in self.cells]
+        # A million trials are not to be picked one by one where none is left out.
+        return [slice(None) if mask.all() else mask for mask in masks]
 
     @property
     def repetitions(self) -> int:
         """How many every entrant has finished."""
-        return int(self.shared[0].sum())
+        return len(self.cells[0].repetitions[self.shared[0]])
 
     @property
     def hits(self) -> Real:
@@ -357,10 +360,10 @@ class ProblemRace:
         """Names of the entrants."""
         return tuple(scores.cell.label for scores in self.cells)
 
-    def of_trials(self, name: str) -> Real:
-        """A property of the cells' trials, (entrants, n, ...)."""
+    def of_trials(self, name: str, *at: int) -> Real:
+        """A property of the cells' trials, (entrants, n, ...), or one column of it."""
         each = zip(self.cells, self.shared, strict=True)
-        return np.stack([getattr(cell, name)[which] for cell, which in each])
+        return np.stack([getattr(cell, name)[(which, *at)] for cell, which in each])
 
     @property
     def dimension(self) -> int:
@@ -439,7 +442,7 @@ def quality(race: ProblemRace, mark: int, target: float) -> Real:
     No better than the target, infinite if it failed.
     """
     # Below the target a race is over: who got further beyond it is no better.
-    return np.maximum(race.values[:, :, mark], target)
+    return np.maximum(race.of_trials("values", mark), target)
 
 
 def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[OptimiserChoice]:
@@ -456,7 +459,8 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
     # By ranks, not means: a single failed trial has an infinite excess, which would decide alone.
     ranks = pooled_ranks(reached).mean(axis=1)
     # As if the race had ended at this budget: what was reached later did not happen yet.
-    hits = np.where(race.hits <= budget, race.hits, np.inf)
+    hits = race.hits
+    hits[hits > budget] = np.inf
     times = np.array(
         [
             expected_running_time(*pair)

@@ -137,8 +137,8 @@ def running_time_interval(
     n = len(hits)
     if n == 0:
         return None
-    cost = np.where(np.isfinite(hits), hits, spent)
     success = np.isfinite(hits)
+    cost, counted = np.where(success, hits, spent), success.astype(float)
     means = np.full(draws, inf)
     if not success.any():
         return Interval(inf, inf, inf)
@@ -148,8 +148,9 @@ def running_time_interval(
         block = means[first : first + rows]
         # Whole trials are drawn, hits with what they spent: the two are not independent.
         chosen = rng.integers(0, n, size=(len(block), n))
-        successes = n if success.all() else success[chosen].sum(axis=1)
-        np.divide(cost[chosen].sum(axis=1), successes, out=block, where=successes > 0)
+        # Whole numbers, whose sums are the same in any order: the quickest is taken.
+        successes = n if success.all() else np.einsum("ij->i", counted[chosen])
+        np.divide(np.einsum("ij->i", cost[chosen]), successes, out=block, where=successes > 0)
     # Nearest rank rather than interpolation, which has no meaning next to infinity.
     low, high = np.sort(means)[[int(0.025 * draws), int(np.ceil(0.975 * draws)) - 1]]
     return Interval(expected_running_time(hits, spent), float(low), float(high))
@@ -497,17 +498,16 @@ def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
         Half of the region's width.
     """
     pairs, n = gaps.shape
-    rows = np.column_stack([np.zeros(pairs), gaps])
-    order = np.argsort(rows, axis=1, kind="stable")
-    rows = np.take_along_axis(rows, order, axis=1)
-    # Of sorted differences those whose mean with a given one lies below an end come first: no
-    # table of all means of two is made.
-    sides = _first_partners(rows, np.less, -rope), _first_partners(rows, np.less_equal, rope)
+    # What lies below is above where all signs are turned.
+    sides = [_sorted_partners(sign * gaps, rope) for sign in (-1.0, 1.0)]
     counts = np.zeros((pairs, 3))
     for weights in _weights(n):
-        room = np.zeros((3, n + 2, weights.shape[1]))
-        for pair, (below, up_to) in enumerate(zip(*sides, strict=True)):
-            chances = _mean_chances(weights, order[pair], below, up_to, room)
+        room = np.empty((3, n + 2, weights.shape[1]))
+        for pair in range(pairs):
+            below, above = (
+                _chance_above(weights, order[pair], up_to[pair], room) for order, up_to in sides
+            )
+            chances = np.stack([below, 1.0 - below - above, above])
             counts[pair] += np.bincount(chances.argmax(axis=0), minlength=3)
     return counts / DRAWS
 
@@ -523,28 +523,29 @@ def _weights(n: int) -> Iterator[Real]:
         yield np.ascontiguousarray(drawn.T)
 
 
-def _first_partners(rows: Real, compare: np.ufunc, end: float) -> NDArray[np.int64]:
-    """With how many of its row, which rises, each value (m, n) has a mean that compares to `end`.
+def _sorted_partners(gaps: Real, end: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Order (m, n + 1) of the prior's zero and n differences, rising, and partners (m, n + 1).
 
-    By halving what is left to look at, as the mean rises with the partner.
+    With how many of its row, the first in that order, each has a mean of up to `end`: no table of
+    all means of two is made. By halving what is left to look at, as the mean rises with the
+    partner.
     """
+    rows = np.column_stack([np.zeros(len(gaps)), gaps])
+    order = np.argsort(rows, axis=1, kind="stable")
+    rows = np.take_along_axis(rows, order, axis=1)
     first, last = np.zeros(rows.shape, np.int64), np.full(rows.shape, rows.shape[1])
     for _ in range(rows.shape[1].bit_length()):
         middle = (first + last) // 2
         partners = np.take_along_axis(rows, np.minimum(middle, rows.shape[1] - 1), axis=1)
-        found = compare(0.5 * (rows + partners), end) & (middle < last)
+        found = (0.5 * (rows + partners) <= end) & (middle < last)
         first, last = np.where(found, middle + 1, first), np.where(found, last, middle)
-    return first
+    return order, first
 
 
-def _mean_chances(
-    weights: Real,
-    order: NDArray[np.int64],
-    below: NDArray[np.int64],
-    up_to: NDArray[np.int64],
-    room: Real,
+def _chance_above(
+    weights: Real, order: NDArray[np.int64], up_to: NDArray[np.int64], room: Real
 ) -> Real:
-    """Chances (3, d) that a mean of two differences lies below, within and above.
+    """Chances (d,) that a mean of two differences lies above an end.
 
     Parameters
     ----------
@@ -552,21 +553,29 @@ def _mean_chances(
         Of each difference, in d draws.
     order : ndarray of int, shape (n,)
         Of the differences, rising.
-    below, up_to : ndarray of int, shape (n,)
-        With how many of them each makes a mean that lies below, and one below or within; falling.
+    up_to : ndarray of int, shape (n,)
+        With how many of them each makes a mean that does not; falling.
     room : ndarray, shape (3, n + 1, d)
-        Written over, but for the first row, which is zero: taken anew for each pair it would cost
-        more than what is done in it.
+        Written over: taken anew for each pair it would cost more than what is done in it.
     """
-    n, (sums, ordered, picked) = len(order), room
-    np.take(weights, order, axis=0, out=ordered[:n], mode="clip")
-    # Row by row: numpy's running sum along columns takes several times as long.
-    for weight, before, after in zip(ordered, sums, sums[1:], strict=False):
-        np.add(before, weight, out=after)
-    some, none = np.count_nonzero(below), np.count_nonzero(up_to == n)
-    np.take(sums, below[:some], axis=0, out=picked[:some], mode="clip")
-    low = np.einsum("ij,ij->j", ordered[:some], picked[:some])
-    np.take(sums, up_to[none:], axis=0, out=picked[none:n], mode="clip")
-    np.subtract(sums[-1], picked[none:n], out=picked[none:n])
-    high = np.einsum("ij,ij->j", ordered[none:n], picked[none:n])
-    return np.stack([low, 1.0 - low - high, high])
+    # Those from `first` on do with one another, and with some of those from `least` on.
+    first, least = np.count_nonzero(up_to > np.arange(len(order))), up_to[-1]
+    ordered, sums, picked = room
+    high, low = ordered[first : len(order)], ordered[least:first]
+    np.take(weights, order[first:], axis=0, out=high, mode="clip")
+    total = high.sum(axis=0)
+    chances: Real = total * total
+    if not (len(high) and len(low)):
+        return chances
+    np.take(weights, order[least:first], axis=0, out=low, mode="clip")
+    # Sums of the fewer, of which the others pick theirs: to make them takes longer.
+    few, many, begin = low, high, np.minimum(up_to[first:], first) - least
+    if len(high) < len(low):
+        few, many, begin = high, low, up_to[least:first] - first
+    # From the last on, row by row: numpy's running sum along columns takes several times as long.
+    sums[len(few)] = 0.0
+    for row in range(len(few) - 1, -1, -1):
+        np.add(sums[row + 1], few[row], out=sums[row])
+    np.take(sums, begin, axis=0, out=picked[: len(many)], mode="clip")
+    chances += 2.0 * np.einsum("ij,ij->j", many, picked[: len(many)])
+    return chances

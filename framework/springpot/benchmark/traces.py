@@ -6,6 +6,7 @@ Between its improvements a trace is flat, so they hold its value at every evalua
 
 from __future__ import annotations
 
+import struct
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +32,23 @@ def pack(trace: Sequence[tuple[int, float]]) -> bytes:
     # Steps and values apart: small numbers among themselves compress well, and values hardly.
     evaluations, values = zip(*trace, strict=True)
     steps = np.diff(np.array(evaluations, dtype=np.int64), prepend=0).astype(_STEP)
-    return zlib.compress(steps.tobytes() + np.array(values, dtype=_VALUE).tobytes(), 6)
+    return _stream(steps.tobytes(), np.array(values, dtype=_VALUE).tobytes())
+
+
+def _stream(packed: bytes, plain: bytes) -> bytes:
+    """A zlib stream (RFC 1950) whose first bytes are compressed, and whose others lie as they are.
+
+    Last digits hardly compress: of the traces of a race it is 3 to 15 % longer than one that tries,
+    and made and read in half of the time.
+    """
+    head, most = zlib.compressobj(6), 0xFFFF
+    parts = [head.compress(packed), head.flush(zlib.Z_FULL_FLUSH)]
+    for first in range(0, len(plain), most):
+        block = plain[first : first + most]
+        # Whether it is the last, its length and that length's complement (RFC 1951, 3.2.4).
+        about = first + most >= len(plain), len(block), len(block) ^ most
+        parts += [struct.pack("<BHH", *about), block]
+    return b"".join(parts) + struct.pack(">I", zlib.adler32(plain, zlib.adler32(packed)))
 
 
 def unpack(blob: bytes) -> tuple[NDArray[np.int64], Real]:
@@ -96,16 +113,14 @@ class Traces:
         raw = [zlib.decompress(blob) if blob else b"" for blob in blobs]
         each = _STEP.itemsize + _VALUE.itemsize
         counts = np.array([len(one) // each for one in raw], dtype=np.int64)
-        words = np.frombuffer(b"".join(raw), _STEP)
-        # Of a trial with n improvements n words are steps, and the next two n their values.
-        before = np.cumsum(counts) - counts
-        rows = np.arange(counts.sum())
-        steps = words[rows + np.repeat(2 * before, counts)]
-        halves = 2 * rows + np.repeat(before + counts, counts)
-        values = words[np.column_stack([halves, halves + 1])].view(_VALUE).ravel()
+        ends = (_STEP.itemsize * counts).tolist()
+        steps = b"".join([one[:end] for one, end in zip(raw, ends, strict=True)])
+        values = b"".join([one[end:] for one, end in zip(raw, ends, strict=True)])
         # Counted on from the trials before, whose sum is then taken off again.
-        along = np.concatenate([[0], np.cumsum(steps, dtype=np.int64)])
-        return cls(counts, along[1:] - np.repeat(along[before], counts), values)
+        along = np.zeros(len(steps) // _STEP.itemsize + 1, dtype=np.int64)
+        np.cumsum(np.frombuffer(steps, _STEP), out=along[1:])
+        begun = np.repeat(along[np.cumsum(counts) - counts], counts)
+        return cls(counts, along[1:] - begun, np.frombuffer(values, _VALUE))
 
     @cached_property
     def owners(self) -> NDArray[np.int64]:
@@ -114,24 +129,15 @@ class Traces:
 
     def at(self, worth: Real, grid: NDArray[np.int64]) -> Real:
         """What of `worth` (N,) is seen (n, g) at `grid` (g,), infinite before an improvement."""
-        # Each is seen from one place of the grid on until the next is: before them all, infinity.
-        places = np.arange(len(worth)) + self.owners + 1
-        first = np.cumsum(self.counts + 1) - self.counts - 1
-        shown = np.full(len(worth) + len(first), inf)
-        begin = np.zeros(len(shown), dtype=np.int64)
-        shown[places], begin[places] = worth, np.searchsorted(grid, self.evaluations)
-        end = np.roll(begin, -1)
-        end[first - 1] = len(grid)
-        return np.repeat(shown, end - begin).reshape(len(first), len(grid))
-
-    def reached(self, excess: Real, targets: Real, grid: NDArray[np.int64]) -> Real:
-        """How many falling `targets` an `excess` (N,) of all trials reached by `grid`, (g,)."""
-        reached = np.searchsorted(-targets, -excess, side="right")
-        before = np.roll(reached, 1)
-        before[(np.cumsum(self.counts) - self.counts)[self.counts > 0]] = 0
-        seen = np.searchsorted(grid, self.evaluations)
-        new = np.bincount(seen, reached - before, minlength=len(grid) + 1)
-        return np.cumsum(new, dtype=float)[: len(grid)]
+        # Each trial's evaluations behind those of the one before: all rise, and are sought at once.
+        span = max(int(grid[-1]), int(self.evaluations.max(initial=0))) + 1
+        trials = np.arange(len(self.counts))[:, None]
+        seen = np.searchsorted(
+            self.evaluations + span * self.owners, (grid + span * trials).ravel(), side="right"
+        ).reshape(len(self.counts), len(grid))
+        shown: Real = np.concatenate([[inf], worth])[seen]
+        shown[seen == (np.cumsum(self.counts) - self.counts)[:, None]] = inf
+        return shown
 
     def hits(self, goals: Real) -> Real:
         """Evaluation at which each trial reached its goal (n,), infinite where it did not."""

@@ -94,23 +94,33 @@ def _entrants() -> str:
 
 
 def _installed_from(folder: Path) -> str:
-    """What a build installs: the package in that folder, which brings springpot, or springpot."""
-    if (folder / "pyproject.toml").exists():
-        return "."
-    return _address(json.loads(distribution("springpot").read_text("direct_url.json") or "{}"))
+    """What a build installs: springpot from where it came, and the package in that folder."""
+    origin = json.loads(distribution("springpot").read_text("direct_url.json") or "{}")
+    package = "." if (folder / "pyproject.toml").exists() else ""
+    # Of springpot's own folder the package is springpot.
+    if package and origin.get("url") == folder.resolve().as_uri():
+        return package
+    return _addresses(origin, package)
 
 
-def _address(origin: Mapping[str, Any]) -> str:
-    """Where pip finds springpot again, by what it wrote down when it installed it (PEP 610)."""
+def _addresses(origin: Mapping[str, Any], package: str) -> str:
+    """Where pip finds springpot again, and a package (or none) that needs it.
+
+    By what pip wrote down when it installed springpot (PEP 610).
+    """
+    address, told = "springpot", ""
     if "vcs_info" in origin:
-        told = origin["vcs_info"]
-        return f'"springpot @ {told["vcs"]}+{origin["url"]}@{told["commit_id"]}"'
-    if "archive_info" in origin and not origin["url"].startswith("file:"):
-        return f'"springpot @ {origin["url"]}"'
-    # A folder of this machine is nowhere else: no build could install it.
-    if origin:
-        return "springpot  # installed from a folder here: write where it is to be found"
-    return "springpot"
+        version = origin["vcs_info"]
+        address = f'"springpot @ {version["vcs"]}+{origin["url"]}@{version["commit_id"]}"'
+    elif "archive_info" in origin and not origin["url"].startswith("file:"):
+        address = f'"springpot @ {origin["url"]}"'
+    elif origin:
+        # A folder of this machine is nowhere else: no build could install it.
+        told = "  # springpot is from a folder here: write where it is to be found"
+    elif package:
+        # From the index it comes with what needs it.
+        return package
+    return f"{address} {package}".rstrip() + told
 
 
 def _template(name: str) -> str:

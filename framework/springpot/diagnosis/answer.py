@@ -102,7 +102,7 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
         # What is told after an effect is what accepting it gives: the model with that effect alone.
         row = _candidate(search.base, score, alone.get(name), chance > VERDICT.profiled)
         if name in beside:
-            row = _beside(row, leader, beside[name], alone)
+            row = _beside(search.base, row, beside[name], leader, alone.get(leader))
         rows.append(
             replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word)
         )
@@ -138,17 +138,24 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
     )
 
 
-def _beside(row: Candidate, leader: str, pair: Grown, alone: dict[str, Grown]) -> Candidate:
-    """The row of an effect that shows beside the leading one.
+def _beside(
+    before: Refit, row: Candidate, pair: Grown, leader: str, alone: Grown | None
+) -> Candidate:
+    """The row of an effect that shows beside the leading one, as it is in the model with both.
 
-    Its evidence there, and what both leave.
+    Its evidence is that of joining the model with the leading one, if that was fitted alone.
     """
     gain = row.delta_bic
-    if leader in alone:
-        gain = 2.0 * (pair.refit.log_evidence - alone[leader].refit.log_evidence)
+    if alone is not None:
+        gain = 2.0 * (pair.refit.log_evidence - alone.refit.log_evidence)
     left = f"{100.0 * pair.refit.error:.3g} % is left with both"
-    says = f"beside {leader}: {row.says}; {left}"
-    return replace(row, delta_bic=gain, says=says, error_beside=pair.refit.error)
+    return replace(
+        row,
+        delta_bic=gain,
+        says=f"beside {leader}: {row.says}; {left}",
+        predicted_error=_predicted(before, pair.predicted),
+        beside=AsFitted(pair.refit, before.floor, row.physics, by_profile=False),
+    )
 
 
 def _predicted(before: Refit, left: float) -> float:

@@ -199,8 +199,8 @@ class Candidate:
         One sentence of physics.
     alone : WithEffect
         The fit of the model with this effect alone, if it was fitted.
-    error_beside : float
-        The error left with it and the leading effect, where it only shows beside that; else NaN.
+    beside : WithEffect
+        The fit with the leading effect too, where it only shows beside that.
 
     Examples
     --------
@@ -223,7 +223,7 @@ class Candidate:
     bound: float
     says: str
     alone: WithEffect = AsTold()
-    error_beside: float = nan
+    beside: WithEffect = AsTold()
 
     @property
     def effect(self) -> str:
@@ -245,9 +245,15 @@ class Candidate:
         return self.alone.over_floor
 
     @property
+    def error_beside(self) -> float:
+        """The error left with it and the leading effect, where it only shows there; else NaN."""
+        return self.beside.error
+
+    @property
     def parameters(self) -> dict[str, Value]:
-        """Its own parameters."""
-        return self.alone.parameters
+        """Its own parameters: beside the leading effect, where it only shows there."""
+        shown = self.beside if isfinite(self.error_beside) else self.alone
+        return shown.parameters
 
     @property
     def after(self) -> float:
@@ -288,6 +294,7 @@ class Candidate:
             delta_bic=json_number(row["delta_bic"], -inf),
             bound=json_number(row["bound"], inf),
             alone=read(AsTold, row, error=json_number(row["error_after"])),
+            beside=read(AsTold, row, error=json_number(row.get("error_beside"))),
         )
 
 

@@ -176,6 +176,10 @@ QUIET = (
     VerdictRule(
         "something without a name would help, or it is noise", lambda f: f.unknown, "inconclusive"
     ),
+    # Beside a model with one effect more a pattern is seen that the base, further off, may hide.
+    VerdictRule(
+        "the best model found leaves structure", lambda f: f.left and not f.below, "inconclusive"
+    ),
     # One sweep tells such noise from a misfit that comes and goes only by being measured again.
     VerdictRule("noise with a memory, or a misfit", lambda f: f.remembers, "inconclusive"),
     # All that could be missing was asked for.

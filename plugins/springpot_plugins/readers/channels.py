@@ -40,6 +40,8 @@ from .titles import apart_from_sign, require_word
 
 _IGNORED = ("ignore", "none")
 """What a user says (``?3=ignore``) of a column that is to be left alone."""
+STRAINS = ("strain", "shear strain", "gamma", "γ", "dehnung", "deformacion", "deformazione")
+"""Names of what is no displacement but one over a length."""
 STRESSES = (
     *("stress", "shear stress", "sigma", "σ", "τ", "tau", "tau_yx", "contrainte", "spannung"),
     *("schubspannung", "tension", "esfuerzo", "sforzo"),
@@ -57,7 +59,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("displacement", "disp", "x", "q", "u", "stroke", "position", "deformation"),
         *("actuator displacement", "lvdt", "deplacement", "course", "weg", "verschiebung"),
         *("auslenkung", "kolbenweg", "desplazamiento", "spostamento", "corsa", "deslocamento"),
-        *("strain", "shear strain", "gamma", "γ", "dehnung", "deformacion", "deformazione"),
+        *STRAINS,
         *("crosshead", "extension", "axial displacement", "axial position", "axial disp"),
         *("traverse", "traversenweg", "machine position", "standardweg", "angle", "rotation"),
         *("angular displacement", "winkel", "drehwinkel", "angulo", "angolo"),
@@ -346,16 +348,27 @@ def _require_all(layout: dict[str, _Place], titles: Sequence[str]) -> None:
             )
         free = set(range(len(titles))) - {place.column for place in layout.values()}
         raise OpenQuestion(message, [_which(channel, titles, sorted(free)) for channel in missing])
-    bare = [channel for channel in UNITS if layout[channel].unit is None]
+    bare = {key: titles[layout[key].column] for key in UNITS if layout[key].unit is None}
     if bare:
-        spec = ",".join(f"{channel}={_EXAMPLE[channel]}" for channel in bare)
-        names = ", ".join(f"'{titles[layout[channel].column]}'" for channel in bare)
+        units = {key: example_unit(title, _EXAMPLE[key]) for key, title in bare.items()}
+        spec = ",".join(f"{channel}={unit}" for channel, unit in units.items())
+        names = ", ".join(f"'{title}'" for title in bare.values())
+        first = next(iter(bare))
         message = (
-            f"column {names}: there is no unit; write {ADVICE[bare[0]]}, or say it by 'FILE?{spec}'"
+            f"column {names}: there is no unit; write {first} [{units[first]}],"
+            f" or say it by 'FILE?{spec}'"
         )
         raise OpenQuestion(
-            message, [Question.of_unit(each, _EXAMPLE[each], UNITS[each]) for each in bare]
+            message, [Question.of_unit(each, unit, UNITS[each]) for each, unit in units.items()]
         )
+
+
+def example_unit(title: str, usual: str) -> str:
+    """A unit that a column with this title may have: a strain none, a stress no force's."""
+    called = channel_of(title)[2].casefold()
+    if called in STRAINS:
+        return "-"
+    return "Pa" if called in STRESSES else usual
 
 
 def _which(channel: str, titles: Sequence[str], free: Sequence[int]) -> Question:

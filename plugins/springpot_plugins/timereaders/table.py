@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.measurement import (
     FILE_UNITS,
+    PRESSURE_UNITS,
     STRAIN_UNITS,
     TEMPERATURE_UNITS,
     TIME_UNITS,
@@ -42,7 +43,7 @@ from springpot.rheology import Real
 from springpot.rheology.points import HELD
 
 from ..readers.blocks import Block
-from ..readers.channels import STRESSES, channel_of
+from ..readers.channels import STRAINS, STRESSES, channel_of, example_unit
 from ..readers.choices import ask_base, with_choice
 from ..readers.cleaning import cleaned, is_blank
 from ..readers.clock import sample_rate
@@ -65,7 +66,7 @@ OF_FILE = {
 }
 """Units of columns that tell none; a displacement is what the force is over."""
 WITHOUT_UNIT = ({"relaxation"}, {"compliance"}, {"displacement", "force"})
-"""What needs none."""
+"""What needs none: all that is measured together, as of one alone the other's unit says nothing."""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
 
 
@@ -284,7 +285,7 @@ def _clock(column: Column) -> Real:
 def _in_units(
     timed: Mapping[str, Column], found: dict[str, list[Column]]
 ) -> tuple[dict[str, list[Column]], dict[str, str]]:
-    """The columns with their units, and a note where all but the time are in those of the file.
+    """The columns with their units, and a note where these are not written in the file.
 
     Raises
     ------
@@ -300,15 +301,28 @@ def _in_units(
     if not bare:
         return found, {}
     names = ", ".join(f"'{each.title}'" for each in bare)
-    spec = ",".join(f"{each.name}={EXAMPLES[each.name]}" for each in bare)
-    mend = f"write {bare[0].title} [{EXAMPLES[bare[0].name]}], or say it by 'FILE?{spec}'"
+    if wanted and _are_strains_beside_stresses(bare, found["force"]):
+        strains = [replace(each, unit="-") for each in bare]
+        says = "there is no unit, as a strain has none; if it is %, say 'FILE?displacement=%'"
+        return {**found, "displacement": strains}, {"note units": f"{names}: {says}"}
+    units = [example_unit(each.title, EXAMPLES[each.name]) for each in bare]
+    spec = ",".join(f"{each.name}={unit}" for each, unit in zip(bare, units, strict=True))
+    mend = f"write {bare[0].title} [{units[0]}], or say it by 'FILE?{spec}'"
     roles = {each.name for each in bare}
-    # A time must have its unit, and so must the other of what is measured together.
-    if roles not in WITHOUT_UNIT or len(bare) < len(wanted):
+    together = next((set(each) for each in WITHOUT_UNIT if roles <= each), None)
+    # A time must have its unit.
+    if together is None:
         raise DataError(f"column {names}: there is no unit; {mend}")
-    taken = {role: [replace(each, unit=OF_FILE[role]) for each in found[role]] for role in roles}
+    taken = {role: [replace(each, unit=OF_FILE[role]) for each in found[role]] for role in together}
     note = f"{names}: there is no unit, and all is told in the file's units; {mend}"
     return {**found, **taken}, {"note units": note}
+
+
+def _are_strains_beside_stresses(bare: Sequence[Column], pulled: Sequence[Column]) -> bool:
+    """Whether all that lacks a unit is called a strain, and its other is a stress."""
+    called = {channel_of(each.title)[2].casefold() for each in bare}
+    units = {normal_unit(each.unit or "") for each in pulled}
+    return called <= set(STRAINS) and bool(units & set(PRESSURE_UNITS))
 
 
 def _pair(moved: Sequence[Column], pulled: Sequence[Column]) -> tuple[Column, Column] | None:

@@ -91,6 +91,9 @@ def test_what_must_be_known_is_asked_for_with_all_that_lacks(tmp_path):
     path = table(tmp_path, "frequency,storage,loss", OMEGA, K.real, K.imag)
     with pytest.raises(DataError, match=r"frequency=Hz,storage=Pa,loss=Pa"):
         springpot.read(path)
+    path = table(tmp_path, "time,strain,stress", TIMES, 1.0 / TIMES, 3.0 / TIMES)
+    with pytest.raises(DataError, match=r"time=s,displacement=-,force=Pa"):
+        springpot.read(path)
     path = table(tmp_path, "time,relaxation", TIMES, 1.0 / TIMES)
     with pytest.raises(DataError, match=r"time=s,relaxation=Pa"):
         springpot.read(path)
@@ -117,3 +120,26 @@ def test_they_are_kept_in_a_table_and_in_json(tmp_path):
     fit = springpot.identify(bare, "fractional-kelvin")
     (tmp_path / "fit.json").write_text(json.dumps(fit.to_dict()), encoding="utf-8")
     assert springpot.load(tmp_path / "fit.json").parameters["k"].unit == FILE_UNITS
+
+
+@pytest.mark.parametrize("head", ["time [s],strain,stress [kPa]", "t_s,gamma,tau_kPa"])
+def test_a_strain_beside_a_stress_has_no_unit(tmp_path, head):
+    """It was refused, and millimetres were proposed."""
+    clock = np.arange(200) / 100.0
+    moved = 0.01 * np.sin(2 * np.pi * clock)
+    path = table(tmp_path, head, clock, moved, 3 * moved)
+    test = springpot.read(path)
+    assert (test.units.stiffness, test.units.is_modulus) == ("kPa", True)
+    assert "displacement=%'" in test.provenance["note units"]
+    assert springpot.identify(test, "kelvin").parameters["k"].value == pytest.approx(3.0, rel=1e-3)
+    in_percent = f"{path}?displacement=%"
+    fit = springpot.identify(in_percent, "kelvin")
+    assert fit.parameters["k"].value == pytest.approx(300.0, rel=1e-3)
+
+
+def test_a_force_in_a_unit_is_told_in_those_of_the_file_beside_a_displacement_of_none(tmp_path):
+    clock = np.arange(200) / 100.0
+    moved = np.sin(2 * np.pi * clock)
+    test = springpot.read(table(tmp_path, "time_s,displacement,force_N", clock, moved, 3 * moved))
+    assert (test.units.stiffness, test.units.is_modulus) == (FILE_UNITS, False)
+    assert "displacement=mm'" in test.provenance["note units"]
