@@ -31,7 +31,6 @@ FLOORS = {
     "distributions": 0,
     "memory": 0,
     "thresholds": 0,
-    "surroundings": 0,
     "plain_data": 1,
     "processes": 1,
     "files": 1,

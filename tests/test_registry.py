@@ -16,8 +16,8 @@ import pytest
 from springpot import errors
 from springpot.cli.group import exit_code, run
 from springpot.errors import ModelError, PluginError
+from springpot.processes import surroundings
 from springpot.registry import Registry, plugins
-from springpot.surroundings import surroundings
 
 GOOD = """
 from springpot.hooks import hookimpl

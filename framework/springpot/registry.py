@@ -32,10 +32,10 @@ from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals
 from springpot.measurement.timetest import TimeTest
+from springpot.processes import kept_surroundings
 from springpot.rheology.effect import Effect, use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
-from springpot.surroundings import kept_surroundings
 from springpot.writing import near_names, suggested
 
 from .catalogue import KINDS, Kind, Owner, Shelf

@@ -34,8 +34,11 @@ class SignalLevels(NamedTuple):
 
     One that hides in the noise moves K by less than its deviation.
     """
-    first_cycle_alarm: float = 1e-3
-    """Chance by which a first cycle like the others is left out: that costs one cycle of many."""
+    ruled_out: float = 1e-3
+    """Chance of what is seen from noise alone, below which noise is not what it is.
+
+    By it a first cycle like the others is left out, which costs one cycle of many.
+    """
 
 
 SIGNALS = SignalLevels()
@@ -106,8 +109,6 @@ class ScatterLevels(NamedTuple):
     """The noise is estimated anew where the scatter about the best model is less than this share of
     the estimate.
     """
-    faster_alarm: float = 0.001
-    """Chance that second differences vary by so much less than the scatter if that is noise."""
 
 
 SCATTER = ScatterLevels()
@@ -121,7 +122,7 @@ class SearchLevels(NamedTuple):
     beam: int = 4
     """Single effects from which a second one is sought."""
     seconds: int = 4
-    """Second effects refitted for each of them."""
+    """Second effects refitted for each of them, or of a law second conditions and terms."""
     together: int = 8
     """Pairs refitted that explain the residual only together."""
     look_further: float = 0.05
@@ -363,7 +364,7 @@ class VerdictLevels(NamedTuple):
     spread: float = 1.5
     """Largest over smallest amplitude from which a slope is worth saying."""
     agrees: float = 1.5
-    """Ratio up to which two values are said to agree."""
+    """Ratio up to which two values, or errors, are said to agree."""
     sentence_alarm: float = 0.001
     """Chance of noise alone below which a sentence is said of what is left, or of one level.
 
@@ -455,10 +456,6 @@ WHERE = WhereLevels()
 class SuperpositionLevels(NamedTuple):
     """Whether sweeps at several temperatures are one curve."""
 
-    nearly: float = 1.5
-    """Error over that of each level by itself up to which superposition is good enough for most
-    uses.
-    """
     added: float = 0.01
     """Error that superposition may add and still be good enough.
 
@@ -611,8 +608,6 @@ class InventionLevels(NamedTuple):
     """Candidates that are fitted in earnest, of some hundred that are scanned."""
     extended: int = 3
     """Of these so many are tried with a second condition and a second term."""
-    seconds: int = 4
-    """Second conditions, and second terms, that are fitted of each."""
     paired: int = 60
     """Candidates of which pairs are tried that show only together."""
     pairs: int = 24

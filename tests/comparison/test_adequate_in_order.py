@@ -5,7 +5,7 @@ Few numbers left to judge by are no merit.
 
 from types import SimpleNamespace
 
-from springpot.comparison.ordering import _no_worse_than_rejected
+from springpot.comparison.comparing import _no_worse_than_rejected
 
 
 def judged(parameters, error):

@@ -8,7 +8,7 @@ from scipy import stats
 
 import springpot
 from springpot.comparison import rank
-from springpot.comparison.ordering import _outdone, chance_beside, spends_most
+from springpot.comparison.comparing import _outdone, chance_beside, spends_most
 from springpot.comparison.result import at_noise, best_of, grouped
 from springpot.measurement import Measurement, Units
 

@@ -8,7 +8,7 @@ import pytest
 
 import springpot
 from springpot.comparison import Ranking, comparing, rank
-from springpot.comparison.ordering import chance_beside, spends_most
+from springpot.comparison.comparing import chance_beside, spends_most
 from springpot.comparison.result import grouped
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.comparison import comparing, ordering, result
+from springpot.comparison import comparing, result
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 
@@ -29,12 +29,12 @@ def sort(monkeypatch):
     """Sorts judgements beside a floor of any material that is adequate or not."""
 
     def sorted_out(rows, material=True, far=False):
-        monkeypatch.setattr(ordering, "chance_beside", lambda found, floor: found.beside)
+        monkeypatch.setattr(comparing, "chance_beside", lambda found, floor: found.beside)
         rest = VERDICT.small_rest * 0.01
         error = SimpleNamespace(relative_rms=rest if far else 0.99 * rest)
         ranked = SimpleNamespace(floor=0.01)
         whole = SimpleNamespace(adequate=material, error=error, ranked=ranked)
-        order = ordering.in_order(rows, whole)
+        order = comparing.in_order(rows, whole)
         names = [[one.name for one in kind] for kind in order[:3]]
         return (*names, order.outgrown)
 
@@ -77,15 +77,15 @@ def test_a_richer_model_outdoes_one_where_it_is_decisively_better():
         "as simple": judged("b", -9.0, 2),
         "spends most": judged("b", -9.0, 30),
     }
-    found = {name: ordering._outdone(one, [other]) for name, other in others.items()}
+    found = {name: comparing._outdone(one, [other]) for name, other in others.items()}
     assert found == {
         "better": True, "not decisive": False, "as simple": False, "spends most": False,
     }  # fmt: skip
     # Of one that is not at the noise, what it misses may be more than noise.
     one.at_noise = False
-    assert ordering._outdone(one, [others["spends most"]])
+    assert comparing._outdone(one, [others["spends most"]])
     one.computed = True
-    assert not ordering._outdone(one, [others["better"]])
+    assert not comparing._outdone(one, [others["better"]])
 
 
 def test_simpler_and_nearer_is_by_the_error_over_the_floor():
@@ -97,7 +97,7 @@ def test_simpler_and_nearer_is_by_the_error_over_the_floor():
         (judged("o", size=2, rms=0.01, floor=0.0), False),
         (judged("o", size=2, rms=0.0, floor=0.0), True),
     ):
-        assert ordering._is_simpler_and_nearer(other, one) == both
+        assert comparing._is_simpler_and_nearer(other, one) == both
 
 
 @pytest.mark.parametrize(
@@ -115,10 +115,10 @@ def test_what_a_spectrum_gains_is_told_in_units_of_what_it_leaves(
     rss, dof, floor_rss, floor_dof, squares, spare, monkeypatch
 ):
     asked = []
-    monkeypatch.setattr(ordering, "chance_of_squares", lambda *given: asked.append(given))
+    monkeypatch.setattr(comparing, "chance_of_squares", lambda *given: asked.append(given))
     found = SimpleNamespace(rss=rss, dof=dof, noise_dof=7.0)
     floor = SimpleNamespace(rss=floor_rss, dof=floor_dof)
-    ordering.chance_beside(found, floor)
+    comparing.chance_beside(found, floor)
     assert asked == [(pytest.approx(squares), spare, 7.0)]
 
 
@@ -134,7 +134,7 @@ def test_curves_are_grouped_by_the_first_of_each(monkeypatch):
 
 def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(monkeypatch):
     def tried(evidence, chances, largest=9):
-        monkeypatch.setattr(ordering, "chance_beside", lambda found, floor: found.chance)
+        monkeypatch.setattr(comparing, "chance_beside", lambda found, floor: found.chance)
 
         def one(number, effects):
             i = number - 2
@@ -142,7 +142,8 @@ def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(
 
         family = SimpleNamespace(name="a", largest=largest, build=lambda number: number)
         floor = SimpleNamespace(model=SimpleNamespace(effects=()))
-        return [found.number for found in ordering.fits_of([family], floor, one, lambda told: None)]
+        found = comparing.fits_of([family], floor, one, lambda told: None)
+        return [each.number for each in found]
 
     low, edge = [0.0] * 5, COMPARISON.chance
     assert tried([1.0, 2.0, 3.0, 4.0, 5.0], low) == [2, 3, 4, 5, 6]

@@ -180,7 +180,7 @@ def test_a_noise_is_ruled_out_by_its_likelihood_beside_the_best(beyond, out):
     levels = timenoise._Levels(np.ones(3), np.array([2.0, 3.0, 4.0]), np.array([5.0, 6.0, 7.0]))
     best = 5.0 * np.log(2.0) + 6.0 * np.log(3.0) + 7.0 * np.log(4.0) + 18.0
     assert levels.cost(levels.power) == pytest.approx(best)
-    limit = -2.0 * np.log(timenoise.RULED_OUT)
+    limit = -2.0 * np.log(timenoise.SIGNALS.ruled_out)
     assert levels.rule_out(best + beyond * limit) is out
     two = timenoise._Levels(*(each[:2] for each in levels))
     assert two.rule_out(1e9) is False

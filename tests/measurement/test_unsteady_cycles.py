@@ -23,7 +23,7 @@ def limit(settled):
     """
     n = len(settled)
     d = 2 * (n - 1)
-    f = 0.5 * d * (SIGNALS.first_cycle_alarm ** (-2.0 / d) - 1.0)
+    f = 0.5 * d * (SIGNALS.ruled_out ** (-2.0 / d) - 1.0)
     per_part = np.sum(np.abs(settled - settled.mean()) ** 2) / d
     return np.sqrt(2.0 * f * per_part * (1.0 + 1.0 / n))
 

@@ -133,9 +133,8 @@ HARMLESS = {
     ): "where the slope is taken beside which a jump is negligible",
     (
         "testreport/local.py",
-        "fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) >"
-        " SIGNALS.first_cycle_alarm)",
-        "chi2_sf(left, np.maximum(freedom, 1.0)) >= SIGNALS.first_cycle_alarm",
+        "fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) > SIGNALS.ruled_out)",
+        "chi2_sf(left, np.maximum(freedom, 1.0)) >= SIGNALS.ruled_out",
     ): "a chance that is a level to the last bit",
     (
         "identification/free_factors.py",

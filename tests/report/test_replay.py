@@ -46,7 +46,7 @@ def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, m
 @pytest.mark.soak
 def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     """Where it begins it is the fit before, where it ends the fit itself."""
-    stage = replay.ReplayOfSweeps(ladder)
+    [stage] = replay.Replay(ladder).played
     before, after = stage.fits
     points = stage.data.points
     for share, expected in ((0.0, before), (1.0, after)):
@@ -66,7 +66,7 @@ def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     test = TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name="relaxation")
     found = springpot.discover(test, "maxwell", accept=["parallel-spring"])
     assert images.open(found.plot(tmp_path / "replay.gif")).n_frames == replay.FRAMES + 1
-    [stage] = replay.ReplayInTime(found).played
+    [stage] = replay.Replay(found).played
     with blank() as figure:
         curve, left = figure.subplots(1, 2)
         stage.curve(curve, 1, 0.5)
@@ -88,7 +88,7 @@ def test_several_tests_are_played_beside_one_another():
         for rise, noise in zip((1.0, 3.0), 1.0 + 0.01 * rng.normal(size=(2, 16)), strict=True)
     ]
     found = springpot.discover(tests, "maxwell", accept=["parallel-spring"], only=["friction"])
-    stage = replay.ReplayInTime(found)
+    stage = replay.Replay(found)
     assert [one.name for one in stage.played] == ["at-1.0", "at-3.0"]
     assert stage.at(1, 0.5).size == (14 * 100, 5 * 100)
     assert replay._mosaic(4, 2) == [
@@ -117,5 +117,5 @@ def test_what_is_nothing_has_no_place_among_decades():
     with blank() as figure:
         axes = figure.subplots()
         stage = SimpleNamespace(data=data, _scene=lambda step, share: Scene(data, []))
-        replay.ReplayOfSweeps.curve(stage, axes, 0, 1.0)
+        replay.PlayedSweeps.curve(stage, axes, 0, 1.0)
     assert axes.get_ylim() == pytest.approx((0.5 / replay.ROOM, 9.0 * replay.ROOM))

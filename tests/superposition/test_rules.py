@@ -150,7 +150,7 @@ def test_a_level_is_told_that_its_own_material_follows_and_the_common_one_does_n
         error=np.array([0.01, 0.01, 0.01]),
         dof=np.array([20.0, 20.0, 20.0]),
     )
-    nearly = SUPERPOSITION.nearly * 0.01
+    nearly = VERDICT.agrees * 0.01
     [found] = simplicity._levels(rows, alone, np.array([0.03, 0.03, nearly]))
     assert (found.kind, found.place) == ("level", 10.0)
     assert found.size == pytest.approx(3.0)
@@ -395,7 +395,7 @@ def test_a_level_exceeds_by_squares_of_its_own_scatter_and_where_that_is_unknown
     np.testing.assert_allclose(simplicity._excess(alone, rows), [10.0 / 2.0 - 2.0, 8.0 - 0.5, 0.0])
 
 
-NEARLY, ADDED, ALARM = SUPERPOSITION.nearly, SUPERPOSITION.added, VERDICT.structure_alarm
+NEARLY, ADDED, ALARM = VERDICT.agrees, SUPERPOSITION.added, VERDICT.structure_alarm
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_a_force_that_falls_as_a_power_of_the_time_is_followed_to_its_turning_po
 
 
 def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
-    time, alarm = np.linspace(-1.0, 1.0, 2001), local.SIGNALS.first_cycle_alarm
+    time, alarm = np.linspace(-1.0, 1.0, 2001), local.SIGNALS.ruled_out
     turning = local.Turning(0.0, 0.05, local.Estimate(1.0, 0.0))
     around = local._around(Channel(time, time, 0.1), turning, 0.5)
     # That often a turning point is further off than this, on one side or the other.

@@ -1,7 +1,4 @@
-"""Effects are asked anew from where the best one has led the model, and so is the model alone.
-
-Beside the best one they are asked what of its noise is theirs.
-"""
+"""Effects are asked anew from the data, and the model alone from where the best one has led it."""
 
 from __future__ import annotations
 
@@ -33,7 +30,6 @@ def tried(name, squares, theta=LED):
         model=grown,
         theta=np.r_[theta, 2.0],
         left=left,
-        leaves=300.0,
     )
 
 
@@ -53,53 +49,6 @@ def plain_weights(monkeypatch):
             "delta_bic",
             lambda before, left, noise: before.squares_left - left.squares_left,
         )
-
-
-def asked_anew(monkeypatch, base, first, better, promised=None):
-    """Effects asked anew, each with the parameters from which it was asked."""
-    scanned = [*first, *better]
-    asked = []
-
-    def fitted(tests, there, leading, before):
-        names = [entries[0].effect.name for entries in leading]
-        asked.extend((name, there.theta.tolist()) for name in names)
-        return [each for each in better if each.effect.name in names]
-
-    monkeypatch.setattr(screening, "TimeScan", lambda there, quick: SimpleNamespace(entries=list))
-    monkeypatch.setattr(screening.FitResiduals, "by", lambda *given: None)
-    monkeypatch.setattr(
-        screening, "leading_of_scan", lambda found, left: [[each] for each in scanned]
-    )
-    monkeypatch.setattr(screening, "approximately_fitted", fitted)
-    before = SimpleNamespace(squares_left=900.0)
-    found = screening.from_the_best(TESTS, base, first, before, promised)
-    return asked, [each.effect.name for each in found]
-
-
-def test_what_a_parameter_at_its_end_hid_is_found_where_the_best_one_led(monkeypatch, base):
-    asked, found = asked_anew(
-        monkeypatch, base, [tried("mode", 400.0)], [tried("friction", 340.0, LED)]
-    )
-    assert found == ["friction"]
-    assert asked[0] == ("friction", LED.tolist())
-
-
-@pytest.mark.parametrize(("before", "names"), [(301.0, ["slow"]), (300.0, [])])
-def test_what_had_promised_as_much_is_not_fitted_again(monkeypatch, base, before, names):
-    first = [tried("mode", 400.0), tried("slow", 500.0)]
-    promised = {"slow": [SimpleNamespace(leaves=before)]}
-    asked, _ = asked_anew(monkeypatch, base, first, [], promised)
-    assert [name for name, _ in asked] == names
-
-
-def test_each_effect_is_asked_anew_once(monkeypatch, base):
-    asked, _ = asked_anew(monkeypatch, base, [tried("mode", 400.0)], [tried("drift", 850.0)])
-    assert [name for name, _ in asked] == ["drift"]
-
-
-def test_nothing_is_asked_anew_where_no_effect_explains_anything(monkeypatch, base):
-    asked, _ = asked_anew(monkeypatch, base, [tried("mode", 899.0)], [tried("drift", 850.0)])
-    assert asked == []
 
 
 @pytest.mark.parametrize(
@@ -142,32 +91,6 @@ def test_a_smaller_set_stands_where_the_larger_led_it_if_that_is_better(monkeypa
 
 
 @pytest.mark.parametrize(
-    ("best", "misfit", "beside", "told"),
-    [
-        # Friction explains what passed for noise beside a mass.
-        (400.0, False, 300.0, 300.0),
-        (400.0, False, 395.0, 400.0),
-        # Of a misfit that is seen, and where nothing explains anything, the noise is told already.
-        (400.0, True, 300.0, 400.0),
-        (895.0, False, 300.0, 895.0),
-    ],
-)
-def test_what_another_effect_explains_is_no_noise(monkeypatch, base, best, misfit, beside, told):
-    first, second = tried("inertia", best), tried("friction", beside)
-    first.left.misfit = misfit
-    monkeypatch.setattr(screening, "TimeScan", lambda there, quick: SimpleNamespace(entries=list))
-    monkeypatch.setattr(screening, "leading_of_scan", lambda found, left: [[second]])
-    monkeypatch.setattr(screening, "approximately_fitted", lambda *given, starts: [second])
-    before = SimpleNamespace(squares_left=900.0)
-    assert screening.least_left(TESTS, base, [first], before).squares_left == told
-
-
-def test_without_an_effect_the_model_itself_tells_the_noise(base):
-    before = SimpleNamespace(squares_left=900.0)
-    assert screening.least_left(TESTS, base, [], before) is before
-
-
-@pytest.mark.parametrize(
     ("misfit", "told", "sought"),
     [(False, [300.0, 310.0, 899.9], ["slow"]), (True, [300.0, 500.0, 899.9], [])],
 )
@@ -181,17 +104,12 @@ def test_what_helps_less_than_an_explanation_is_sought_from_the_data(
         def __init__(self, model, parts, reference, seeds):
             asked.append(model.named(seeds[0]))
 
-        starts, theta = list, staticmethod(lambda u: u)
-        near = staticmethod(lambda parts, starts: (LED, 1))
+        starts = list
 
+    anew = SimpleNamespace(left=SimpleNamespace(squares_left=310.0))
     monkeypatch.setattr(screening, "TimeSearch", Search)
+    monkeypatch.setattr(screening, "_near_fit", lambda *given: anew)
     monkeypatch.setattr(screening, "_near", lambda each, best, before, noise: each is best)
-    monkeypatch.setattr(
-        screening.FitResiduals, "by", lambda *given: SimpleNamespace(squares_left=310.0)
-    )
-    monkeypatch.setattr(
-        screening, "replace", lambda each, **new: SimpleNamespace(**{**vars(each), **new})
-    )
     nearly = [tried("mode", 300.0), tried("slow", 500.0), tried("absent", 899.9)]
     nearly[0].left.misfit = misfit
     found = screening.from_the_data(TESTS, base, nearly, SimpleNamespace(squares_left=900.0))

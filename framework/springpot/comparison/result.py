@@ -25,7 +25,7 @@ from springpot.plain_data import alive, json_number, jsonable, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import COMPARISON, SUPERPOSITION
+from springpot.thresholds import COMPARISON, VERDICT
 from springpot.writing import FEW, NAMED
 
 SCHEMA = "springpot.comparison/2"
@@ -373,7 +373,7 @@ class Comparison(Drawn, Printed):
         None where that is the best, or has as many parameters.
         """
         written = [one for one in self.judgements if not is_material(one.model)]
-        most = SUPERPOSITION.nearly * _least_error(written)
+        most = VERDICT.agrees * _least_error(written)
         simpler = (one for one in written if one.free_parameters < self.best.free_parameters)
         near = [
             one for one in simpler if one.least_error <= most and one.error.relative_rms <= most

@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Protocol, TypeVar
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from springpot.errors import SpringpotError
 from springpot.identification.fitted import FittedModel
+from springpot.identification.leastsquares import levenberg_marquardt, one_by_one
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
@@ -32,7 +32,7 @@ from springpot.misfit.residuals_of_tests import SweepPart, TestPart
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import Node
-from springpot.rheology.parameters import INERTANCE
+from springpot.rheology.parameters import INERTANCE, Coordinates
 from springpot.rheology.points import KELVIN, Points, Real, complex_form, real_form
 from springpot.thresholds import EXPERIMENT
 from springpot.writing import NAMED
@@ -50,8 +50,6 @@ ENOUGH = 3.0
 """Times the separation that settles the matter beyond which more is worth nothing."""
 EVALUATIONS = 40
 """Evaluations of a fit of one explanation to the other."""
-FAR = 1000000000.0
-"""Stands for a difference beyond all numbers."""
 TRIED = 3
 """Actions that are fitted in earnest at most."""
 MOST_TOLD = 1000.0
@@ -136,43 +134,26 @@ class Contest:
         # What is no number to begin with promises nothing.
         if not np.all(np.isfinite(self.seen(self.rival.theta)[0])):
             return 0.0
-        parameters = self.rival.model.parameters
-        logs = np.array([parameter.scale == "log" for parameter in parameters])
-        bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            limits = np.where(logs[:, None], np.log(bounds), bounds)
-        start = np.where(logs, np.log(np.maximum(self.rival.theta, SMALLEST)), self.rival.theta)
-        # The solver refuses a start on a bound, where fits often end.
-        inside = np.clip(start, limits[:, 0] + ALIKE, limits[:, 1] - ALIKE)
+        theta = self.rival.theta
+        at = Coordinates.of(self.rival.model.parameters, 0.0, np.ones(1))
+        # From where the rival is: so far away a parameter is as good as nothing, or as endless.
+        size = np.where(at.log, np.maximum(theta, SMALLEST), 1.0)
+        at = replace(at, size=size[None], pairs=())
 
-        def theta(x: Real) -> Real:
-            return np.where(logs, np.exp(np.clip(x, -700.0, 700.0)), x)
+        def seen(u: Real) -> tuple[Real, Real]:
+            moved = at.theta(u, size)
+            residual, slopes = self.seen(moved)
+            return residual, -at.carry(np.nan_to_num(slopes), moved, size)
 
-        # The solver asks for values and slopes of a place one after the other.
-        @lru_cache(maxsize=1)
-        def seen(*x: float) -> tuple[Real, Real]:
-            return self.seen(theta(np.array(x)))
-
-        def residual(x: Real) -> Real:
-            return np.clip(np.nan_to_num(seen(*x.tolist())[0], nan=FAR), -FAR, FAR)
-
-        def jacobian(x: Real) -> Real:
-            scale = np.where(logs, theta(x), 1.0)
-            by_x = seen(*x.tolist())[1] * scale[:, None]
-            return np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
-
-        # Parameters differ in size by many decades, and their columns carry the units: scaled by
-        # the columns. What changes no digit that is printed is not gone after.
-        nearest = least_squares(
-            residual,
-            inside,
-            jacobian,
-            (limits[:, 0], limits[:, 1]),
-            x_scale="jac",
-            ftol=PRINTED,
-            max_nfev=EVALUATIONS,
+        # What changes no digit that is printed is not gone after.
+        nearest = levenberg_marquardt(
+            one_by_one(seen),
+            at.u(theta.copy(), size)[None],
+            *at.bounds,
+            iterations=EVALUATIONS,
+            flat=PRINTED,
         )
-        return float(np.sqrt(2.0 * nearest.cost))
+        return float(np.sqrt(nearest.cost[0]))
 
 
 def _answer(fit: FittedModel, part: TestPart, theta: Real) -> Traced:

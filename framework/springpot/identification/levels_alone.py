@@ -81,7 +81,7 @@ class Alone:
             return judged
         error = np.where(judged, self.error, 0.0)
         far_off = error > SUPERPOSITION.stands_out * np.median(error[judged])
-        return np.asarray(far_off & (error > SUPERPOSITION.nearly * self.repeats))
+        return np.asarray(far_off & (error > VERDICT.agrees * self.repeats))
 
     @property
     def judged(self) -> NDArray[np.bool_]:

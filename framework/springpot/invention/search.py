@@ -341,7 +341,7 @@ def _with_conditions(search: Search, effects: Sequence[Effect], memory: Memory) 
         ]
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))
-        for score in _promising(scanned, base, INVENTION.seconds):
+        for score in _promising(scanned, base, SEARCH.seconds):
             if pays(search.grown[0], (score.influence.effect,), score.predicted):
                 yield from _with_score(search, score, memory)
 
@@ -401,7 +401,7 @@ def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]
         if first.plane not in SUMMED or is_active(first):
             continue
         scanned = scan_effects(grown.refit, grown.refit.frame(), others)
-        for score in _promising(scanned, grown.refit, INVENTION.seconds):
+        for score in _promising(scanned, grown.refit, SEARCH.seconds):
             for start in score.starts:
                 second = score.influence
                 yield _Two(first, second.effect, second.model, start, score.predicted)

@@ -72,7 +72,7 @@ def unsteady_cycles(fit: HarmonicFit) -> int:
     scatter = float(np.sum(np.abs(settled - centre) ** 2))
     # Computed signals scatter by rounding only, which must not make every cycle an exception.
     variance = max(scatter / (2 * (n - 1)), ROUNDING**2 * float(abs(centre)) ** 2)
-    limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - SIGNALS.first_cycle_alarm)
+    limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - SIGNALS.ruled_out)
     unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
     # Only an unbroken beginning is a transient; what comes later is scatter.
     return int(np.argmin(np.append(unlike, False)))

@@ -16,6 +16,7 @@ from springpot.distributions import f_sf
 from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, rms, vertex
+from ..thresholds import SIGNALS
 from .imposed import Loading
 from .rounding import is_even, rounding_step
 
@@ -31,8 +32,6 @@ OF_PERIOD = (0.125, 0.5, 1.0)
 """Parts of a period, from the first sample on, in which the response may still be settling."""
 MANY = 10
 """Times the cycles recorded, that a motion had gone on for before them."""
-RULED_OUT = 1e-3
-"""Chance of what is seen from noise alone, below which noise is not what it is."""
 
 
 def gone_on(loading: Loading, response: Real) -> Loading:
@@ -150,8 +149,8 @@ def _comes_to_rest(answer: Real) -> bool:
     begins, then, later, ends = (float(np.mean(part)) for part in np.array_split(answer, 4))
     # Of the four means, each of a quarter of the samples.
     faster = ((ends - later) - (then - begins)) / max(np.sqrt(16.0 * noise / count), SMALLEST)
-    rises = chance < RULED_OUT and later + ends > begins + then
-    return bool(rises and ndtr(-faster) >= RULED_OUT)
+    rises = chance < SIGNALS.ruled_out and later + ends > begins + then
+    return bool(rises and ndtr(-faster) >= SIGNALS.ruled_out)
 
 
 def rise_is_presumed(loading: Loading, kind: str, first: float) -> bool:
@@ -243,7 +242,7 @@ def _repeats(change: Real, period: int) -> bool:
         first = change[: max(int(part * period), 2)]
         ratio = float(np.mean(first**2)) / usual
         # Of three parts each has a third of the chance.
-        if f_sf(ratio, len(first), len(rest)) < RULED_OUT / len(OF_PERIOD):
+        if f_sf(ratio, len(first), len(rest)) < SIGNALS.ruled_out / len(OF_PERIOD):
             return False
     return True
 
@@ -329,7 +328,8 @@ def _white(left: Real) -> bool:
 
     count = len(left)
     unrest = float(np.mean(np.diff(left) ** 2)) / max(2.0 * float(np.var(left)), SMALLEST)
-    return bool(ndtr((unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))) >= RULED_OUT)
+    off = (unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))
+    return bool(ndtr(off) >= SIGNALS.ruled_out)
 
 
 def _goes_with(rest: Real, left: Real, stiffness: float) -> bool:
@@ -344,4 +344,4 @@ def _goes_with(rest: Real, left: Real, stiffness: float) -> bool:
         return False
     spare = len(own) - 3
     ratio = followed / 3.0 / max((float(own @ own) - followed) / spare, SMALLEST)
-    return bool(f_sf(ratio, 3, spare) < RULED_OUT)
+    return bool(f_sf(ratio, 3, spare) < SIGNALS.ruled_out)

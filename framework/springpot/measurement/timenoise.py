@@ -36,10 +36,9 @@ from springpot.numerics import (
 from springpot.rheology.points import STEADY, Real
 from springpot.writing import SHOWN
 
-from ..thresholds import OUTLIERS
+from ..thresholds import OUTLIERS, SIGNALS
 from .measurement import Measurement
 from .rounding import rounding_step
-from .steady_start import RULED_OUT
 from .timetest import TimeTest
 
 ORDER = 4
@@ -225,7 +224,7 @@ class _Levels(NamedTuple):
         from scipy.special import chdtri
 
         beyond = cost - self.cost(self.power)
-        return len(self.size) > 2 and bool(beyond > chdtri(len(self.size) - 1, RULED_OUT))
+        return len(self.size) > 2 and bool(beyond > chdtri(len(self.size) - 1, SIGNALS.ruled_out))
 
     def at(self, size: Real) -> Real:
         """Standard deviation at sizes (n,), by straight lines between the logarithms."""

@@ -31,7 +31,7 @@ from springpot.measurement.scatter import (
 from springpot.memory import FittedMemory, deviance, effective_share, fitted_memory
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
-from springpot.thresholds import REPEATS, SCATTER, SEARCH, VERDICT
+from springpot.thresholds import REPEATS, SCATTER, SEARCH, SIGNALS, VERDICT
 
 from ..numerics import SMALLEST, projected_out
 from .frame import (
@@ -522,7 +522,7 @@ def _by_neighbours(measurement: Measurement, rest: Real, about: ScatterAbout) ->
             near = float(np.mean(left**2)) / power
             # Only where it is smaller beyond chance: the least of several estimates of white noise
             # is too small.
-            if near < about.variance * f_quantile(SCATTER.faster_alarm, efficient, about.dof):
+            if near < about.variance * f_quantile(SIGNALS.ruled_out, efficient, about.dof):
                 about = ScatterAbout(near, efficient)
     return about
 

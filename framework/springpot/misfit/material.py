@@ -27,7 +27,7 @@ from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import EVIDENCE, SUPERPOSITION, VERDICT
+from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.writing import NAMED, number
 
 from ..numerics import SMALLEST, rms
@@ -452,7 +452,7 @@ def _joined(
         return
     # With many points the slightest difference is sure; it must be large enough to matter too, as
     # `mastercurve` asks.
-    if together.relative_rms <= SUPERPOSITION.nearly * error_of_each(levels):
+    if together.relative_rms <= VERDICT.agrees * error_of_each(levels):
         return
     yield (
         f"no shift of times and moduli lays the {name}s over one another: each by itself is a"

@@ -15,8 +15,9 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.diagnosis.ladder import Case, Ladder
+from springpot.diagnosis.ladder import Case, Examined, Ladder
 from springpot.files import write_with
+from springpot.misfit.refit import Refit
 from springpot.numerics import DEVIATIONS
 from springpot.rheology.points import Complex, Points, Real
 
@@ -89,10 +90,8 @@ def write_replay(ladder: Ladder, path: str | Path) -> Path:
 
 def frames_of(ladder: Ladder) -> list[tuple[Image, int]]:
     """Frames of a ladder, each with the milliseconds that it stands."""
-    of_sweeps = isinstance(ladder.steps[0].examined, Case)
-    played = (ReplayOfSweeps if of_sweeps else ReplayInTime)(ladder)
-    moments = _moments(len(ladder.steps))
-    return [(played.at(step, share), lasting) for step, share, lasting in moments]
+    replay, moments = Replay(ladder), _moments(len(ladder.steps))
+    return [(replay.at(step, share), lasting) for step, share, lasting in moments]
 
 
 def written_as_gif(frames: Sequence[tuple[Image, int]], file: IO[bytes]) -> None:
@@ -113,8 +112,8 @@ def _moments(steps: int) -> Iterator[tuple[int, float, int]]:
         yield step, 1.0, HOLD
 
 
-class Replay(ABC):
-    """What all frames share: the steps, and the ends of the axes.
+class Replay:
+    """What all frames share: the steps, the ends of the axes, and the pictures that move.
 
     Parameters
     ----------
@@ -128,11 +127,12 @@ class Replay(ABC):
             whole = figure.subplots()
             draw_ladder(whole, ladder)
             self.ends = whole.get_xlim(), whole.get_ylim()
-
-    @property
-    @abstractmethod
-    def played(self) -> Sequence[Played]:
-        """The pictures that move, one for each test."""
+        cases = [step.examined for step in ladder.steps]
+        self.played: Sequence[Played]
+        if isinstance(cases[0], Case):
+            self.played = [PlayedSweeps([step.case.search.base for step in ladder.steps])]
+        else:
+            self.played = _played_in_time(ladder, [case for case in cases if case is not None])
 
     def at(self, step: int, share: float) -> Image:
         """The frame on the way to a step."""
@@ -200,12 +200,16 @@ class Played(ABC):
         """Draw what is left there."""
 
 
-class ReplayOfSweeps(Replay, Played):
-    """Storage and loss, and the error at each point."""
+class PlayedSweeps(Played):
+    """Storage and loss of all sweeps, and the error at each point.
 
-    def __init__(self, ladder: Ladder) -> None:
-        super().__init__(ladder)
-        bases = [step.case.search.base for step in ladder.steps]
+    Parameters
+    ----------
+    bases : sequence of Refit
+        The fit of each step.
+    """
+
+    def __init__(self, bases: Sequence[Refit]) -> None:
         # The noise as the last model tells it: what falls is seen to fall against one band.
         self.data = with_noise_of(bases[-1].data.mean, bases[-1].noise.sd)
         self.fits = [DrawnFit(base.model, base.theta) for base in bases]
@@ -215,11 +219,6 @@ class ReplayOfSweeps(Replay, Played):
             for fit in self.fits
         )
         self.noise = 2.0 * float(np.median(np.abs(bases[-1].noise.sd) / size))
-
-    @property
-    def played(self) -> Sequence[Played]:
-        """All sweeps in one picture."""
-        return [self]
 
     def _scene(self, step: int, share: float) -> Scene:
         there, before = self.fits[step], self.fits[max(step - 1, 0)]
@@ -239,23 +238,14 @@ class ReplayOfSweeps(Replay, Played):
         axes.set_ylim(-100.0 * ROOM * self.largest, 100.0 * ROOM * self.largest)
 
 
-class ReplayInTime(Replay):
-    """Tests in time as the page draws them, each beside the others."""
-
-    def __init__(self, ladder: Ladder) -> None:
-        super().__init__(ladder)
-        cases = [step.examined for step in ladder.steps if step.examined is not None]
-        scene = TimeScene(cases[0].tests)
-        told, bases = scene.to_dict(), [case.base for case in cases]
-        whole = [scene.curve(base.model, base.theta, whole=True) for base in bases]
-        tests = ladder.steps[0].tests
-        missed = sorted(range(len(tests)), key=lambda i: -tests[i].over_floor)[:MOST_PLAYED]
-        self._played = [PlayedTest(told, whole, at) for at in sorted(missed)]
-
-    @property
-    def played(self) -> Sequence[Played]:
-        """The tests, in their order."""
-        return self._played
+def _played_in_time(ladder: Ladder, cases: Sequence[Examined]) -> list[PlayedTest]:
+    """Tests in time as the page draws them, in their order."""
+    scene = TimeScene(cases[0].tests)
+    told, bases = scene.to_dict(), [case.base for case in cases]
+    whole = [scene.curve(base.model, base.theta, whole=True) for base in bases]
+    tests = ladder.steps[0].tests
+    missed = sorted(range(len(tests)), key=lambda i: -tests[i].over_floor)[:MOST_PLAYED]
+    return [PlayedTest(told, whole, at) for at in sorted(missed)]
 
 
 class PlayedTest(Played):

@@ -251,17 +251,9 @@ def _fitted(
 
         reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
         u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x
-        amounts = _weights(s, u, target, share, dashpot)
-        error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)
-        largest = float(error.max())
-        if best is None or largest < best.error:
-            # By falling rates: the shortest time first.
-            order = np.argsort(-u)
-            viscosity = 0.0
-            if dashpot:
-                viscosity = float(amounts[1])
-            weights = amounts[-count:][order]
-            best = Prony(float(amounts[0]), viscosity, weights, np.exp(-u[order]), band, largest)
+        series, error = _series(s, u, target, share, dashpot, band)
+        if best is None or series.error < best.error:
+            best = series
         # Lawson: weights grow where the error is largest, so that least squares tend to the least
         # largest error.
         lawson = lawson * error / max(error.mean(), SMALLEST)
@@ -270,9 +262,25 @@ def _fitted(
     assert best is not None
     # A solver would carry a term without weight through all its steps for nothing.
     kept = best.weights > 0.0
-    return Prony(
-        best.equilibrium, best.viscosity, best.weights[kept], best.times[kept], band, best.error
-    )
+    return replace(best, weights=best.weights[kept], times=best.times[kept])
+
+
+def _series(
+    s: Complex,
+    u: Real,
+    target: Complex,
+    share: Real,
+    dashpot: bool,
+    band: tuple[float, float],
+) -> tuple[Prony, Real]:
+    """The series with terms of these rates e^u (m,), and its relative error (n,)."""
+    amounts = _weights(s, u, target, share, dashpot)
+    error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)
+    # By falling rates: the shortest time first.
+    order = np.argsort(-u)
+    viscosity = float(amounts[1]) if dashpot else 0.0
+    weights, times = amounts[-len(u) :][order], np.exp(-u[order])
+    return Prony(float(amounts[0]), viscosity, weights, times, band, float(error.max())), error
 
 
 def at_times(
@@ -292,12 +300,9 @@ def at_times(
         Between which angular frequencies it stands for K.
     """
     times = np.sort(np.asarray(times, dtype=float))
-    u, s = -np.log(times), 1j * np.exp(grid)
-    amounts = _weights(s, u, target, 1.0 / np.abs(target), dashpot)
-    error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)
-    viscosity = float(amounts[1]) if dashpot else 0.0
-    weights = amounts[-len(times) :]
-    return Prony(float(amounts[0]), viscosity, weights, times, band, float(error.max()))
+    s, share = 1j * np.exp(grid), 1.0 / np.abs(target)
+    series, _ = _series(s, -np.log(times), target, share, dashpot, band)
+    return replace(series, times=times)
 
 
 def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
@@ -311,12 +316,7 @@ def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
 def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -> Real:
     # Over |K|, so that what counts is the relative error at each frequency.
     columns = share[:, None] * _columns(s, u, dashpot)
-    matrix, right = (
-        np.vstack([columns.real, columns.imag]),
-        np.concatenate([share * target.real, share * target.imag]),
-    )
-    amounts, _ = non_negative(matrix, right)
-    return amounts
+    return non_negative(real_form(columns), real_form(share * target))[0]
 
 
 BULKS = ("constant", "relaxing")

@@ -142,7 +142,7 @@ def simplicity(rows: FactorRows, alone: Alone) -> Simplicity:
     missed = _missed_parts(rows, alone)
     if chance >= VERDICT.structure_alarm and not missed:
         verdict = "simple"
-    elif shared <= SUPERPOSITION.nearly * own or added <= SUPERPOSITION.added:
+    elif shared <= VERDICT.agrees * own or added <= SUPERPOSITION.added:
         verdict = "nearly-simple"
     failures = [*strange, *missed]
     # Where superposition holds, what is found among so many places is chance.
@@ -267,7 +267,7 @@ def _levels(rows: FactorRows, alone: Alone, error: Real) -> list[Failure]:
     excess, judged = _excess(alone, rows), alone.judged
     whole = _total(excess)
     values, failures = rows.elements[0].shown, []
-    for level in np.flatnonzero(judged & (error > SUPERPOSITION.nearly * alone.error)).tolist():
+    for level in np.flatnonzero(judged & (error > VERDICT.agrees * alone.error)).tolist():
         count = float(rows.numbers[level])
         ratio = (excess[level] + alone.dof[level]) / count
         # All levels are looked at, and any one of them may look like this by chance.

@@ -90,7 +90,7 @@ def _least_squares(columns: Real, values: Real, noise: float) -> _Fit:
     left = float(np.sum((values - columns @ solution) ** 2)) / noise**2
     freedom = len(values) - columns.shape[1]
     covariance = noise**2 * np.linalg.pinv(columns.T @ columns)
-    fits = freedom <= 0 or chi2_sf(left, freedom) > SIGNALS.first_cycle_alarm
+    fits = freedom <= 0 or chi2_sf(left, freedom) > SIGNALS.ruled_out
     return _Fit(np.asarray(solution, dtype=float), np.asarray(covariance, dtype=float), bool(fits))
 
 
@@ -252,7 +252,7 @@ def _around(channel: Channel, turning: Turning, half: float) -> _Around:
     time, values = channel.within(turning.time - half, turning.time + half)
     spacing = float(np.median(np.diff(time))) if len(time) > 1 else half
     # A sample so near to the turning point may be on either side of it.
-    surely = float(normal_quantile(1.0 - 0.5 * SIGNALS.first_cycle_alarm))
+    surely = float(normal_quantile(1.0 - 0.5 * SIGNALS.ruled_out))
     kept = np.abs(time - turning.time) > max(surely * turning.time_sd, 0.25 * spacing)
     away = (time[kept] - turning.time) / half
     return _Around(away, values[kept], channel.noise, turning.time_sd / half)
@@ -284,7 +284,7 @@ def _weights(weighed: Real) -> tuple[Real, bool]:
     And whether one leaves only noise.
     """
     left, freedom, price = weighed.sum(axis=0).T
-    fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) > SIGNALS.first_cycle_alarm)
+    fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) > SIGNALS.ruled_out)
     evidence = -0.5 * (left + price)
     if fits.any():
         evidence[~fits] = -np.inf

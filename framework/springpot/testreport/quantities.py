@@ -178,7 +178,7 @@ def _jumps(channel: Channel) -> Real:
     unlike = np.zeros(len(steps))
     unlike[1:-1] = steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])
     # Four samples enter, with weights of which the squares sum to five.
-    limit = float(normal_quantile(1.0 - SIGNALS.first_cycle_alarm / len(steps)))
+    limit = float(normal_quantile(1.0 - SIGNALS.ruled_out / len(steps)))
     return np.where(np.abs(unlike) > limit * np.sqrt(5.0) * channel.noise, steps, 0.0)
 
 

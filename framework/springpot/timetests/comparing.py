@@ -13,8 +13,14 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.comparison.comparing import compare as compare_sweeps
-from springpot.comparison.ordering import TOO_FREE, Order, fits_of, in_order, spends_most
+from springpot.comparison.comparing import (
+    TOO_FREE,
+    Order,
+    compare as compare_sweeps,
+    fits_of,
+    in_order,
+    spends_most,
+)
 from springpot.comparison.result import (
     LOOKED_AT,
     ONLY_NOISE,

@@ -86,10 +86,8 @@ from .score import TimeScan
 from .screening import (
     alone,
     exactly_fitted,
-    from_the_best,
     from_the_data,
     leading_of_scan,
-    least_left,
     nearly_all,
     noise_of_best,
     of_material,
@@ -469,8 +467,8 @@ def _judged(
     tried = one_of_each([no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     slip = slip_beside(parts, base, before)
-    named = least_left(asked, base, tried, before)
-    best = min([named, slip.left], key=bic_of)
+    stories = [each.left for each in tried] or [before]
+    best = min([*stories, slip.left], key=bic_of)
     noise = noise_of_best(before, best)
     judged = [replace(each, delta=delta_bic(before, each.left, noise)) for each in tried]
     # Where the misfit is not certain, it is the noise over which an effect shows it.
@@ -508,7 +506,6 @@ def _screened(
     if is_material(base.model):
         return of_material(asked, base, leading_of_scan(entries, before), fitted)
     nearly = nearly_all(asked, base, entries, before, fitted)
-    nearly += from_the_best(asked, base, nearly, before, entries)
     return exactly_fitted(asked, base, from_the_data(asked, base, nearly, before), before, fitted)
 
 

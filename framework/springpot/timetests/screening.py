@@ -5,8 +5,8 @@ What a linearised scan foretells, fits by fixed exponentials, exact fits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter
+from springpot.misfit.residuals_of_tests import TestPart
+from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH
@@ -32,7 +34,7 @@ from .hypotheses import (
 )
 from .material import UntoldError
 from .native import STARTS, TimeSearch
-from .score import TimeScan
+from .specimen import reference_of
 from .temperatures import is_law
 
 FEWEST = 3
@@ -116,27 +118,42 @@ def of_material(
     fitted: Fitted = unseen,
 ) -> list[Hypothesis]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
-    from .fitting import identify
-
     tried = []
     for entries in leading:
         effect = entries[0].effect
         model = base.model + effect
-        try:
-            seeds = [entry.start(base, model) for entry in _first(entries, STARTS)]
-            fit = identify(asked.tests, model, seeds=seeds, thorough=False, noise=asked.known)
-        except UntoldError as error:
-            # Of no known size, it may explain the tests all the same.
-            asked.left_out[effect.name] = str(error)
-            left = FitResiduals.by(error.model, error.theta, base.reference, asked.parts)
-            tried.append(Hypothesis((effect,), error.model, error.theta, left))
-            continue
-        except SpringpotError as error:
-            asked.left_out[effect.name] = str(error)
-            continue
-        tried.append(Hypothesis.exactly((effect,), fit, asked.parts))
-        fitted(TriedEffect(effect, fit.model, fit.theta))
-    return tried
+        seeds = [entry.start(base, model) for entry in _first(entries, STARTS)]
+        tried.append(_exact_fit(asked, effect, model, seeds, fitted))
+    return [each for each in tried if each is not None]
+
+
+def _exact_fit(
+    asked: AskedTests,
+    effect: Effect,
+    model: Model,
+    seeds: Sequence[Real],
+    fitted: Fitted,
+    *,
+    thorough: bool = False,
+    near: bool = False,
+) -> Hypothesis | None:
+    """An effect fitted exactly; None, and why among those left out, where that fails."""
+    from .fitting import identify
+
+    try:
+        fit = identify(
+            asked.tests, model, seeds=seeds, noise=asked.known, thorough=thorough, near=near
+        )
+    except UntoldError as error:
+        # Of no known size, it may explain the tests all the same.
+        asked.left_out[effect.name] = str(error)
+        left = FitResiduals.by(error.model, error.theta, reference_of(asked.tests), asked.parts)
+        return Hypothesis((effect,), error.model, error.theta, left)
+    except SpringpotError as error:
+        asked.left_out[effect.name] = str(error)
+        return None
+    fitted(TriedEffect(effect, fit.model, fit.theta))
+    return Hypothesis.exactly((effect,), fit, asked.parts)
 
 
 def _first(entries: Sequence[ScanEntry], count: int) -> list[ScanEntry]:
@@ -177,30 +194,38 @@ def approximately_fitted(
         search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         begun = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        # The exact response takes long: it is spent only where more than noise is left to explain,
+        # or where most of what passes for noise would go.
+        worth = before.misfit or _predicted_gain(entries[0]) >= SEARCH.decisive
         try:
-            u, _ = search.near(asked.quick, begun)
-            # Not of the exponentials: by the part in a thousand that they are off, the right effect
-            # could fall behind.
-            left = FitResiduals.by(model, search.theta(u), base.reference, asked.parts)
-        except UnfollowedError:
-            # The exact response takes long: it is spent only where more than noise is left to
-            # explain, or where most of what passes for noise would go.
-            worth = before.misfit or _predicted_gain(entries[0]) >= SEARCH.decisive
-            if entries[0].drop < COSTLY * best or not worth:
-                continue
             try:
-                u, _ = search.near(asked.parts, begun[:starts])
-                left = FitResiduals.by(model, search.theta(u), base.reference, asked.parts)
-            except SpringpotError as error:
-                asked.left_out[effect.name] = str(error)
-                continue
+                found = _near_fit(asked, effect, search, asked.quick, begun)
+            except UnfollowedError:
+                if entries[0].drop < COSTLY * best or not worth:
+                    continue
+                found = _near_fit(asked, effect, search, asked.parts, begun[:starts])
         except SpringpotError as error:
             # It has no law in time for such a test.
             asked.left_out[effect.name] = str(error)
             continue
-        tried.append(Hypothesis((effect,), model, search.theta(u), left))
-        fitted(TriedEffect(effect, model, search.theta(u)))
+        tried.append(found)
+        fitted(TriedEffect(effect, model, found.theta))
     return tried
+
+
+def _near_fit(
+    asked: AskedTests,
+    effect: Effect,
+    search: TimeSearch,
+    parts: Sequence[TestPart],
+    begun: Sequence[Real],
+) -> Hypothesis:
+    """An effect nearly fitted to tests as a search sees them, from where it has begun."""
+    theta = search.theta(search.near(parts, begun)[0])
+    # Not of the exponentials: by the part in a thousand that they are off, the right effect could
+    # fall behind.
+    left = FitResiduals.by(search.model, theta, search.reference, asked.parts)
+    return Hypothesis((effect,), search.model, theta, left)
 
 
 def _predicted_gain(entry: ScanEntry) -> float:
@@ -224,85 +249,9 @@ def nearly_all(
     return nearly + approximately_fitted(asked, base, others, before, fitted=fitted)
 
 
-def from_the_best(
-    asked: AskedTests,
-    base: Identification,
-    nearly: Sequence[Hypothesis],
-    before: FitResiduals,
-    promised: Mapping[str, Sequence[ScanEntry]] | None = None,
-) -> list[Hypothesis]:
-    """Effects anew from where the best one has led the model's own parameters.
-
-    From a fit that misses the tests a linear step leads astray, the more so where a parameter has
-    gone to its end in the effect's stead: so a dashpot may be left out that a springpot of order
-    one was found to be, or a drift that a slow mode was. What was fitted already, and had
-    `promised` to leave no more than it does from there, is not fitted again.
-    """
-    found: list[Hypothesis] = []
-    known = _as_predicted(nearly, promised or {})
-    while tried := [*nearly, *found]:
-        best = min(tried, key=lambda each: bic_of(each.left))
-        # By the noise that the best one leaves: what is missing may look like noise without it.
-        if delta_bic(before, best.left, noise_of_best(before, best.left)) < SEARCH.decisive:
-            break
-        near = {each.effect.name for each in tried if _as_near(each, best)}
-        there = replace(base, theta=alone(best, base.model))
-        entries = TimeScan(there, asked.quick).entries(asked.effects)
-        left = FitResiduals.of(there, asked.parts)
-        leading = [
-            each
-            for each in leading_of_scan(entries, left)
-            if each[0].effect.name not in near
-            and each[0].leaves < known.get(each[0].effect.name, np.inf)
-        ]
-        if not leading:
-            break
-        known |= {each[0].effect.name: -np.inf for each in leading}
-        found += approximately_fitted(asked, there, leading, before)
-    return found
-
-
-def _as_predicted(
-    nearly: Sequence[Hypothesis], promised: Mapping[str, Sequence[ScanEntry]]
-) -> dict[str, float]:
-    """What each effect that was fitted had promised to leave."""
-    names = {each.effect.name for each in nearly}
-    return {name: of_effect[0].leaves for name, of_effect in promised.items() if name in names}
-
-
-def least_left(
-    asked: AskedTests, base: Identification, tried: Sequence[Hypothesis], before: FitResiduals
-) -> FitResiduals:
-    """What tells the noise: what the best effect leaves, or that with another effect beside it.
-
-    Noise that another effect explains is none, however well it passes for noise with a memory, as
-    the jumps of friction in an irregular motion do.
-    """
-    if not tried:
-        return before
-    best = min(tried, key=lambda each: bic_of(each.left))
-    noise = noise_of_best(before, best.left)
-    # Of a misfit that is seen the noise is told already.
-    if best.left.misfit or delta_bic(before, best.left, noise) < SEARCH.decisive:
-        return best.left
-    grown = replace(base, model=best.model, theta=best.theta)
-    entries = TimeScan(grown, asked.quick).entries(asked.effects)
-    leading = leading_of_scan(entries, best.left)[:FEWEST]
-    quietly = asked._replace(left_out={})
-    both = approximately_fitted(quietly, grown, leading, best.left, starts=1)
-    # By the noise of the best alone, which is the wider one.
-    beside = [each for each in both if delta_bic(best.left, each.left, noise) >= SEARCH.decisive]
-    return min([best.left, *(each.left for each in beside)], key=bic_of)
-
-
 def alone(each: Hypothesis, model: Model) -> Real:
     """A model's own parameters (p,) where an effect has led them."""
     return model.picked(each.model.named(each.theta))
-
-
-def _as_near(each: Hypothesis, best: Hypothesis) -> bool:
-    """Whether a fit is so near the best that a better start would change nothing."""
-    return bic_of(each.left) - bic_of(best.left) <= 2.0 * EVIDENCE.rivals
 
 
 def from_the_data(
@@ -324,13 +273,9 @@ def from_the_data(
     for i in behind:
         each = nearly[i]
         search = TimeSearch(each.model, asked.quick, base.reference, [each.theta])
-        try:
-            u, _ = search.near(asked.quick, search.starts())
-            left = FitResiduals.by(each.model, search.theta(u), base.reference, asked.parts)
-        except SpringpotError:
-            continue
-        if bic_of(left) < bic_of(each.left):
-            found[i] = replace(each, theta=search.theta(u), left=left)
+        with suppress(SpringpotError):
+            anew = _near_fit(asked, each.effect, search, asked.quick, search.starts())
+            found[i] = min(each, anew, key=lambda one: bic_of(one.left))
     return found
 
 
@@ -342,8 +287,6 @@ def exactly_fitted(
     fitted: Fitted = unseen,
 ) -> list[Hypothesis]:
     """The best of them fitted exactly, and the others as they are."""
-    from .fitting import identify
-
     # The noise is read where the least is left, and the effects are then rated by that one noise.
     least = min((each.left for each in nearly), key=bic_of, default=before)
     noise = noise_of_best(before, least)
@@ -358,26 +301,13 @@ def exactly_fitted(
     astray = best.left.over(noise) > ASTRAY
     if astray:
         near = list(range(len(rated)))[:EXACT]
-    tried = []
-    for i, each in enumerate(rated):
-        if i not in near:
-            tried.append(each)
-            continue
-        try:
-            fit = identify(
-                asked.tests,
-                each.model,
-                seeds=[each.theta],
-                thorough=astray,
-                noise=asked.known,
-                near=not astray,
-            )
-        except SpringpotError as error:
-            asked.left_out[each.effect.name] = str(error)
-            continue
-        tried.append(Hypothesis.exactly(each.effects, fit, asked.parts))
-        fitted(TriedEffect(each.effect, fit.model, fit.theta))
-    return tried
+    tried: list[Hypothesis | None] = list(rated)
+    for i in near:
+        one, seeds = rated[i], [rated[i].theta]
+        tried[i] = _exact_fit(
+            asked, one.effect, one.model, seeds, fitted, thorough=astray, near=not astray
+        )
+    return [each for each in tried if each is not None]
 
 
 def _near(
