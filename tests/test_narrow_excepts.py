@@ -133,7 +133,7 @@ BOUNDARIES = {
         "an optimiser is tried; what it raises its trial tells"
     ),
     "framework/springpot/registry.py:_guarded": PLUGIN,
-    "framework/springpot/processes.py:adopt_orphans": "a system without this call",
+    "framework/springpot/processes.py:_ask": "a system without this call",
     "framework/springpot/processes.py:kept_surroundings": (
         "what a plugin changed and cannot be put back is told as changed"
     ),

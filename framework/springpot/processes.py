@@ -145,9 +145,30 @@ def adopt_orphans() -> None:
     A process that leaves its group and its parent, as daemons do, would otherwise be found by
     nobody.
     """
+    _ask(ADOPT, 1)
+
+
+def end_with_parent(parent: int) -> None:
+    """Let this process be killed when the one that forked it ends, even while it is stopped.
+
+    Where the system can do that.
+
+    Parameters
+    ----------
+    parent : int
+        The number of that process, which may have ended already.
+    """
+    pdeathsig = 1  # PR_SET_PDEATHSIG of Linux's prctl(2)
+    _ask(pdeathsig, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def _ask(option: int, value: int) -> None:
+    """Something of the system, by prctl(2)."""
     with suppress(OSError, AttributeError):
         # Python has no such call of its own.
-        ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0)
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
 def children_of(listing: Path = CHILDREN) -> list[int]:

@@ -11,7 +11,7 @@ from time import monotonic, sleep
 
 import pytest
 
-from springpot.benchmark import Store, load_study, run_study
+from springpot.benchmark import Store, Study, fork_server, load_study, run_study
 from springpot.errors import StudyError
 
 DECLARE = "from springpot.benchmark import Study\nStudy"
@@ -286,3 +286,32 @@ def test_results_in_a_read_only_folder_are_read(tmp_path):
                 run_study(script(tmp_path, pause=0), engine="serial", out=tmp_path, quiet=True)
     finally:
         folder.chmod(0o755)
+
+
+def running(pid):
+    """Whether a process is there and has not ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.soak
+def test_a_worker_that_is_stopped_ends_with_its_server():
+    plan = Study(
+        "any", ["artificial-springpot"], ["own"], ["paper"], ["random-search"], 1, 9
+    ).plan()
+    server = fork_server.ForkServer(fork_server.Parcel.of(plan, None, quiet=True))
+    assert server.channel.recv()[0] == fork_server.READY
+    line = server.fork(1)
+    # As one whose order to end was on its way to the server when that was killed by another.
+    word, number, pid = server.channel.recv()
+    assert (word, number) == (fork_server.BORN, 1)
+    os.kill(pid, signal.SIGSTOP)
+    server._process.kill()
+    end = monotonic() + 5.0
+    while running(pid) and monotonic() < end:
+        sleep(0.01)
+    assert not running(pid)
+    line.close()
+    server.close()

@@ -7,7 +7,7 @@ from springpot import Measurement
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
 from springpot.memory import autoregressive
-from springpot.misfit.floor import as_given, fitted_to_floor, remembered
+from springpot.misfit.floor import as_given, fitted_to_floor, remembered, sharpened
 from springpot.misfit.refit import refit
 from springpot.misfit.residual_tests import battery
 from springpot.registry import parse_model
@@ -143,3 +143,23 @@ def test_a_memory_in_one_sweep_is_told_unless_a_rival_explains_it_better():
     assert found.noise.sd[0].real > 1.3 * white.sd[0].real
     assert remembered(base, 100.0) is None
     assert remembered(found, 0.0) is None
+
+
+def test_a_level_that_a_better_model_leaves_is_no_larger_noise_of_one_part():
+    """Where storage and loss are equal but for such levels, all of them is in one part."""
+    rng = np.random.default_rng(5)
+    omega = np.tile(np.geomspace(1.0, 100.0, 16), 5)
+    temperature = np.repeat([263.0, 283.0, 293.0, 313.0, 323.0], 16)
+    shift = np.exp(7000.0 * (1.0 / temperature - 1.0 / 293.0))
+    level = np.repeat([0.0, 0.018, -0.024, 0.01, 0.016], 16)
+    noise = rng.normal(size=(2, len(omega))) * [[0.006], [0.0015]]
+    stiffness = 20.0 * (1j * omega * shift) ** 0.38
+    stiffness *= np.exp(level) + 0.0j
+    stiffness += np.abs(stiffness) * (noise[0] + 1j * noise[1])
+    data = Measurement(omega, stiffness, conditions={"temperature": temperature})
+    base = fitted_to_floor(parse_model("springpot + arrhenius-shift"), data)
+    better = parse_model("springpot + arrhenius-shift + vertical-shift")
+    grown = refit(better, base.data, base.noise)
+    assert grown.relative_rms > 2.0 * base.floor
+    sharper = sharpened(base, grown)
+    assert sharper is None or sharper.floor < 1.3 * base.floor

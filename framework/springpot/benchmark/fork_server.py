@@ -30,6 +30,7 @@ from springpot.processes import (
     cause_of,
     end_children,
     end_group,
+    end_with_parent,
     limit_memory,
     settings,
 )
@@ -337,17 +338,19 @@ class _Family:
                 end_group(pid)
 
     def _fork(self, number: int) -> None:
-        fds = socket.recv_fds(self._line, 1, 1)[1]
+        fds, parent = socket.recv_fds(self._line, 1, 1)[1], os.getpid()
         pid = os.fork()
         if pid == 0:
-            self._be_born(fds[0])
+            self._be_born(fds[0], parent)
         os.close(fds[0])
         self._children[pid] = number
         self._channel.send((BORN, number, pid))
 
-    def _be_born(self, fd: int) -> NoReturn:
+    def _be_born(self, fd: int, parent: int) -> NoReturn:
         """In the child: leave everything of the fork server behind and work."""
         try:
+            # Of a server that is killed nobody may know it yet, or it was to be ended just then.
+            end_with_parent(parent)
             # A session of its own, so that whatever an optimiser starts is ended with it.
             os.setsid()
             adopt_orphans()

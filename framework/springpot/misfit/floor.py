@@ -372,9 +372,14 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
 
 
 def _is_likelier(noise: Noise, fitted: Refit) -> bool:
-    """Whether noise of this shape, of whatever size, makes a fit's data decisively likelier."""
-    gain = likelihood_of_all(in_noise(fitted, noise)) - likelihood_of_all(fitted)
-    return 2.0 * gain >= SEARCH.decisive
+    """Whether noise of this shape, of whatever size, makes a fit's data decisively likelier.
+
+    And their scatter about slow curves no less likely: a level of one temperature that a model
+    leaves is in K' alone, and would pass for noise that is larger there.
+    """
+    shaped = in_noise(fitted, noise)
+    gain = likelihood_of_all(shaped) - likelihood_of_all(fitted)
+    return 2.0 * gain >= SEARCH.decisive and _cost_of_scatter(shaped) <= _cost_of_scatter(fitted)
 
 
 def _shapes(
