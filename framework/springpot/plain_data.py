@@ -89,7 +89,11 @@ def _read(declared: str, value: Any, names: Mapping[str, Any]) -> Any:
     """A value as it is declared in a module of these names."""
     if value is None:
         # JSON has no word for a number that is none.
-        return nan if declared == "float" else None
+        if declared == "float":
+            return nan
+        if declared != "Any" and not declared.endswith(" | None"):
+            raise ValueError(f"null stands where a {declared} belongs")
+        return None
     inner = declared.removesuffix(" | None")
     if inner.startswith("tuple["):
         inner = inner.removeprefix("tuple[").removesuffix(", ...]")

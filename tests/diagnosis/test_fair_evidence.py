@@ -11,13 +11,15 @@ import springpot
 from soaked import soaked
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import Evidence, Explanation
-from springpot.diagnosis.experiment import actions, clash
+from springpot.diagnosis.experiment import actions, planned_sweep
 from springpot.diagnosis.grown import Grown
 from springpot.diagnosis.marginal import _refund
 from springpot.identification import Window, shown
 from springpot.misfit.frame import orthonormal
+from springpot.misfit.residuals_of_tests import SweepPart
 from springpot.registry import plugins
 from springpot.report.ladder_text import doubt_text
+from springpot.rheology.points import real_form
 
 WARM = design(8, temperatures=(15.0, 25.0, 35.0))
 NARROW = design(60, 0.1, 100.0)
@@ -165,8 +167,9 @@ def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     smaller = min(plan, key=lambda a: a.action["amplitude"][0])
     usual = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 0.75)))
     tiny = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 1e-9)))
-    truth, rival = found["friction"], found["power-law-damper"]
-    quiet, loud = (clash(truth, rival, action).parts[1] for action in (usual, tiny))
+    truth = found["friction"]
+    made = SweepPart(truth.fit.measurement, noise=real_form(truth.noise.sd))
+    quiet, loud = (planned_sweep(action, made, truth) for action in (usual, tiny))
     sizes = [
         np.tile(np.abs(truth.model.stiffness(truth.theta, part.points)), 2)
         for part in (quiet, loud)

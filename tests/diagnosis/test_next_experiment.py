@@ -9,11 +9,19 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
 import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import best_with
-from springpot.diagnosis.experiment import actions, clash, next_experiment, promise, separation
+from springpot.diagnosis.experiment import (
+    Contest,
+    actions,
+    next_experiment,
+    planned_sweep,
+    promise,
+    separation,
+)
 from springpot.measurement import Measurement
 from springpot.misfit.error import plain
+from springpot.misfit.residuals_of_tests import SweepPart
 from springpot.registry import plugins
-from springpot.rheology.points import complex_form
+from springpot.rheology.points import complex_form, real_form
 
 
 def explained(effect, at=SWEEP, chi2=200.0):
@@ -30,6 +38,12 @@ def explained(effect, at=SWEEP, chi2=200.0):
 
 def upwards(measurement):
     return next(action for action in actions(measurement) if "upwards" in action.says)
+
+
+def clash(truth, rival, action):
+    """Two explanations after an action: one holds, the other may follow it."""
+    made = SweepPart(truth.fit.measurement, noise=real_form(truth.noise.sd))
+    return Contest(truth, rival, (made, planned_sweep(action, made, truth)))
 
 
 def refitted(truth, rival, action):

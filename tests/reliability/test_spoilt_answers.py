@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from spoilt_answers import SPOILT, fault, places, spoilt
 import springpot
 from springpot import timetests
 from springpot.measurement import TimeTest
+from springpot.measurement.covered import Covered
+from springpot.plain_data import Plain
 
 ONE_IN = 211
 """The suite spoils each so many a place and way, the soak all of them."""
@@ -72,3 +75,24 @@ def test_a_spoilt_answer_is_refused_in_one_line_or_can_be_used(kind, one_in, tmp
         if said := fault(path):
             found[place, name] = said
     assert found == {}
+
+
+@dataclass(frozen=True)
+class Told(Plain):
+    value: float
+    word: str | None
+    parts: tuple[float, ...]
+
+
+def test_null_is_a_number_that_is_none_or_what_may_be_left_out_and_nothing_else():
+    told = Told.from_dict({"value": None, "word": None, "parts": [None, 2.0]})
+    assert np.isnan([told.value, told.parts[0]]).all()
+    assert told.word is None
+    with pytest.raises(ValueError, match="null stands where"):
+        Told.from_dict({"value": 1.0, "word": "", "parts": None})
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0)])
+def test_a_band_of_frequencies_has_two_ends(ends):
+    with pytest.raises(ValueError, match="rad/s are none"):
+        Covered.read({"omega": ends})

@@ -10,10 +10,9 @@ functions say what would tell of single points, of a confounded condition or of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Protocol, TypeVar
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -62,23 +61,29 @@ Pair = tuple[float, float]
 """Of the first and of the second explanation."""
 
 
-class Measurable(Protocol):
-    """A measurement that could be made."""
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A test that could be made, with the noise that is to be expected of it.
 
-    @property
-    def says(self) -> str:
-        """What to do."""
+    Attributes
+    ----------
+    says : str
+        What to do.
+    part : TestPart
+        The test; nothing was measured in it.
+    effort : float
+        Relative cost, by which the expected separation is divided when tests are compared.
+    action : dict of str to list of float
+        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``,
+        of a specimen of another size ``specimen`` (its factor, zero without one) and ``mass`` in
+        kg; of a test in time ``time`` in s, ``factor`` of what is imposed, ``faster`` of the whole
+        history, ``release`` in s.
+    """
 
-    @property
-    def effort(self) -> float:
-        """Relative cost, by which the expected separation is divided."""
-
-    @property
-    def action(self) -> dict[str, list[float]]:
-        """The new conditions."""
-
-
-A = TypeVar("A", bound=Measurable)
+    says: str
+    part: TestPart
+    effort: float
+    action: dict[str, list[float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,8 +172,9 @@ def _answer(fit: FittedModel, part: TestPart, theta: Real) -> Traced:
 
 
 def most_telling(
-    actions: Sequence[A],
-    contest: Callable[[A, int], Contest],
+    plans: Callable[[FittedModel], Iterable[Planned]],
+    fits: tuple[FittedModel, FittedModel],
+    parts: Sequence[TestPart],
     names: tuple[str, str],
     chances: Pair,
 ) -> NextExperiment:
@@ -176,10 +182,12 @@ def most_telling(
 
     Parameters
     ----------
-    actions : sequence of Measurable
-        What can be done.
-    contest : callable
-        From one of them and which explanation holds, 0 or 1, to the two after it.
+    plans : callable
+        From the one that holds to what can be done.
+    fits : tuple of Refit or Identification
+        The two explanations.
+    parts : sequence of TestPart
+        The tests that were made.
     names : tuple of str
         The effects that set them apart.
     chances : tuple of float
@@ -190,12 +198,19 @@ def most_telling(
     shares = (chances[0] / sum(chances), chances[1] / sum(chances))
 
     # Either may be right, and the one that is not may change all its parameters to follow.
-    def worth(sigmas: Pair, action: A) -> float:
-        return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
+    def worth(sigmas: Pair, planned: Planned) -> float:
+        return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / planned.effort
 
     # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit
     # only.
-    contests = {each: (contest(each, 0), contest(each, 1)) for each in actions}
+    first, second = fits
+    contests = {
+        one: (
+            Contest(first, second, (*parts, one.part)),
+            Contest(second, first, (*parts, other.part)),
+        )
+        for one, other in zip(plans(first), plans(second), strict=True)
+    }
     feasible = {each: (one.linear, other.linear) for each, (one, other) in contests.items()}
     tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
     reached = {each: (contests[each][0].fitted(), contests[each][1].fitted()) for each in tried}
@@ -332,9 +347,7 @@ class Action:
     mass : float
         Known mass in place of the specimen, in units of stiffness times s^2.
     action : dict of str to list of float
-        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``,
-        and for a specimen of another size ``specimen`` (its factor, zero without one) and ``mass``
-        in kg.
+        The new conditions, see `Planned`.
     """
 
     says: str
@@ -525,16 +538,16 @@ def planned_sweep(action: Action, made: SweepPart, fit: FittedModel) -> PlannedS
     return plan.with_sd(np.concatenate([level * new for level in levels]))
 
 
-def clash(truth: Refit, rival: Refit, action: Action) -> Contest:
-    """Two explanations after an action, both of which follow the old data."""
-    made = SweepPart(truth.fit.measurement, noise=real_form(truth.noise.sd))
-    return Contest(truth, rival, (made, planned_sweep(action, made, truth)))
+def planned_sweeps(made: SweepPart, fit: FittedModel) -> Iterator[Planned]:
+    """What could be measured next in the rig of a sweep, as noisy as a fit has it."""
+    for each in actions(made.test):
+        yield Planned(each.says, planned_sweep(each, made, fit), each.effort, each.action)
 
 
 def next_experiment(
     first: Refit, second: Refit, names: tuple[str, str], chances: Pair
 ) -> NextExperiment:
-    """The action that should best separate two explanations for its effort.
+    """The action that should best separate two explanations of a sweep for its effort.
 
     Parameters
     ----------
@@ -543,15 +556,11 @@ def next_experiment(
     names : tuple of str
         The effects that set them apart.
     chances : tuple of float
-        Their probabilities: who holds decides what a measurement can show, as a larger model
-        follows a smaller one.
+        Their probabilities.
     """
-    fits = (first, second)
-
-    def contest(action: Action, holds: int) -> Contest:
-        return clash(fits[holds], fits[1 - holds], action)
-
-    return most_telling(list(actions(first.fit.measurement)), contest, names, chances)
+    made = SweepPart(first.fit.measurement, noise=real_form(first.noise.sd))
+    plans = partial(planned_sweeps, made)
+    return most_telling(plans, (first, second), (made,), names, chances)
 
 
 def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> NextExperiment:

@@ -154,6 +154,8 @@ class Covered:
     def read(cls, kept: Mapping[str, Any]) -> Covered:
         """What `to_dict` gave."""
         ends = {name: (float(low), float(high)) for name, (low, high) in kept.items()}
+        if "omega" in ends and not 0.0 < ends["omega"][0] <= ends["omega"][1]:
+            raise ValueError(f"frequencies from {between(*ends['omega'])} rad/s are none")
         return cls(ends.pop("omega", (0.0, np.inf)), ends)
 
 

@@ -23,6 +23,7 @@ from springpot.rheology.points import KELVIN, ROOM, Real
 
 from ..numerics import DIFFERENCE, NEGLIGIBLE, ROUNDING, SMALLEST
 from .imposed import Loading
+from .timenoise import without_scatter
 from .timetest import TimeTest
 
 
@@ -429,7 +430,13 @@ def _eased(
 ) -> tuple[Loading, list[Loading]]:
     """What a force beside the material leaves of the imposed one, and its derivatives."""
     t = loading.time
-    moved = np.interp(t, test.time, test.response)
+    # Not as it was measured: a force that feels a sample's own error would answer it, and near a
+    # turn of the force by as much, so that nothing would be left of the noise.
+    place = without_scatter(test)
+    moved = np.interp(t, test.time, place)
+    # Before the first sample it came there from rest, as the force did.
+    if t[0] < test.time[0] and loading.value[0] == 0.0:
+        moved = np.interp(t, [t[0], *test.time], [0.0, *place])
     force, slopes = effect.element.in_time(t, moved, velocity(t, moved), *values)  # type: ignore[attr-defined]
     own = [
         Loading(t, -np.broadcast_to(slope, t.shape), sampled=loading.sampled) for slope in slopes

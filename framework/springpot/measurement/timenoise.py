@@ -126,6 +126,62 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
     return _noise(test, _two_parts(*_told_by(test, misfit), MEDIAN_WORTH * FOURTH_WORTH))
 
 
+@lru_cache(maxsize=16)
+def without_scatter(test: TimeTest) -> Real:
+    """The response of a test (n,) without most of its noise: where the specimen was.
+
+    Each sample is where the straight line through its neighbours passes it, without the sample
+    itself, so that its own error has no part in it. Windows of twice the width are taken as long as
+    each allows for a value that all narrower ones do (Goldenshluger and Nemirovski 1997,
+    Mathematical Methods of Statistics 6, 135). Corners stay.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest
+    >>> from springpot.measurement.timenoise import without_scatter
+    >>> t = np.arange(1.0, 401.0)
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=400)
+    >>> test = TimeTest.of_relaxation(t, np.where(t < 200.0, 1.0, 2.0) + noise)
+    >>> without_scatter(test)[[100, 300]].round(2)
+    array([1., 2.])
+    """
+    value, n, noise = test.response, len(test), noise_of(test)
+    if not noise.estimated:
+        return value
+    # As far as the largest of so many errors.
+    largest = noise.sd * np.sqrt(2.0 * np.log(n))
+    best, low, high = value, value - largest, value + largest
+    allowed, half = np.ones(n, dtype=bool), 1
+    while 2 * half < n and allowed.any():
+        past, spread = _lines_past_each(value, half)
+        low, high = (
+            np.maximum(low, past - spread * largest),
+            np.minimum(high, past + spread * largest),
+        )
+        allowed &= low <= high
+        best = np.where(allowed, past, best)
+        half *= 2
+    return best
+
+
+def _lines_past_each(value: Real, half: int) -> tuple[Real, Real]:
+    """Where straight lines through 2 `half` neighbours pass each of a value (n,).
+
+    And the standard deviation of that over those of the values.
+    """
+    places = np.arange(len(value))
+    first = np.clip(places - half, 0, len(value) - 2 * half - 1)
+    count = 2 * half + 1
+    sums, moments = (np.concatenate([[0.0], np.cumsum(each)]) for each in (value, places * value))
+    mean, moment = ((each[first + count] - each[first]) / count for each in (sums, moments))
+    away, spread = places - first - half, (count**2 - 1.0) / 12.0
+    line = mean + (moment - (first + half) * mean) / spread * away
+    # What the value itself has of the line through it too (Cook and Weisberg 1982).
+    own = (1.0 + away**2 / spread) / count
+    return (line - own * value) / (1.0 - own), np.sqrt(own / (1.0 - own))
+
+
 def noise_of_alike(tests: Sequence[TimeTest]) -> list[SignalNoise]:
     """The noise of each of several tests of one kind, which they tell together.
 

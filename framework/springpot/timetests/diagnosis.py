@@ -9,7 +9,8 @@ are fitted.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,10 +21,9 @@ from springpot.diagnosis.experiment import (
     TYPED_IN,
     WAITED_FOR,
     WORKED_FOR,
-    Contest,
-    actions,
+    Planned,
     most_telling,
-    planned_sweep,
+    planned_sweeps,
     worth_telling_apart,
 )
 from springpot.diagnosis.in_practice import Accuracy, in_practice
@@ -36,6 +36,7 @@ from springpot.diagnosis.result import (
     turning,
     unseen,
 )
+from springpot.identification.fitted import FittedModel
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -99,29 +100,6 @@ SAMPLES = 200
 """Of a planned record, which moves all the time."""
 
 
-@dataclass(frozen=True, eq=False)
-class Planned:
-    """A test that could be made, with the noise that is to be expected of it.
-
-    Attributes
-    ----------
-    says : str
-        What to do.
-    part : TestPart
-        The test; nothing was measured in it.
-    effort : float
-        Relative cost, by which the expected separation is divided when tests are compared.
-    action : dict of str to list of float
-        The new conditions: ``omega`` in rad/s, ``time`` in s, ``factor`` of what is imposed,
-        ``faster`` of the whole history, ``release`` in s, ``repeats``.
-    """
-
-    says: str
-    part: TestPart
-    effort: float
-    action: dict[str, list[float]] = field(default_factory=dict)
-
-
 def next_test(case: TimeCase) -> NextExperiment | None:
     """The test that would tell the two leading effects of a diagnosis apart.
 
@@ -136,15 +114,10 @@ def next_test(case: TimeCase) -> NextExperiment | None:
     pair = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
     if pair is None:
         return None
-    first, second = (fits[name] for name in pair)
-    parts = case.asked.parts
-
-    def contest(planned: Planned, holds: int) -> Contest:
-        both = (first, second)
-        return Contest(both[holds], both[1 - holds], (*parts, planned.part))
-
-    plans = list(planned_tests(parts, first))
-    return most_telling(plans, contest, pair, (chances[pair[0]], chances[pair[1]]))
+    first, second = pair
+    both, parts = (fits[first], fits[second]), case.asked.parts
+    plans = partial(planned_tests, parts)
+    return most_telling(plans, both, parts, pair, (chances[first], chances[second]))
 
 
 def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> tuple[str, str] | None:
@@ -157,7 +130,7 @@ def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> tup
     return (alike[0], alike[1]) if len(alike) > 1 else None
 
 
-def planned_tests(parts: Sequence[TestPart], fit: Identification) -> Iterator[Planned]:
+def planned_tests(parts: Sequence[TestPart], fit: FittedModel) -> Iterator[Planned]:
     """What could be measured next of a specimen, the cheap things first.
 
     Parameters
@@ -233,13 +206,12 @@ def _with(part: InTimePart, time: Real, loading: Loading) -> InTimePart:
     return InTimePart(test, noise=np.full(len(rows), float(np.median(part.sd))))
 
 
-def _sweeps(parts: Sequence[TestPart], fit: Identification) -> Iterator[Planned]:
+def _sweeps(parts: Sequence[TestPart], fit: FittedModel) -> Iterator[Planned]:
     """What could be measured next in the rig of a sweep, or a sweep where there is none."""
     made = next((part for part in parts if isinstance(part, SweepPart)), None)
     if made is not None:
-        for action in actions(made.test):
-            says, part = f"{made.test.name}: {action.says}", planned_sweep(action, made, fit)
-            yield Planned(says, part, action.effort, action.action)
+        for each in planned_sweeps(made, fit):
+            yield replace(each, says=f"{made.test.name}: {each.says}")
         return
     seen = [part.resolved for part in parts]
     omega = np.geomspace(min(each[0] for each in seen), max(each[1] for each in seen), POINTS)
@@ -251,7 +223,7 @@ def _sweeps(parts: Sequence[TestPart], fit: Identification) -> Iterator[Planned]
     yield Planned(says, _sweep(parts, fit, omega), WAITED_FOR, {"omega": omega.tolist()})
 
 
-def _sweep(parts: Sequence[TestPart], fit: Identification, omega: Real) -> SweepPart:
+def _sweep(parts: Sequence[TestPart], fit: FittedModel, omega: Real) -> SweepPart:
     """A sweep under the conditions of the tests, as noisy for its size as they are."""
     amplitude = np.full(len(omega), reach_of(parts))
     conditions: Mapping[str, Real] = {"amplitude": amplitude}

@@ -243,44 +243,40 @@ class TimeSearch:
 
         By fixed exponentials where they will do.
         """
-        quick = quick_parts(parts)
+        quick, further = quick_parts(parts), self.natural() if self.thorough else []
         try:
-            further: list[Real] = []
-            # With these a start costs next to nothing.
-            if self.thorough:
-                further = self.natural()
-            # Exponentials show the valley at little cost; the exact response then has a short way
-            # to its bottom.
-            u, spent, rests = self._near(quick, [*starts, *further])
+            # Exponentials show the valley at little cost, whatever the starts; the exact response
+            # then has a short way to its bottom.
+            u, spent, _, rests = self._best_of(quick, [*starts, *further])
             if rests:
                 return u, spent
             last = self._descend(quick, u[None], True, MOST_STEPS, AFAR)
-            return last.u[0], spent + last.evaluations
         # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
             if quick == list(parts):
                 raise
-            u, spent, _ = self._near(parts, starts)
+            u, spent, cost, _ = self._best_of(parts, starts)
+            count = sum(part.count(coarse=True) for part in parts)
+            # A cost is a sum of squares over the noise: one for each number where the model is
+            # right. Where it does not agree with that noise other starts are tried too.
+            if further and cost > VERDICT.agrees**2 * count:
+                u, more, _, _ = self._best_of(parts, [u, *further])
+                spent += more
             # A few samples showed the valley: what is judged by all of them ends at their bottom.
             last = self._descend(parts, u[None], False, QUICK, AFAR)
-            return last.u[0], spent + last.evaluations
+        return last.u[0], spent + last.evaluations
 
-    def _near(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+    def _best_of(
+        self, parts: Sequence[TestPart], starts: Sequence[Real]
+    ) -> tuple[Real, int, float, bool]:
+        """Where the best of some starts has led, evaluations spent, its cost, whether it rests."""
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the
         # end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
-        if not np.isfinite(quick.cost.min()):
-            raise UnfollowedError(f"{self.model.name} cannot be followed from any start")
         best = quick.best
-        near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
-        count = sum(part.count(coarse=True) for part in parts)
-        # A cost is a sum of squares over the noise: one for each number where the model is right.
-        # Where it does not agree with that noise other starts are tried too.
-        if self.thorough and quick.cost.min() > VERDICT.agrees**2 * count:
-            more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, AFAR)
-            best = more.best
-            near, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
-        return near, spent, rests
+        if not np.isfinite(quick.cost[best]):
+            raise UnfollowedError(f"{self.model.name} cannot be followed from any start")
+        return quick.u[best], quick.evaluations, quick.cost[best], bool(quick.converged[best])
 
     def _descend(
         self, parts: Sequence[TestPart], starts: Real, coarse: bool, iterations: int, damping: float
