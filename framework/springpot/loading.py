@@ -81,7 +81,9 @@ def load(path: str | Path) -> Loaded:
             f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}"
         )
     try:
-        return as_declared(_KNOWN[schema](answer))
+        # Of a parameter that is nothing, as a part of a series, the slopes may be no numbers.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return as_declared(_KNOWN[schema](answer))
     except (DataError, ModelError) as error:
         raise type(error)(f"{path}: {error}") from None
     # A file that was cut off or edited by hand fails anywhere: to its user these are one fault.

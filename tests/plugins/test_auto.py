@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -91,6 +92,14 @@ def test_the_remark_is_a_note_of_the_identification():
     data = springpot.read("springpot-60/kelvin-noisy")
     found = springpot.identify(data, "fractional-kelvin", optimiser="auto", budget=300)
     assert any("was chosen" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("ends", "alike"), [([1e-24, 3e-27, 0.5], 2), ([0.2, 0.2 + 1e-8, 0.21], 2), ([np.inf], 1)]
+)
+def test_descents_that_end_in_rounding_are_alike(ends, alike):
+    seen = [SimpleNamespace(least=end, begun=7.0) for end in ends]
+    assert auto.told(seen).startswith(f"{alike} of {len(ends)} descents")
 
 
 def test_the_first_that_is_installed_takes_turns(monkeypatch):

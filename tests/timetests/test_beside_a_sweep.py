@@ -146,3 +146,22 @@ def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeyp
     assert [step.accepted for step in ladder.steps] == [None, "inertia"]
     assert ladder.to_dict()["left_out"] == {"time-delay": "nothing follows it"}
     assert "left out: time-delay: nothing follows it" in told(ladder)
+
+
+def test_a_creep_beside_a_sparse_sweep_makes_nothing_less_certain():
+    """Neighbours of a dozen points differ by the curve too: its own fit tells the sweep's noise."""
+    rng, model = np.random.default_rng(3), parse_model("zener-2")
+    theta = model.vector({"k0": 25.0, "k1": 41.0, "c1": 107.0, "k2": 28.0, "c2": 3.6})
+    omega, t = np.geomspace(0.01, 30.0, 12), np.geomspace(1.0, 120.0, 60)
+    noise = 0.002 * (rng.normal(size=12) + 1j * rng.normal(size=12))
+    sweep = Measurement(omega, model.stiffness(theta, omega) * (1.0 + noise), name="sweep.csv")
+    exact = model.creep(theta, t)
+    scatter = 0.002 * np.sqrt(np.mean(exact**2)) * rng.normal(size=60)
+    creep = TimeTest.of_compliance(t, exact + scatter, "Pa")
+    together, alone = identify([sweep, creep], model), springpot.identify(sweep, model)
+    # The two branches may change places.
+    widths = [
+        sorted(fit.parameters[name].high - fit.parameters[name].low for name in ("k0", "k1", "k2"))
+        for fit in (together, alone)
+    ]
+    assert np.all(np.array(widths[0]) < 1.2 * np.array(widths[1]))

@@ -123,3 +123,29 @@ def test_beside_noise_of_long_tails_a_part_that_is_missed_is_told():
     bump = 4.0 * np.exp(-0.5 * ((t - 100.0) / 6.0) ** 2)
     rows = bump + np.random.default_rng(5).standard_t(4.0, size=(60, 200)) / np.sqrt(2.0)
     assert np.mean([_chance_of_worst_part(row, 0.0) < LOCAL for row in rows]) > 0.5
+
+
+def swung(noise, rng, n=400):
+    """A loop of a stiff and a lossy part, and noise of which `noise` makes deviations of |F|."""
+    t = np.linspace(0.0, 20.0, n)
+    force = np.sin(1.9 * t) + 0.3 * np.cos(1.9 * t)
+    scatter = lfilter([0.8], [1.0, -0.6], rng.normal(size=n))
+    test = springpot.TimeTest.of_history(
+        t, np.sin(1.9 * t), force + 0.01 * noise(np.abs(force)) * scatter, "mm", "N"
+    )
+    return np.abs(force), noise_of(test).sd
+
+
+def test_noise_that_grows_with_a_loop_is_larger_at_its_ends():
+    """Else what it does there by chance is a stop, a clipped channel or a stiffer side."""
+    rng = np.random.default_rng(4)
+    size, sd = swung(lambda size: size, rng)
+    assert np.mean(sd[size > 0.9]) > 2.0 * np.mean(sd[size < 0.3])
+    # Where it crosses zero none is said to be quiet beyond measure.
+    assert np.min(sd) >= 0.5 * np.sqrt(np.mean(sd**2)) / np.sqrt(1.25)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_one_size_in_a_loop_stays_of_one_size(seed):
+    _, sd = swung(np.ones_like, np.random.default_rng(seed))
+    assert np.ptp(sd) == 0.0

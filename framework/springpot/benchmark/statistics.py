@@ -273,14 +273,13 @@ def wilcoxon_holm(scores: Real) -> Real:
     gaps = np.clip(np.where(same, 0.0, a) - np.where(same, 0.0, b), -1e300, 1e300)
     if gaps.shape[1] <= EXACT:
         return _square(holm(sign_flips(gaps)), scores.shape[1])
-    # Only now: it takes most of a second to import.
-    from scipy.stats import wilcoxon
+    from scipy.special import ndtr
 
-    p = np.ones(len(gaps))
-    differ = gaps.any(axis=1)
-    if differ.any():
-        p[differ] = wilcoxon(gaps[differ], zero_method="zsplit", axis=1, method="asymptotic").pvalue
-    return _square(holm(p), scores.shape[1])
+    # By a sum of ranks whose signs are chance's; its variance is the sum of their squares, ties or
+    # not. scipy.stats has the same (zeros split), and takes most of a second to import.
+    ranks = ranked(np.abs(gaps))
+    ahead = np.abs((np.sign(gaps) * ranks).sum(axis=1)) / np.sqrt((ranks**2).sum(axis=1))
+    return _square(holm(2.0 * ndtr(-ahead)), scores.shape[1])
 
 
 def sign_flips(gaps: Real) -> Real:

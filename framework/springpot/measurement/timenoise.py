@@ -36,7 +36,7 @@ from springpot.numerics import (
 from springpot.rheology.points import STEADY, Real
 from springpot.writing import SHOWN
 
-from ..thresholds import OUTLIERS, SIGNALS
+from ..thresholds import OUTLIERS, SEARCH, SIGNALS
 from .measurement import Measurement
 from .rounding import rounding_step
 from .timetest import TimeTest
@@ -298,6 +298,7 @@ class _Parts(NamedTuple):
     """A constant and a proportional part of noise, the levels that rule both out, and its worth.
 
     Below the `lowest` level, `WIDE` below the last that tells of it, none is known to be smaller.
+    It is `uneven` where it grows with the signal beyond doubt.
     """
 
     absolute: float
@@ -305,6 +306,7 @@ class _Parts(NamedTuple):
     levels: _Levels | None
     worth: float
     lowest: float = 0.0
+    uneven: bool = False
 
     def at(self, size: Real) -> Real:
         """Standard deviation of signals of these sizes (n,)."""
@@ -320,9 +322,10 @@ def _noise(test: TimeTest, parts: _Parts) -> SignalNoise:
     absolute = max(parts.absolute, least)
     sd = np.hypot(parts.relative * np.maximum(size, parts.lowest), absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
-        # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
-        # not outvote it.
-        sd = np.full(len(test), rms(sd))
+        # Where a loop crosses zero the rig is hardly quieter than elsewhere, and these few samples
+        # must not outvote it; but noise that does grow is no misfit where it is largest.
+        usual = rms(sd)
+        sd = np.maximum(sd, 0.5 * usual) if parts.uneven else np.full(len(test), usual)
     elif parts.levels is not None:
         sd = np.maximum(parts.levels.at(size), least)
     # Digits that repeat show no scatter, and are off all the same (Widrow 1956,
@@ -414,7 +417,8 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
         chance = np.exp(-0.5 * (cost - cost.min()))
         amounts = chance @ parts / chance.sum()
     absolute, relative = np.sqrt(amounts).tolist()
-    return _Parts(absolute, relative, levels, whole, float(told.size[0]) / WIDE)
+    uneven = bool(cost[0] - min(cost[1], both[1]) > SEARCH.decisive)
+    return _Parts(absolute, relative, levels, whole, float(told.size[0]) / WIDE, uneven)
 
 
 def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:

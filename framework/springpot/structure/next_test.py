@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from springpot.diagnosis.experiment import POINTS, Action, actions
+from springpot.diagnosis.experiment import POINTS, Action, actions, planned_sweep
 from springpot.errors import ModelError
 from springpot.identification.prediction import Known
-from springpot.rheology.nodes import GRADIENT
+from springpot.misfit.residuals_of_tests import SweepPart
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -176,15 +176,13 @@ def _left(moves: Real, seen: Real) -> float:
 
 def _seen(known: Known, action: Action) -> Real:
     """Slopes (2 n, q) of K' and K'' of each point along the axes of the fit, over their noise."""
-    sweep = known.sweep
+    sweep, model, theta = known.sweep, known.model, known.theta
     assert sweep is not None
-    response = known.model.network.respond(known.theta, action.points, GRADIENT)
-    axes = axes_of(known.model, known.theta, known.theta_covariance)
-    slopes = response.by_theta.T @ (sizes_of(known.model, known.theta)[:, None] * axes)
-    noise = complex(1.0, 1.0) * known.misfit / np.sqrt(2.0)
-    if sweep.sd is not None:
-        share = sweep.sd / np.abs(sweep.stiffness)
-        noise = complex(np.median(share.real), np.median(share.imag))
-    size = np.abs(response.value)[:, None] / np.sqrt(action.repeats)
-    rows = np.stack([slopes.real / (noise.real * size), slopes.imag / (noise.imag * size)], axis=1)
-    return np.asarray(rows.reshape(-1, slopes.shape[1]))
+    made = SweepPart(sweep)
+    if sweep.sd is None:
+        made = made.with_sd(known.misfit * made.size)
+    plan = planned_sweep(action, made, known)
+    slopes = plan.answer(model, theta, known.reference, np.arange(len(plan.measured))).by_theta
+    axes = sizes_of(model, theta)[:, None] * axes_of(model, theta, known.theta_covariance)
+    seen = slopes / plan.sd[:, None] @ axes
+    return np.reshape(seen.reshape(2, -1, axes.shape[1]).swapaxes(0, 1), seen.shape)

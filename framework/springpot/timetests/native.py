@@ -48,7 +48,7 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
-from ..numerics import MOST_STEPS, rms
+from ..numerics import ALIKE, MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
 from .specimen import Scales, tries_of, words_of
 
@@ -311,9 +311,17 @@ class TimeSearch:
         return rms(value)
 
     def scale(self, part: TestPart, u: Real) -> float:
-        """How far a part's misfit exceeds its noise, repeated samples counted once."""
+        """How far a part's misfit exceeds its noise, repeated samples counted once.
+
+        Or falls short of it: neighbours of a sparse sweep differ by what bends between them too,
+        and tell no more than a bound.
+        """
         value = part.over_noise(self.model, self.theta(u), self.reference).value
-        return max(1.0, float(np.sqrt(part.sampled(value))))
+        square, spare = part.sampled(value), len(value) - len(u)
+        bound = isinstance(part, SweepPart) and part.noise is None and part.test.sd is None
+        if bound and spare >= VERDICT.enough_spare:
+            return max(float(np.sqrt(square * len(value) / spare)), ALIKE)
+        return max(1.0, float(np.sqrt(square)))
 
     def result(self, found: Minimum, seconds: float) -> Identification:
         """The answer where a search ended."""

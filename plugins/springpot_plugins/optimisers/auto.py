@@ -71,13 +71,13 @@ class Auto(Optimiser):
         """Look, make the best exact, choose, and go on with what was chosen."""
         # A common start has been evaluated already.
         limit = problem.evaluations + max(1, int(self.share * budget))
-        ends = looked(problem, limit, rng)
+        seen = looked(problem, limit, rng)
         # The best made exact, as far as that is done quickly.
         with suppress(_CutShortError):
             polished = Watched(problem, limit + int(rules()["longest"]), logarithmic=True)
             LeastSquares().descend(polished, problem.best_x)
         name = chosen()
-        problem.remark(f"{name} was chosen to take turns with descents: {told(ends)}")
+        problem.remark(f"{name} was chosen to take turns with descents: {told(seen)}")
         other: Optimiser = springpot.plugins().find("optimiser", name)()
         turns = cycle([descents, other.minimise])
         length = max(1, int(rules()["turn"] * budget))
@@ -127,19 +127,23 @@ def in_turn(problem: Recorder, search: Search, length: int, rng: np.random.Gener
             raise
 
 
-def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> list[float]:
-    """Descend until so many evaluations are made, and say where descents ended."""
-    ends, ways = list[float](), kinds()
+def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> list[Watched]:
+    """The descents that were made until so many evaluations were spent."""
+    seen, ways = list[Watched](), kinds()
     while problem.evaluations < limit:
-        misfit = descended(problem, next(ways), rng, limit)
-        ends.append(misfit.least)
-    return ends
+        seen.append(descended(problem, next(ways), rng, limit))
+    return seen
 
 
-def told(ends: Sequence[float]) -> str:
+def told(seen: Sequence[Watched]) -> str:
     """What descents have shown, in one line."""
-    alike = sum(end <= (1.0 + NEGLIGIBLE) * min(ends) for end in ends)
-    return f"{alike} of {len(ends)} descents ended as low as the best"
+    best = min(each.least for each in seen)
+    # Of data without noise rounding is all that is left at the best, and no two ends are alike:
+    # residuals of a millionth of those at the start are as low as any.
+    alike = sum(
+        each.least <= (1.0 + NEGLIGIBLE) * best + NEGLIGIBLE**2 * each.begun for each in seen
+    )
+    return f"{alike} of {len(seen)} descents ended as low as the best"
 
 
 @dataclass(frozen=True)
@@ -190,6 +194,11 @@ class Watched(Misfit):
     def __init__(self, problem: Recorder, limit: int, logarithmic: bool) -> None:
         super().__init__(problem, logarithmic)
         self.limit, self.bests = limit, [np.inf]
+
+    @property
+    def begun(self) -> float:
+        """The objective at the start, nothing where none was evaluated."""
+        return self.bests[1] if len(self.bests) > 1 else 0.0
 
     @property
     def least(self) -> float:
