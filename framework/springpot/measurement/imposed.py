@@ -166,7 +166,11 @@ def controlled(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, s
     """
     # Asked first: a channel at its level is plain, while an unrest has to be weighed against the
     # other's.
-    displacement_held, force_held = _at_any_levels(moved), _at_any_levels(pulled)
+    displacement_held, force_held = _at_levels(moved), _at_levels(pulled)
+    if max(displacement_held, force_held) < NEARLY_ALL:
+        displacement_held, force_held = (
+            share_held(levels(value)[1], len(value)) for value in (moved, pulled)
+        )
     force_unrest = _late_unrest(pulled)
     if max(displacement_held, force_held) >= NEARLY_ALL:
         force_imposed = force_held > displacement_held
@@ -238,11 +242,6 @@ def _late_unrest(value: Real) -> float:
     return float(np.ptp(late) / max(np.abs(value).max(), SMALLEST))
 
 
-def _at_any_levels(value: Real) -> float:
-    """Share of the samples that are at what was held, at nothing, or at one of several levels."""
-    return max(_at_levels(value), share_held(levels(value)[1], len(value)))
-
-
 def share_held(parts: Sequence[slice], count: int) -> float:
     """Share of `count` samples that are in parts that are held."""
     return float(sum(part.stop - part.start for part in parts)) / count
@@ -264,13 +263,18 @@ def levels(value: Real) -> tuple[Real, list[slice]]:
     """
     change, count = np.abs(np.diff(value)), len(value)
     # Differences of noise have twice its variance, and the largest of so many is as far off.
-    largest = NORMAL * float(np.median(change)) * 2.0 * sqrt(log(count))
-    steps = np.flatnonzero(change > max(largest, STEADY * float(np.abs(value).max()))) + 1
-    level, parts = value.copy(), []
+    largest, most = NORMAL * float(np.median(change)) * 2.0 * sqrt(log(count)), np.abs(value).max()
+    level, parts = value.copy(), list[slice]()
+    # What swings by as much from sample to sample is held nowhere.
+    if largest >= 0.5 * most:
+        return level, parts
+    steps = np.flatnonzero(change > max(largest, STEADY * float(most))) + 1
     for first, last in pairwise([0, *steps.tolist(), count]):
         part = slice(first, last)
         left = value[part] - float(np.mean(value[part]))
-        if last - first >= SHORTEST and (np.ptp(value[part]) == 0.0 or is_white(left)):
+        # Noise is told from a course by twice as many samples as a level without any.
+        fewest = SHORTEST if np.ptp(value[part]) == 0.0 else 2 * SHORTEST
+        if last - first >= fewest and (fewest == SHORTEST or is_white(left)):
             level[part] -= left
             parts.append(part)
     return level, parts
