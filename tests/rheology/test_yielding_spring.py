@@ -49,6 +49,13 @@ def test_a_stage_solves_its_equation_however_stiff(free, share, power):
     assert z + flow == pytest.approx(free, rel=1e-11)
 
 
+@pytest.mark.parametrize("force", [1e-170, 1e-300])
+def test_a_stage_of_hardly_any_force_ends_too(force):
+    """Its square was no number any more, and it was divided by nothing."""
+    z = hysteresis._flowed(1e-200, 1.0, force, 20.0)
+    assert 0.0 <= z <= 1e-200
+
+
 def test_an_irregular_motion_far_beyond_yield_stays_near_the_force_of_its_flow():
     """Each way is so long that the spring adds nothing: |z| is F |v|^a of its own way."""
     rng = np.random.default_rng(1)

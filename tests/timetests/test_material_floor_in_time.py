@@ -122,6 +122,13 @@ def test_a_retardation_is_turned_into_its_relaxation(glass, fluidity):
     np.testing.assert_allclose(stiffness * compliance, 1.0, rtol=1e-9)
 
 
+def test_what_goes_against_its_force_relaxes_nothing():
+    """It was divided by its compliance, which is none."""
+    nothing = ConvexSpectrum(0.0, 0.0, np.array([1.0]), np.zeros(1))
+    found = relaxation_of(nothing)
+    assert not np.any(found.stiffness(np.array([0.1, 10.0])))
+
+
 def errors(tests, model, theta):
     """Of each test, relative to its signal, as errors are printed."""
     parts = parts_of_specimen(tests)

@@ -177,6 +177,9 @@ def relaxation_of(retardation: ConvexSpectrum) -> ConvexSpectrum:
     (1.0, 0.0, array([1.]), array([1.]))
     """
     glass, fluidity = retardation.equilibrium, retardation.viscosity
+    # Of what goes against its force nothing is followed, and nothing relaxes.
+    if not (glass > 0.0 or fluidity > 0.0 or np.any(retardation.weights > 0.0)):
+        return retardation
     order, weights = np.argsort(retardation.rates), retardation.weights
     poles, amounts = retardation.rates[order], (weights * retardation.rates)[order]
     # A flow is a retardation without end.

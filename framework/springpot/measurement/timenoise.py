@@ -130,10 +130,10 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
 def without_scatter(test: TimeTest) -> Real:
     """The response of a test (n,) without most of its noise: where the specimen was.
 
-    Each sample is where the straight line through its neighbours passes it, without the sample
-    itself, so that its own error has no part in it. Windows of twice the width are taken as long as
-    each allows for a value that all narrower ones do (Goldenshluger and Nemirovski 1997,
-    Mathematical Methods of Statistics 6, 135). Corners stay.
+    Each sample is where the parabola through its neighbours passes it, without the sample itself,
+    so that its own error has no part in it. Windows of twice the width are taken as long as each
+    allows for a value that all narrower ones do (Goldenshluger and Nemirovski 1997, Mathematical
+    Methods of Statistics 6, 135). Corners stay.
 
     Examples
     --------
@@ -152,34 +152,38 @@ def without_scatter(test: TimeTest) -> Real:
     # As far as the largest of so many errors.
     largest = noise.sd * np.sqrt(2.0 * np.log(n))
     best, low, high = value, value - largest, value + largest
-    allowed, half = np.ones(n, dtype=bool), 1
+    allowed, half = np.ones(n, dtype=bool), 2
     while 2 * half < n and allowed.any():
-        past, spread = _lines_past_each(value, half)
-        low, high = (
-            np.maximum(low, past - spread * largest),
-            np.minimum(high, past + spread * largest),
-        )
+        past, spread = _past_each(value, half)
+        low = np.maximum(low, past - spread * largest)
+        high = np.minimum(high, past + spread * largest)
         allowed &= low <= high
         best = np.where(allowed, past, best)
         half *= 2
     return best
 
 
-def _lines_past_each(value: Real, half: int) -> tuple[Real, Real]:
-    """Where straight lines through 2 `half` neighbours pass each of a value (n,).
+def _past_each(value: Real, half: int) -> tuple[Real, Real]:
+    """Where parabolas through 2 `half` neighbours pass each of a value (n,).
 
     And the standard deviation of that over those of the values.
     """
-    places = np.arange(len(value))
-    first = np.clip(places - half, 0, len(value) - 2 * half - 1)
-    count = 2 * half + 1
-    sums, moments = (np.concatenate([[0.0], np.cumsum(each)]) for each in (value, places * value))
-    mean, moment = ((each[first + count] - each[first]) / count for each in (sums, moments))
-    away, spread = places - first - half, (count**2 - 1.0) / 12.0
-    line = mean + (moment - (first + half) * mean) / spread * away
-    # What the value itself has of the line through it too (Cook and Weisberg 1982).
-    own = (1.0 + away**2 / spread) / count
-    return (line - own * value) / (1.0 - own), np.sqrt(own / (1.0 - own))
+    places = np.linspace(-1.0, 1.0, 2 * half + 1)
+    basis = np.linalg.qr(np.stack([places**0, places, places**2], axis=1))[0]
+    first = basis @ (basis.T @ value[: len(places)])
+    last = basis @ (basis.T @ value[-len(places) :])
+    inside = _convolved(value, basis @ basis[half])[len(places) - 1 : len(value)]
+    curve = np.concatenate([first[:half], inside, last[half + 1 :]])
+    # What the value itself has of the curve through it too (Cook and Weisberg 1982).
+    share = np.sum(basis**2, axis=1)
+    own = np.full(len(value), share[half])
+    own[:half], own[-half:] = share[:half], share[half + 1 :]
+    return (curve - own * value) / (1.0 - own), np.sqrt(own / (1.0 - own))
+
+
+def _convolved(value: Real, kernel: Real) -> Real:
+    size = len(value) + len(kernel) - 1
+    return np.fft.irfft(np.fft.rfft(value, size) * np.fft.rfft(kernel, size), size)
 
 
 def noise_of_alike(tests: Sequence[TimeTest]) -> list[SignalNoise]:

@@ -622,10 +622,18 @@ def _flowed(free: float, share: float, force: float, power: float) -> float:
         return 0.0
     # Either term alone is at most all: the smaller of both ends is just beyond the solution.
     z: float = min(size, force * (size / share) ** (1.0 / power))
+    # Of forces smaller than any number none is left.
+    if z == 0.0:
+        return 0.0
     for _ in range(MOST_STEPS):
-        flow = share * (z / force) ** power
-        # The slope and the bend are those of z times it and its square.
-        off, slope, bend = z + flow - size, z + power * flow, power * (power - 1.0) * flow
+        flow = share * (z / force) ** power / size
+        # As shares of all, whose squares are numbers; the slope and the bend are those of z times
+        # it and its square.
+        off, slope, bend = (
+            z / size + flow - 1.0,
+            z / size + power * flow,
+            power * (power - 1.0) * flow,
+        )
         change = 2.0 * off * slope / (2.0 * slope * slope - off * bend)
         z -= change * z
         # By so much the flow has changed, and what is left goes as its cube.
