@@ -307,9 +307,12 @@ def test_a_worker_that_is_stopped_ends_with_its_server():
     # As one whose order to end was on its way to the server when that was killed by another.
     word, number, pid = server.channel.recv()
     assert (word, number) == (fork_server.BORN, 1)
+    end = monotonic() + 5.0
+    # Told of as soon as it is there; it works once it has a session of its own.
+    while os.getsid(pid) != pid and monotonic() < end:
+        sleep(0.01)
     os.kill(pid, signal.SIGSTOP)
     server._process.kill()
-    end = monotonic() + 5.0
     while running(pid) and monotonic() < end:
         sleep(0.01)
     assert not running(pid)

@@ -6,20 +6,23 @@ In the soak, a hundred thousand.
 from __future__ import annotations
 
 import sys
+import zlib
 from functools import cache
 from pathlib import Path
 from time import process_time
 
+import numpy as np
 import pytest
 from patience import patient
 from scale import measured
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 
-from synthetic import synthetic_store
+from synthetic import fallen, synthetic_store
 
 from springpot.benchmark import Store
 from springpot.benchmark.standings import TABLES, study_tables
+from springpot.benchmark.traces import Traces
 
 SHAPES = {
     1000: (2, 10, 50),
@@ -100,3 +103,22 @@ def test_a_million_trials_give_all_tables(tmp_path, capsys):
         print(f"\na million trials: all tables {taken:.1f} s, {memory:.0f} MiB")
     assert taken <= MOST_SECONDS
     assert memory <= MOST_MIB
+
+
+def unpacking(blobs: list[bytes]) -> float:
+    """Processor time in which traces are unpacked, the least of five."""
+    spent = []
+    for _ in range(5):
+        start = process_time()
+        Traces.of(blobs)
+        spent.append(process_time() - start)
+    return min(spent)
+
+
+@patient
+def test_traces_are_unpacked_sooner_than_those_of_older_stores():
+    rng = np.random.default_rng(1)
+    blobs = [fallen(1.0, 0.1, rng)[1] for _ in range(200)]
+    older = [zlib.compress(zlib.decompress(blob), 6) for blob in blobs]
+    assert sum(map(len, blobs)) < 1.02 * sum(map(len, older))
+    assert unpacking(blobs) < 0.8 * unpacking(older)

@@ -91,3 +91,11 @@ def test_where_no_material_follows_any_amplitude_it_is_not_said_to_do_nothing():
     speed = OMEGA * AMPLITUDE
     (note,) = notes(measured(GEL + 300j * speed**0.4 / AMPLITUDE * np.sign(OMEGA)))[:1]
     assert "the amplitude does not matter" not in note
+
+
+def test_amplitudes_that_fall_along_the_sweeps_are_not_judged_by_a_few_that_come_again():
+    """Only two of them have rows enough for a material: they say nothing of the others."""
+    again = np.isin(AMPLITUDE, AMPLITUDES[:2])
+    falling = np.where(again, AMPLITUDE, AMPLITUDE / (1.0 + 0.1 * OMEGA))
+    search = measured(GEL / (1.0 + (falling > 0.3)), amplitude=falling)
+    assert notes(search) == []

@@ -118,8 +118,8 @@ HARMLESS = {
     ): "at which sizes of a fifth parameter a law is tried",
     (
         "solvers/prony.py",
-        "if best is None or largest < best.error:",
-        "largest <= best.error",
+        "if best is None or series.error < best.error:",
+        "series.error <= best.error",
     ): "errors that are equal to the last bit",
     (
         "structure/damper.py",

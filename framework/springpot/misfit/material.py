@@ -529,8 +529,14 @@ def notes_on_amplitudes(base: Refit) -> Iterator[str]:
     if len(levels) < 2:
         return
     one, each = fitted_together(base, levels), error_of_each(levels)
-    beside = f"one material for all {len(levels)} amplitudes is {percent(one.relative_rms)} off"
+    told_of, every = len(levels), int(measurement.levels("amplitude").max()) + 1
+    which = f"all {every}" if told_of == every else f"{told_of} of {every}"
+    beside = f"one material for {which} amplitudes is {percent(one.relative_rms)} off"
     if not needs_each(one, levels):
+        # Of a displacement that falls along a sweep few values come again: what these do alike says
+        # nothing of all the others.
+        if told_of < every:
+            return
         told = "no material follows each by itself either"
         if _follow_alike(base, one, levels):
             told = "the amplitude does not matter"
