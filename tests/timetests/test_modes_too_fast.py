@@ -1,5 +1,7 @@
 """A mode too fast for the tests is a dashpot: its two parameters make nothing else of it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import springpot
@@ -22,11 +24,10 @@ def test_a_mode_too_fast_does_not_hide_a_mass():
     off = 1.0 + 0.01 * (noise[0] + 1j * noise[1])
     swept = Measurement(OMEGA, stiffness * off, units=Units("Pa"), name="swept")
     held = TimeTest.of_relaxation(T, 600.0 * (1.0 + 0.01 * noise[2]), "Pa", name="held")
-    base = identify(
-        [swept, held], springpot.parse_model("prony-1"), seeds=[np.array([600.0, 7e9, 2e-10])]
-    )
-    k, tau = base.parameters["k1"].value, base.parameters["tau1"].value
-    assert tau < 1e-6 and k * tau > 0.1
+    fit = identify([swept, held], springpot.parse_model("prony-1"))
+    # As fast as a search may leave it.
+    k0, k, tau = fit.theta
+    base = replace(fit, theta=np.array([k0, k * tau / 2e-10, 2e-10]))
     scan = TimeScan(base, quick_parts(parts_of_specimen([swept, held])))
     inertia = springpot.plugins().effect("inertia")
     [entry, *_] = scan.entries([inertia])["inertia"]
