@@ -5,9 +5,11 @@ Straight between its knots, and how that is read off a record.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import comb, sqrt
+from itertools import pairwise
+from math import comb, log, sqrt
 
 import numpy as np
 
@@ -16,12 +18,15 @@ from springpot.rheology.motion import Between
 from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NORMAL, SMALLEST, rms
+from ..thresholds import SIGNALS
 from .rounding import is_even, rounding_step
 
 NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05
 """Share of the record that a rise may take for the test to be called relaxation or creep."""
+SHORTEST = 8
+"""Samples of a period, or of what is held, at least."""
 ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 
@@ -162,6 +167,10 @@ def controlled(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, s
     # Asked first: a channel at its level is plain, while an unrest has to be weighed against the
     # other's.
     displacement_held, force_held = _at_levels(moved), _at_levels(pulled)
+    if max(displacement_held, force_held) < NEARLY_ALL:
+        displacement_held, force_held = (
+            share_held(levels(value)[1], len(value)) for value in (moved, pulled)
+        )
     force_unrest = _late_unrest(pulled)
     if max(displacement_held, force_held) >= NEARLY_ALL:
         force_imposed = force_held > displacement_held
@@ -231,6 +240,54 @@ def _late_unrest(value: Real) -> float:
     late = value[len(value) // 4 :]
     # A channel that is zero throughout is at rest, not undefined.
     return float(np.ptp(late) / max(np.abs(value).max(), SMALLEST))
+
+
+def share_held(parts: Sequence[slice], count: int) -> float:
+    """Share of `count` samples that are in parts that are held."""
+    return float(sum(part.stop - part.start for part in parts)) / count
+
+
+def levels(value: Real) -> tuple[Real, list[slice]]:
+    """A channel (n,) without white noise where it is held between two steps, and where that is.
+
+    A step is a change beyond the largest one of noise, and beyond what may be called held.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement.imposed import levels
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=40)
+    >>> level, parts = levels(np.repeat([1.0, 2.0], 20) + noise)
+    >>> level[[0, 39]].round(1), parts
+    (array([1., 2.]), [slice(0, 20, None), slice(20, 40, None)])
+    """
+    change, count = np.abs(np.diff(value)), len(value)
+    # Differences of noise have twice its variance, and the largest of so many is as far off.
+    largest, most = NORMAL * float(np.median(change)) * 2.0 * sqrt(log(count)), np.abs(value).max()
+    level, parts = value.copy(), list[slice]()
+    # What swings by as much from sample to sample is held nowhere.
+    if largest >= 0.5 * most:
+        return level, parts
+    steps = np.flatnonzero(change > max(largest, STEADY * float(most))) + 1
+    for first, last in pairwise([0, *steps.tolist(), count]):
+        part = slice(first, last)
+        left = value[part] - float(np.mean(value[part]))
+        # Noise is told from a course by twice as many samples as a level without any.
+        fewest = SHORTEST if np.ptp(value[part]) == 0.0 else 2 * SHORTEST
+        if last - first >= fewest and (fewest == SHORTEST or is_white(left)):
+            level[part] -= left
+            parts.append(part)
+    return level, parts
+
+
+def is_white(left: Real) -> bool:
+    """Whether neighbours are not alike, beyond chance (von Neumann 1941)."""
+    from scipy.special import ndtr
+
+    count = len(left)
+    unrest = float(np.mean(np.diff(left) ** 2)) / max(2.0 * float(np.var(left)), SMALLEST)
+    off = (unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))
+    return bool(ndtr(off) >= SIGNALS.ruled_out)
 
 
 def _at_levels(value: Real) -> float:

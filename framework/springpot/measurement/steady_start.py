@@ -17,11 +17,9 @@ from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, rms, vertex
 from ..thresholds import SIGNALS
-from .imposed import Loading
+from .imposed import NEARLY_ALL, SHORTEST, Loading, is_white, levels, share_held
 from .rounding import is_even, rounding_step
 
-SHORTEST = 8
-"""Samples of a period at least."""
 PERIODS_AFTER = 2
 """Periods that are recorded beside those which are laid over one another at least."""
 REPEATS = 0.01
@@ -284,7 +282,7 @@ def quiet(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
         basis = np.linalg.qr(columns)[0]
         smooth = basis @ (basis.T @ value)
         left = value - smooth
-        if _white(left):
+        if is_white(left):
             break
     else:
         return loading, {}
@@ -300,6 +298,43 @@ def quiet(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
     share = 100.0 * noise / rms(smooth)
     says = f"steady, with {share:.2g} % of white noise that nothing answers to: taken off"
     return replace(loading, value=smooth), {"motion": says}
+
+
+def still(imposed: Real, response: Real) -> tuple[Real, dict[str, str]]:
+    """What was held at levels (n,), without white noise that nothing answers to, and a note on it.
+
+    As `quiet` does of what swings: a play or a bearing's friction would swallow that noise.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(400) / 100.0, np.random.default_rng(1).normal(size=(2, 400))
+    >>> read = 1.0 + 0.01 * noise[0]
+    >>> held, _ = still(read, 2.0 - np.exp(-t) + 0.01 * noise[1])
+    >>> float(np.ptp(held)), float(held[0].round(2))
+    (0.0, 1.0)
+    >>> still(read, 2.0 * read - np.exp(-t))[0] is read
+    True
+    """
+    level, parts = levels(imposed)
+    left = imposed - level
+    if share_held(parts, len(level)) >= NEARLY_ALL and rms(left) > rms(rounding_step(imposed)):
+        rest = np.zeros(len(level))
+        for part in parts:
+            rest[part] = _beside_creep(response[part])
+        if not _goes_with(rest, left, rms(response) / rms(level)):
+            share = 100.0 * rms(left) / rms(level)
+            says = f"held, with {share:.2g} % of white noise that nothing answers to: taken off"
+            return level, {"motion": says}
+    return imposed, {}
+
+
+def _beside_creep(answer: Real) -> Real:
+    """What an answer to a step (n,) has beside polynomials of the time and of its logarithm."""
+    place, degree = np.arange(len(answer)), min(SHORTEST, len(answer) // SHORTEST)
+    clocks = [2.0 * clock / clock[-1] - 1.0 for clock in (place, np.log1p(place))]
+    columns = [np.polynomial.legendre.legvander(clock, degree)[:, 1:] for clock in clocks]
+    basis = np.linalg.qr(np.column_stack([np.ones(len(answer)), *columns]))[0]
+    return answer - basis @ (basis.T @ answer)
 
 
 def _columns(count: int, turn: float, harmonics: int) -> Real:
@@ -320,16 +355,6 @@ def _refined(value: Real, turn: float) -> float:
         step = np.linalg.lstsq(np.column_stack([columns, slope]), value, rcond=None)[0][-1]
         turn += float(step)
     return turn
-
-
-def _white(left: Real) -> bool:
-    """Whether neighbours are not alike, beyond chance (von Neumann 1941)."""
-    from scipy.special import ndtr
-
-    count = len(left)
-    unrest = float(np.mean(np.diff(left) ** 2)) / max(2.0 * float(np.var(left)), SMALLEST)
-    off = (unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))
-    return bool(ndtr(off) >= SIGNALS.ruled_out)
 
 
 def _goes_with(rest: Real, left: Real, stiffness: float) -> bool:

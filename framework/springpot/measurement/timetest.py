@@ -21,7 +21,7 @@ from .hum import without_hum
 from .imposed import SHORT, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
-from .steady_start import gone_on, quiet, said_of_start, stepped_to
+from .steady_start import gone_on, quiet, said_of_start, stepped_to, still
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -294,9 +294,9 @@ class TimeTest:
             imposed, response, unit = pulled, moved, displacement_unit
         _require_numbers(clock, imposed, name, control)
         clock = even_clock(clock)
-        loading = from_rest(clock, imposed, rise)
         response, hum = without_hum(response, clock, imposed, unit)
-        loading, noise = quiet(loading, response)
+        imposed, held = still(imposed, response)
+        loading, noise = quiet(from_rest(clock, imposed, rise), response)
         if loading.sampled:
             loading = stepped_to(gone_on(loading, response), control, response)
         return cls(
@@ -307,7 +307,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance={**(provenance or {}), **notes, **hum, **noise},
+            provenance={**(provenance or {}), **notes, **hum, **held, **noise},
             **_warm(temperature),
         )
 
