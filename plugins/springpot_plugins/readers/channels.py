@@ -191,7 +191,8 @@ def _channel(title: str) -> tuple[str | None, str | None, str]:
     for match in reversed(list(re.finditer(r"\s*/\s+|\s+in\s+|_|\s+", bare))[:20]):
         stem, unit_text = bare[: match.start()], bare[match.end() :]
         channel = _OF.get(fold(stem))
-        for unit in (unit_text.replace("_per_", "/"), unit_text.replace("_", " ")):
+        for over in ("/", " "):
+            unit = unit_text.replace("_per_", "/").replace("_", over)
             if channel is not None and normal_unit(unit) in UNITS[channel]:
                 return channel, unit, stem
     return None, None, bare

@@ -384,3 +384,11 @@ def test_a_stretch_may_be_said_and_may_be_a_length(tmp_path):
     [test] = opened(tmp_path, text)
     np.testing.assert_allclose(test.loading.value, pulled)
     assert test.units.amplitude == "mm"
+
+
+@pytest.mark.parametrize("unit", ["N_mm2", "N_per_mm2", "N_mm^2", "MPa"])
+def test_a_stroke_within_a_name_may_be_an_underscore(tmp_path, unit):
+    text = f"t_s,strain_pct,stress_{unit}\n" + "\n".join(f"{i},{0.1 * i},{i}" for i in range(9))
+    [test] = opened(tmp_path, text)
+    assert test.loading.value[-1] == pytest.approx(0.008)
+    assert (test.response[-1], test.force_unit in ("N/mm^2", "MPa")) == (8.0, True)
