@@ -157,3 +157,8 @@ def test_units_that_differ_in_case_alone_go_before_those_that_look_alike():
 )
 def test_a_power_is_told_as_a_person_writes_it(power, words):
     assert units._exponent(power) == words
+
+
+@pytest.mark.parametrize("text", ["mm/mm", "m/m", "in/in", "[mm/mm]"])
+def test_a_length_over_the_same_length_is_a_share(text):
+    assert normal_unit(text) == "-"

@@ -261,10 +261,12 @@ def levels(value: Real) -> tuple[Real, list[slice]]:
     >>> level[[0, 39]].round(1), parts
     (array([1., 2.]), [slice(0, 20, None), slice(20, 40, None)])
     """
-    change, count = np.abs(np.diff(value)), len(value)
+    level, parts, count = value.copy(), list[slice](), len(value)
+    if count < SHORTEST:
+        return level, parts
+    change = np.abs(np.diff(value))
     # Differences of noise have twice its variance, and the largest of so many is as far off.
     largest, most = NORMAL * float(np.median(change)) * 2.0 * sqrt(log(count)), np.abs(value).max()
-    level, parts = value.copy(), list[slice]()
     # What swings by as much from sample to sample is held nowhere.
     if largest >= 0.5 * most:
         return level, parts

@@ -7,6 +7,7 @@ without the noise of its transducer, too.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -316,15 +317,22 @@ def still(imposed: Real, response: Real) -> tuple[Real, dict[str, str]]:
     True
     """
     level, parts = levels(imposed)
-    left = imposed - level
-    if share_held(parts, len(level)) >= NEARLY_ALL and rms(left) > rms(rounding_step(imposed)):
-        rest = np.zeros(len(level))
+    return without_noise(imposed, response, level, parts, "held")
+
+
+def without_noise(
+    imposed: Real, response: Real, course: Real, parts: Sequence[slice], how: str
+) -> tuple[Real, dict[str, str]]:
+    """A course (n,) for what was imposed, if nothing answers to what that has beside it."""
+    left = imposed - course
+    if share_held(parts, len(course)) >= NEARLY_ALL and rms(left) > rms(rounding_step(imposed)):
+        rest = np.zeros(len(course))
         for part in parts:
             rest[part] = _beside_creep(response[part])
-        if not _goes_with(rest, left, rms(response) / rms(level)):
-            share = 100.0 * rms(left) / rms(level)
-            says = f"held, with {share:.2g} % of white noise that nothing answers to: taken off"
-            return level, {"motion": says}
+        if not _goes_with(rest, left, rms(response) / rms(course)):
+            share = 100.0 * rms(left) / rms(course)
+            says = f"{how}, with {share:.2g} % of white noise that nothing answers to: taken off"
+            return course, {"motion": says}
     return imposed, {}
 
 

@@ -21,7 +21,8 @@ from .hum import without_hum
 from .imposed import SHORT, Loading, controlled, from_rest, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
-from .steady_start import gone_on, quiet, said_of_start, stepped_to, still
+from .steady_start import said_of_start
+from .straight import as_imposed
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -295,10 +296,7 @@ class TimeTest:
         _require_numbers(clock, imposed, name, control)
         clock = even_clock(clock)
         response, hum = without_hum(response, clock, imposed, unit)
-        imposed, held = still(imposed, response)
-        loading, noise = quiet(from_rest(clock, imposed, rise), response)
-        if loading.sampled:
-            loading = stepped_to(gone_on(loading, response), control, response)
+        loading, noise = as_imposed(clock, imposed, rise, control, response)
         return cls(
             clock,
             response,
@@ -307,7 +305,7 @@ class TimeTest:
             displacement_unit,
             force_unit,
             name=name,
-            provenance={**(provenance or {}), **notes, **hum, **held, **noise},
+            provenance={**(provenance or {}), **notes, **hum, **noise},
             **_warm(temperature),
         )
 

@@ -120,7 +120,7 @@ _SPELT = {
     # German test benches write Grad for a degree; the hundredth of a right angle is a gon there.
     "deg": "grad,grd,altgrad,winkelgrad,degs,°,degree,degrees",
     "gon": "neugrad,gradian,gradians",
-    "-": ",1,strain,m/m,frac,fraction",
+    "-": ",1,strain,m/m,mm/mm,in/in,frac,fraction",
     "%": "percent",
     "s": "sec,seconds",
     "ms": "milliseconds",

@@ -1,0 +1,157 @@
+"""What was imposed along straight lines, as ramps and triangles are, without its noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from springpot.distributions import f_sf
+from springpot.rheology.points import Real
+
+from ..numerics import SMALLEST, rms
+from ..thresholds import SIGNALS
+from .imposed import NEARLY_ALL, SHORTEST, Loading, from_rest, imposed_noise, is_white
+from .rounding import rounding_step
+from .steady_start import gone_on, quiet, stepped_to, still, without_noise
+
+FEWEST = 2 * SHORTEST
+"""Samples of a line at least, by which its noise is told from a course."""
+
+
+def as_imposed(
+    clock: Real, imposed: Real, rise: float | None, control: str, response: Real
+) -> tuple[Loading, dict[str, str]]:
+    """The loading that a recorded channel (n,) was, and a note on noise that it was not."""
+    imposed, said = still(imposed, response)
+    loading, noise = quiet(from_rest(clock, imposed, rise), response)
+    if not noise:
+        loading, noise = straightened(loading, response)
+    if loading.sampled:
+        loading = stepped_to(gone_on(loading, response), control, response)
+    return loading, said | noise
+
+
+def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
+    """A motion along straight lines without white noise that nothing answers to, and a note on it.
+
+    As `quiet` does of what swings: a play would swallow that noise, and dry friction turn with it.
+
+    Parameters
+    ----------
+    loading : Loading
+        As it was recorded.
+    response : ndarray, shape (n,)
+        Of the same samples.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(400) / 100.0, np.random.default_rng(1).normal(size=(2, 400))
+    >>> read = Loading(t, t + 0.01 * noise[0], sampled=True)
+    >>> ramp, _ = straightened(read, 2.0 * t + 0.01 * noise[1])
+    >>> float(np.abs(ramp.value - t).max().round(2))
+    0.0
+    """
+    value = loading.value
+    if not loading.sampled or len(value) < FEWEST:
+        return loading, {}
+    if imposed_noise(value) <= rms(rounding_step(value)):
+        return loading, {}
+    course, parts = lines(loading.time, value)
+    course, said = without_noise(value, response, course, parts, "along straight lines")
+    if not said:
+        return loading, {}
+    return replace(loading, value=course), said
+
+
+def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
+    """A channel (n,) without white noise where it goes along straight lines, and where that is.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(80.0), 0.1 * np.random.default_rng(1).normal(size=80)
+    >>> lines(t, np.minimum(t, 40.0) + noise)[1]
+    [slice(0, 41, None), slice(41, 80, None)]
+    >>> lines(t, 10.0 * np.sin(0.2 * t) + 0.01 * noise)[1]
+    []
+    """
+    count = len(value)
+    found, open_parts, spare = list[slice](), [slice(0, count)], (1.0 - NEARLY_ALL) * count
+    while open_parts:
+        part = open_parts.pop()
+        if part.stop - part.start < FEWEST:
+            spare -= part.stop - part.start
+            if spare < 0.0:
+                return value, []
+        elif _bend(clock[part], value[part]) is not None:
+            found.append(part)
+        else:
+            at = part.start + _best_split(clock[part], value[part])
+            open_parts += [slice(part.start, at), slice(at, part.stop)]
+    found = _joined(clock, value, sorted(found, key=lambda part: part.start))
+    bends = sum(_bend(clock[part], value[part]) or 0.0 for part in found)
+    # Of many short lines each may hide a bend that all of them together show.
+    if _by_chance(bends / (2.0 * len(found)), 2 * len(found), count) < SIGNALS.ruled_out:
+        return value, []
+    course = value.copy()
+    for part in found:
+        course[part] -= _beside_line(clock[part], value[part])[1]
+    return course, found
+
+
+def _by_chance(ratio: float, more: int, count: int) -> float:
+    return float(f_sf(ratio, more, count))
+
+
+def _beside_line(clock: Real, value: Real) -> tuple[Real, Real]:
+    """What two more powers find in a channel (n,) beside its line, and what is left of that."""
+    place = (2.0 * clock - clock[0] - clock[-1]) / (clock[-1] - clock[0])
+    basis = np.linalg.qr(np.polynomial.legendre.legvander(place, 3))[0]
+    weights = basis.T @ value
+    return weights[2:], value - basis[:, :2] @ weights[:2]
+
+
+def _bend(clock: Real, value: Real) -> float | None:
+    """Power of two bends over that of the noise; None where it is no line and white noise."""
+    bends, left = _beside_line(clock, value)
+    spare = len(left) - 4
+    noise = max((float(left @ left) - float(bends @ bends)) / spare, SMALLEST)
+    power = float(bends @ bends) / noise
+    if _by_chance(power / 2.0, 2, spare) < SIGNALS.ruled_out or not is_white(left):
+        return None
+    return power
+
+
+def _best_split(clock: Real, value: Real) -> int:
+    """Where two lines leave least of a channel (n,)."""
+    left = _left_by_lines(clock, value)
+    right = _left_by_lines(clock[::-1], value[::-1])[::-1]
+    return 2 + int(np.argmin(left[1:-2] + right[2:-1]))
+
+
+def _left_by_lines(clock: Real, value: Real) -> Real:
+    """Squares that a line leaves of the first 1, 2, ... samples of a channel (n,)."""
+    t, x = clock - clock.mean(), value - value.mean()
+    count = np.arange(1.0, len(t) + 1.0)
+    of_t, of_x = np.cumsum(t), np.cumsum(x)
+    across = np.cumsum(t * x) - of_t * of_x / count
+    along = np.maximum(np.cumsum(t**2) - of_t**2 / count, SMALLEST)
+    return np.asarray(np.cumsum(x**2) - of_x**2 / count - across**2 / along)
+
+
+def _joined(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
+    """Lines of which no two neighbours are one."""
+    ends = {0}
+    while len(ends) and len(parts) > 1:
+        ends = {
+            i
+            for i, (one, other) in enumerate(pairwise(parts))
+            if one.stop == other.start
+            and _bend(clock[one.start : other.stop], value[one.start : other.stop]) is not None
+        }
+        if ends:
+            first = min(ends)
+            both = slice(parts[first].start, parts[first + 1].stop)
+            parts = [*parts[:first], both, *parts[first + 2 :]]
+    return parts

@@ -1,0 +1,42 @@
+"""What goes along straight lines is known without the noise of its transducer."""
+
+import numpy as np
+import pytest
+
+from springpot.measurement import Loading, TimeTest
+from springpot.measurement.straight import lines, straightened
+
+TIME = np.linspace(0.0, 10.0, 600)
+NOISE = np.random.default_rng(3).normal(size=(2, 600))
+COURSES = {
+    "ramp": TIME,
+    "ramp and hold": np.minimum(TIME, 3.0),
+    "triangles": 2.0 * np.abs((0.3 * TIME + 0.5) % 1.0 - 0.5),
+    "two rates": np.where(TIME < 4.0, TIME, 4.0 + 3.0 * (TIME - 4.0)),
+}
+
+
+@pytest.mark.parametrize("course", COURSES)
+def test_noise_that_nothing_answers_to_is_taken_off(course):
+    moved = COURSES[course] / np.abs(COURSES[course]).max()
+    read = moved + 0.01 * NOISE[0]
+    test = TimeTest.of_history(TIME, read, 5.0 * moved + 0.02 * NOISE[1], "mm", "N")
+    assert "along straight lines" in test.provenance["motion"]
+    assert np.std(test.loading.value - moved) < 0.3 * np.std(read - moved)
+
+
+def test_noise_that_the_specimen_felt_stays():
+    read = Loading(TIME, TIME + 0.05 * NOISE[0], sampled=True)
+    assert straightened(read, 5.0 * read.value + 0.02 * NOISE[1])[0] is read
+
+
+@pytest.mark.parametrize("noise", [0.0003, 0.003, 0.03], ids="noise {}".format)
+@pytest.mark.parametrize("cycles", [1.0, 3.0, 20.0], ids="{} cycles".format)
+def test_a_swing_is_no_straight_lines(cycles, noise):
+    moved = np.sin(0.2 * np.pi * cycles * TIME)
+    assert lines(TIME, moved + noise * NOISE[0])[1] == []
+
+
+def test_what_has_no_noise_is_left_as_it_is():
+    read = Loading(TIME, np.round(TIME, 3), sampled=True)
+    assert straightened(read, 5.0 * TIME + 0.02 * NOISE[1])[0] is read
