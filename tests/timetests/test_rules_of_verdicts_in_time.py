@@ -273,8 +273,14 @@ def test_another_test_that_the_best_effect_leaves_missed_most_is_told():
         (left(1.0, 1.2, misfit=False), ""),
         (left(4.0, 1.0), ""),
     ):
-        [after], beside = verdict._after([SimpleNamespace(left=one)], [], noise, before)
+        best = SimpleNamespace(left=one, fit=None)
+        [after], beside = verdict._after([best], [], noise, before)
         assert (after.test, beside) == ("a", says)
+    # Together they are at the noise, and one by one still better than that.
+    apart = joined(0.7)
+    apart.left.rows = left(1.0, 1.0).rows
+    beside = verdict._after([apart], [], noise, before)[1]
+    assert beside == ", though each test by itself is followed better than chance lets"
 
 
 def test_an_effect_of_the_rig_is_as_much_commoner_as_the_rigs_are():

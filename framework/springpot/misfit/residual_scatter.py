@@ -353,9 +353,11 @@ def scatter_of_sweep(residual: Real, known: bool, followed: float = 0.0) -> Resi
     ripple, _ = fisher_test(halves, followed=followed)
     large = chance_of_squares(count * power / apart**2, count, worth)
     local = min(1.0, 3.0 * min(large, smooth, ripple))
-    # Where nothing is missed all that is left is noise.
-    if told and local >= LOCAL:
-        apart, worth = max(float(np.sqrt(power)), SMALLEST), np.inf
+    # Where nothing is missed all that is left is noise: of few points, whose neighbours tell hardly
+    # more than its order, at least as much.
+    if not known and local >= LOCAL:
+        apart = max(float(np.sqrt(power)), SMALLEST if told else apart)
+        worth = np.inf if told else worth
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
 
 

@@ -294,13 +294,17 @@ def _after(
     noise: Sequence[ResidualScatter],
     tests: Sequence[PartResult],
 ) -> tuple[list[Error], str]:
-    """The error with each effect, and in words another test that the best one leaves missed most.
+    """The error with each effect, and in words what speaks against the best one.
+
+    It leaves another test missed most, or the tests one by one ask for more.
 
     Before and after are of one test, the one that the model misses most: errors of two tests, and
     what noise leaves of them, do not compare.
     """
     rows, at = [each.left.rows(parts, noise, tests) for each in tried], worst_of(tests)
     after = [error_of(each, noise, at=at) for each in rows]
+    if tried and not tried[0].left.misfit and chow_rejects(tried[0]):
+        return after, ", though each test by itself is followed better than chance lets"
     if not tried or not tried[0].left.misfit or worst_of(rows[0]) == at:
         return after, ""
     worst = rows[0][worst_of(rows[0])]
