@@ -40,3 +40,14 @@ def test_a_swing_is_no_straight_lines(cycles, noise):
 def test_what_has_no_noise_is_left_as_it_is():
     read = Loading(TIME, np.round(TIME, 3), sampled=True)
     assert straightened(read, 5.0 * TIME + 0.02 * NOISE[1])[0] is read
+
+
+@pytest.mark.parametrize("course", ["ramp", "two rates", "triangles"])
+def test_of_two_noisy_channels_the_one_along_straight_lines_was_imposed(course):
+    line = COURSES[course] / np.abs(COURSES[course]).max()
+    bent = np.convolve(line, np.exp(-TIME))[: len(TIME)] / 60.0 + 0.3 * line
+    line, bent = line + 0.005 * NOISE[0], bent + 0.001 * NOISE[1]
+    under_force = TimeTest.of_history(TIME, bent, line, "mm", "N")
+    assert under_force.control == "force"
+    assert "straight lines" in under_force.provenance["note control"]
+    assert TimeTest.of_history(TIME, line, bent, "mm", "N").control == "displacement"

@@ -12,12 +12,47 @@ from springpot.rheology.points import Real
 
 from ..numerics import SMALLEST, rms
 from ..thresholds import SIGNALS
-from .imposed import NEARLY_ALL, SHORTEST, Loading, from_rest, imposed_noise, is_white
+from .imposed import NEARLY_ALL, SHORTEST, Loading, controlled, from_rest, imposed_noise, is_white
 from .rounding import rounding_step
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST
 """Samples of a line at least, by which its noise is told from a course."""
+
+
+def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
+    """The channel (n,) that was imposed, and a note where that is less than plain.
+
+    As `controlled` says, but of two that are noisy the force where it goes along fewer straight
+    lines than the displacement does: what answers to a line is none.
+
+    Examples
+    --------
+    >>> t, noise = np.arange(400) / 100.0, 0.01 * np.random.default_rng(1).normal(size=(2, 400))
+    >>> control_of(t, t - 1.0 + np.exp(-t) + noise[0], t + noise[1])[0]
+    'force'
+    >>> control_of(t, t + noise[0], 1.0 - np.exp(-t) + noise[1])[0]
+    'displacement'
+    """
+    control, notes = controlled(clock, moved, pulled)
+    if control == "force" or len(clock) < FEWEST or not (_is_noisy(moved) and _is_noisy(pulled)):
+        return control, notes
+    (course, parts), others = lines(clock, pulled), len(lines(clock, moved)[1])
+    if not parts or 0 < others <= len(parts):
+        return control, notes
+    # As large a bend as the displacement has there would have been hidden in the force's noise.
+    bent = [_beside_line(clock[part], moved[part])[1] for part in parts]
+    if rms(np.concatenate(bent)) * rms(pulled) <= rms(pulled - course) * rms(moved):
+        return control, notes
+    said = (
+        "the force goes along straight lines and the displacement does not: the force is taken to"
+        " have been imposed; '?control=displacement' behind the file says otherwise"
+    )
+    return "force", {"note control": said}
+
+
+def _is_noisy(value: Real) -> bool:
+    return imposed_noise(value) > rms(rounding_step(value))
 
 
 def as_imposed(
@@ -54,9 +89,7 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     0.0
     """
     value = loading.value
-    if not loading.sampled or len(value) < FEWEST:
-        return loading, {}
-    if imposed_noise(value) <= rms(rounding_step(value)):
+    if not loading.sampled or len(value) < FEWEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
     course, said = without_noise(value, response, course, parts, "along straight lines")

@@ -18,11 +18,11 @@ from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .hum import without_hum
-from .imposed import SHORT, Loading, controlled, from_rest, is_released
+from .imposed import SHORT, Loading, from_rest, is_released
 from .rounding import even_clock
 from .rows import digest_of_columns
 from .steady_start import said_of_start
-from .straight import as_imposed
+from .straight import as_imposed, control_of
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -289,7 +289,7 @@ class TimeTest:
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
         # A channel that is held was imposed; the specimen's answer to it is not constant.
-        control, notes = controlled(clock, moved, pulled) if control is None else (control, {})
+        control, notes = control_of(clock, moved, pulled) if control is None else (control, {})
         imposed, response, unit = moved, pulled, force_unit
         if control == "force":
             imposed, response, unit = pulled, moved, displacement_unit
