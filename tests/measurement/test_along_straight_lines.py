@@ -51,3 +51,15 @@ def test_of_two_noisy_channels_the_one_along_straight_lines_was_imposed(course):
     assert under_force.control == "force"
     assert "straight lines" in under_force.provenance["note control"]
     assert TimeTest.of_history(TIME, line, bent, "mm", "N").control == "displacement"
+
+
+def test_lines_of_a_long_record_are_told_by_some_of_its_samples_and_end_at_all():
+    """A sine of 100,000 samples took ten seconds."""
+    t = np.linspace(0.0, 100.0, 20_000, endpoint=False)
+    course = np.abs(t % 40.0 - 20.0)
+    noise = 0.02 * np.random.default_rng(1).normal(size=len(t))
+    found, parts = lines(t, course + noise)
+    assert len(parts) == 5
+    # But where a corner lies the noise hides to a few samples.
+    assert np.sqrt(np.mean((found - course) ** 2)) < 0.002
+    assert lines(t, 5.0 * np.sin(t) + noise)[1] == []

@@ -13,6 +13,7 @@ from math import comb, log, sqrt
 
 import numpy as np
 
+from springpot.distributions import normal_sf
 from springpot.errors import DataError
 from springpot.rheology.motion import Between
 from springpot.rheology.points import STEADY, Real
@@ -284,12 +285,10 @@ def levels(value: Real) -> tuple[Real, list[slice]]:
 
 def is_white(left: Real) -> bool:
     """Whether neighbours are not alike, beyond chance (von Neumann 1941)."""
-    from scipy.special import ndtr
-
     count = len(left)
     unrest = float(np.mean(np.diff(left) ** 2)) / max(2.0 * float(np.var(left)), SMALLEST)
     off = (unrest - 1.0) / np.sqrt((count - 2.0) / (count**2 - 1.0))
-    return bool(ndtr(off) >= SIGNALS.ruled_out)
+    return bool(normal_sf(-off) >= SIGNALS.ruled_out)
 
 
 def _at_levels(value: Real) -> float:

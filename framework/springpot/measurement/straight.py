@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from springpot.distributions import f_sf
 from springpot.rheology.points import Real
 
-from ..numerics import SMALLEST, rms
+from ..numerics import ENOUGH, SMALLEST, evenly, rms
 from ..thresholds import SIGNALS
 from .imposed import NEARLY_ALL, SHORTEST, Loading, controlled, from_rest, imposed_noise, is_white
 from .rounding import rounding_step
@@ -109,6 +108,20 @@ def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
     >>> lines(t, 10.0 * np.sin(0.2 * t) + 0.01 * noise)[1]
     []
     """
+    rows = evenly(len(value), ENOUGH)
+    parts = _parts(clock[rows], value[rows])
+    if len(rows) < len(value):
+        parts = _of_all(
+            clock, value, [slice(rows[part.start], rows[part.stop - 1] + 1) for part in parts]
+        )
+    course = value.copy()
+    for part in parts:
+        course[part] -= _beside_line(clock[part], value[part])[1]
+    return course, parts
+
+
+def _parts(clock: Real, value: Real) -> list[slice]:
+    """Where a channel (n,) goes along straight lines; nowhere if for too little of it."""
     count = len(value)
     found, open_parts, spare = list[slice](), [slice(0, count)], (1.0 - NEARLY_ALL) * count
     while open_parts:
@@ -116,7 +129,7 @@ def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
         if part.stop - part.start < FEWEST:
             spare -= part.stop - part.start
             if spare < 0.0:
-                return value, []
+                return []
         elif _bend(clock[part], value[part]) is not None:
             found.append(part)
         else:
@@ -125,16 +138,20 @@ def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
     found = _joined(clock, value, sorted(found, key=lambda part: part.start))
     bends = sum(_bend(clock[part], value[part]) or 0.0 for part in found)
     # Of many short lines each may hide a bend that all of them together show.
-    if _by_chance(bends / (2.0 * len(found)), 2 * len(found), count) < SIGNALS.ruled_out:
-        return value, []
-    course = value.copy()
-    for part in found:
-        course[part] -= _beside_line(clock[part], value[part])[1]
-    return course, found
+    if f_sf(bends / (2.0 * len(found)), 2 * len(found), count) < SIGNALS.ruled_out:
+        return []
+    return found
 
 
-def _by_chance(ratio: float, more: int, count: int) -> float:
-    return float(f_sf(ratio, more, count))
+def _of_all(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
+    """The same lines of all samples (n,), told by some of them; none if one is bent after all."""
+    told = [slice(part.start, part.stop) for part in parts]
+    for i, other in enumerate(parts[1:]):
+        both = slice(told[i].start, other.stop)
+        at = both.start + _best_split(clock[both], value[both])
+        told[i], told[i + 1] = slice(both.start, at), slice(at, other.stop)
+    straight = all(_bend(clock[part], value[part]) is not None for part in told)
+    return told if straight else []
 
 
 def _beside_line(clock: Real, value: Real) -> tuple[Real, Real]:
@@ -151,7 +168,7 @@ def _bend(clock: Real, value: Real) -> float | None:
     spare = len(left) - 4
     noise = max((float(left @ left) - float(bends @ bends)) / spare, SMALLEST)
     power = float(bends @ bends) / noise
-    if _by_chance(power / 2.0, 2, spare) < SIGNALS.ruled_out or not is_white(left):
+    if f_sf(power / 2.0, 2, spare) < SIGNALS.ruled_out or not is_white(left):
         return None
     return power
 
@@ -175,16 +192,13 @@ def _left_by_lines(clock: Real, value: Real) -> Real:
 
 def _joined(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
     """Lines of which no two neighbours are one."""
-    ends = {0}
-    while len(ends) and len(parts) > 1:
-        ends = {
-            i
-            for i, (one, other) in enumerate(pairwise(parts))
-            if one.stop == other.start
-            and _bend(clock[one.start : other.stop], value[one.start : other.stop]) is not None
-        }
-        if ends:
-            first = min(ends)
-            both = slice(parts[first].start, parts[first + 1].stop)
-            parts = [*parts[:first], both, *parts[first + 2 :]]
-    return parts
+    joined: list[slice] = []
+    for part in parts:
+        while joined and joined[-1].stop == part.start:
+            both = slice(joined[-1].start, part.stop)
+            if _bend(clock[both], value[both]) is None:
+                break
+            joined.pop()
+            part = both
+        joined.append(part)
+    return joined
