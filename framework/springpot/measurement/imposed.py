@@ -276,8 +276,8 @@ def levels(value: Real) -> tuple[Real, list[slice]]:
         part = slice(first, last)
         left = value[part] - float(np.mean(value[part]))
         # Noise is told from a course by twice as many samples as a level without any.
-        fewest = SHORTEST if np.ptp(value[part]) == 0.0 else 2 * SHORTEST
-        if last - first >= fewest and (fewest == SHORTEST or is_white(left)):
+        exact = last - first >= SHORTEST and np.ptp(value[part]) == 0.0
+        if exact or (last - first >= 2 * SHORTEST and is_white(left)):
             level[part] -= left
             parts.append(part)
     return level, parts

@@ -356,8 +356,10 @@ def scatter_of_sweep(residual: Real, known: bool, followed: float = 0.0) -> Resi
     # Where nothing is missed all that is left is noise: of few points, whose neighbours tell hardly
     # more than its order, at least as much.
     if not known and local >= LOCAL:
-        apart = max(float(np.sqrt(power)), SMALLEST if told else apart)
-        worth = np.inf if told else worth
+        least = apart
+        if told:
+            least, worth = SMALLEST, np.inf
+        apart = max(float(np.sqrt(power)), least)
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
 
 
