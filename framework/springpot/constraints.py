@@ -189,6 +189,7 @@ def owning(
     OptionError
         If it is no mapping.
     """
+    tests = numbered(tests, model.needs)
     wanted = _of_ties(model, by_name(own, "own", '{"k": "batch"}'))
     shared = [share] if isinstance(share, str) else list(share)
     for name in shared:
@@ -207,7 +208,7 @@ def owning(
             f"{model.name}: levels have parameters of their own in a model with a name, not in a"
             " free spectrum: name one, such as fractional-zener"
         )
-    numbered = list(tests)
+    counted = list(tests)
     for name, column in wanted.items():
         names = [name]
         if name == EVERY:
@@ -219,9 +220,27 @@ def owning(
                 if each.rpartition(".")[0] not in of_levels and each not in shared
             ]
         model = model.owning(names, column)
-        sweep = sweep_of(numbered)
-        numbered = marked(numbered, column) if sweep is None else [_numbered(sweep, column)]
-    return model, numbered
+        sweep = sweep_of(counted)
+        counted = marked(counted, column) if sweep is None else [_numbered(sweep, column)]
+    return model, counted
+
+
+def numbered(tests: Sequence[Test], columns: Iterable[str]) -> list[Test]:
+    """The tests, with numbers for the words of those columns of which a law needs the levels.
+
+    Parameters
+    ----------
+    tests : sequence of Test
+        A sweep, or tests in time, which have no columns of words and stay as they are.
+    columns : iterable of str
+        What a model or an effect needs beside the frequency, such as ``"batch"``.
+    """
+    sweep = sweep_of(tests)
+    if sweep is None:
+        return list(tests)
+    for column in sorted(set(columns) & set(sweep.labels)):
+        sweep = _numbered(sweep, column)
+    return [sweep]
 
 
 def marked(tests: Sequence[Test], column: str) -> list[Test]:

@@ -383,7 +383,7 @@ class TimeSearch:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            if isinstance(part, InTimePart) and part.test.loading.before:
+            if isinstance(part, InTimePart) and part.test.loading.is_cycled:
                 _, slopes = self.residual([_after_many_cycles(part)], u)
             information += slopes @ slopes.T / part.beside(value, len(u))
         return inverse_of(information)
