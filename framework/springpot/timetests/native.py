@@ -565,7 +565,9 @@ class _Valley:
         Also where a parameter without an end is elsewhere.
         """
         low, high = result.low, result.high
-        if self._bent(result):
+        # What a wrong model leaves is no scatter that a rise of the objective could be told by.
+        at_noise = all(row.over_floor <= VERDICT.agrees for row in result.parts)
+        if at_noise and self._bent(result):
             low, high = _ends_of(self.profiled(result))
         if not np.any(high > LOST * np.maximum(low, 0.0)):
             return low, high
