@@ -398,8 +398,8 @@ class TimeSearch:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            if isinstance(part, InTimePart) and part.test.loading.before:
-                _, slopes = self.residual([_after_many_cycles(part)], u)
+            if (after := _after_many_cycles(part)) is not part:
+                _, slopes = self.residual([after], u)
             information += slopes @ slopes.T / part.beside(value, len(u))
         return inverse_of(information)
 
@@ -427,8 +427,10 @@ def part_result(
     return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
 
 
-def _after_many_cycles(part: InTimePart) -> InTimePart:
-    """A record of what had gone on, which had for much longer."""
+def _after_many_cycles(part: TestPart) -> TestPart:
+    """A record of what had gone on, which had for much longer; any other part itself."""
+    if not isinstance(part, InTimePart) or not part.test.loading.before:
+        return part
     test = replace(part.test, loading=lasting(part.test.loading))
     return replace(part, test=test, noise=part.sd)
 
@@ -514,12 +516,12 @@ class _Valley:
         plain = copy(search)
         plain.coordinates = replace(search.coordinates, pairs=())
         u = plain.coordinates.u(search.theta(found.u).copy(), plain.size)
-        parts: Sequence[TestPart] = search.quickly(found.parts)
+        parts = quick_parts([_after_many_cycles(each) for each in search.quickly(found.parts)])
         try:
             plain.residual(parts, u)
         # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
-            parts = found.parts
+            parts = [_after_many_cycles(each) for each in found.parts]
         return cls(plain, parts, found.parts, u)
 
     @cached_property
@@ -531,8 +533,10 @@ class _Valley:
                 self.search.residual([each], self.u) for each in (part, whole)
             )
             weight.append(np.full(len(value), whole.beside(known, len(self.u)) ** -0.5))
-            # Some samples of a long record know where they would be best, not where all are.
-            aside.append(value if len(value) < len(known) else np.zeros(len(value)))
+            # Some samples of a long record know where they would be best, not where all are; one
+            # that is taken to have gone on for longer, neither.
+            other = len(value) < len(known) or _after_many_cycles(whole) is not whole
+            aside.append(value if other else np.zeros(len(value)))
         return np.concatenate(weight), np.concatenate(aside)
 
     def plainly(self, u: Real) -> tuple[Real, Real]:
