@@ -79,6 +79,41 @@ def test_how_a_held_load_rose_before_its_first_sample_is_told_unless_it_is_known
     assert told[1:] == ["", ""]
 
 
+@pytest.mark.parametrize("count", [24, 60])
+def test_a_fluid_under_a_ramp_whose_first_sample_comes_later_rose_from_nothing(count):
+    """Held at its first value before, it would have flowed without end."""
+    t = np.arange(1.0, count + 1.0)
+    for noise in (0.0, 0.003 * np.random.default_rng(2).normal(size=count)):
+        force = t / count + noise
+        record = TimeTest.of_history(t, t / 2.0 + t**2 / 20.0, force, "mm", "N", control="force")
+        assert (record.loading.before, record.start) == (1, 0.0)
+        assert record.said_of_start == ""
+        fit = identify(record, springpot.parse_model("maxwell"))
+        assert fit.parameters["c"].value == pytest.approx(10.0 / count, rel=0.01)
+
+
+def test_what_was_held_before_a_ramp_is_no_rise_from_nothing():
+    t = np.arange(1.0, 61.0)
+    for clock in (t, t + 4815.0):
+        moved = 1.5 + 0.0 * t + 0.1 * np.maximum(t - 10.0, 0.0)
+        record = TimeTest.of_history(clock, moved, 2.0 * moved, "mm", "N", control="displacement")
+        assert record.loading.before == 0
+
+
+def test_a_load_that_is_held_at_a_late_hour_began_with_the_record():
+    t = np.linspace(0.0, 100.0, 60)
+    strain = 0.02 - 0.01 * np.exp(-t / 10.0)
+    record = TimeTest.of_history(t + 4815.0, strain, np.full(60, 7.0), "-", "Pa")
+    assert record.loading.jumps == ([4815.0], [7.0])
+    assert record.kind == "creep"
+    assert "held from its first sample at 4815 s on: stepped to then" in record.said_of_start
+    alone = TimeTest.of_compliance(t + 4815.0, strain, "Pa")
+    assert "is read 4815 s after its step and later" in alone.said_of_start
+    # Of few samples the first comes late beside the last, and soon beside the next.
+    few = TimeTest.of_history(t[1:10], strain[1:10], np.full(9, 7.0), "-", "Pa")
+    assert (few.kind, few.loading.time[0]) == ("creep", 0.0)
+
+
 def test_a_record_that_began_at_rest_stays_as_it_is():
     assert record(rest()).loading.before == 0
 

@@ -18,7 +18,7 @@ from springpot.errors import DataError
 from springpot.rheology.motion import Between
 from springpot.rheology.points import STEADY, Real
 
-from ..numerics import NORMAL, SMALLEST, rms
+from ..numerics import NORMAL, SMALLEST, TWO_DEVIATIONS, rms
 from ..thresholds import SIGNALS
 from .rounding import is_even, rounding_step
 
@@ -47,7 +47,8 @@ class Loading:
     sampled : bool
         Whether the knots are samples of something that may be smooth between them; see `Between`.
     before : int
-        Knots before the first sample: how it had gone on until then.
+        Knots before the first sample: how it had gone on until then, or one where it rose from
+        nothing.
 
     Raises
     ------
@@ -116,6 +117,11 @@ class Loading:
         if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
             return None
         return kept
+
+    @property
+    def is_cycled(self) -> bool:
+        """Whether it has cycles before the first sample, of which nobody knows how many."""
+        return self.before > 1
 
     @property
     def recorded(self) -> Loading:
@@ -323,12 +329,56 @@ def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
             np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]])
         )
     largest = np.abs(imposed).max()
-    if largest > 0.0 and np.ptp(imposed) <= STEADY * largest and clock[0] == 0.0:
+    held = largest > 0.0 and np.ptp(imposed) <= STEADY * largest
+    if held and (clock[0] == 0.0 or is_late(clock)):
         # Held from the first sample on: it was stepped to just then.
         return Loading(np.concatenate([clock[:1], clock]), np.concatenate([[0.0], imposed]))
-    if clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and clock[0] < SHORT * clock[-1]:
+    soon = held or clock[0] < SHORT * clock[-1]
+    there = clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and soon
+    if there and (held or not leads_to_nothing(clock, imposed)):
         return Loading(np.concatenate([[0.0], clock]), np.concatenate([[0.0], imposed]))
     return Loading(clock, imposed, sampled=True)
+
+
+def is_late(clock: Real) -> bool:
+    """Whether a record begins after more time than it takes: its clock may have begun elsewhere."""
+    return bool(clock[0] > clock[-1] - clock[0])
+
+
+def leads_to_nothing(clock: Real, value: Real) -> bool:
+    """Whether a channel (n,) whose first sample is after t = 0 comes from nothing at t = 0.
+
+    By the parabola through its first samples, within its error or half of the first one: what was
+    held there before is off by all of that. Not from further than these samples reach.
+
+    Examples
+    --------
+    >>> t = np.arange(1.0, 41.0)
+    >>> leads_to_nothing(t, 0.5 * t), leads_to_nothing(t, 0.5 * (t + 2.0))
+    (True, False)
+    """
+    at = clock[:SHORTEST]
+    if len(at) < SHORTEST or not 0.0 < at[0] <= at[-1] - at[0] or value[0] == 0.0:
+        return False
+    to_nothing = np.linalg.pinv(np.vander(at, 3))[-1]
+    noise = np.hypot(imposed_noise(value), rms(rounding_step(value)) / sqrt(12.0))
+    most = max(TWO_DEVIATIONS * noise * rms(to_nothing) * sqrt(SHORTEST), 0.5 * abs(value[0]))
+    return bool(abs(to_nothing @ value[:SHORTEST]) <= most)
+
+
+def since_nothing(loading: Loading, read: Real) -> Loading:
+    """A sampled loading that rises from nothing at t = 0 where what was `read` (n,) says so.
+
+    Examples
+    --------
+    >>> t = np.arange(1.0, 41.0)
+    >>> since_nothing(Loading(t, 0.5 * t, sampled=True), 0.5 * t).time[:2]
+    array([0., 1.])
+    """
+    if not loading.sampled or loading.before or not leads_to_nothing(loading.time, read):
+        return loading
+    time, value = (np.concatenate([[0.0], each]) for each in (loading.time, loading.value))
+    return replace(loading, time=time, value=value, before=1)
 
 
 def is_released(clock: Real, value: Real, largest: float) -> bool:

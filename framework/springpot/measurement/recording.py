@@ -351,7 +351,7 @@ def at_work(model: NamedNetwork, test: TimeTest) -> tuple[list[Placed], bool]:
 def is_eased(test: TimeTest) -> bool:
     """Whether it tells at each instant where an imposed force led, and how it came there."""
     loading = test.loading
-    known = test.measured and test.warmth is None and not loading.before
+    known = test.measured and test.warmth is None and not loading.is_cycled
     return known and test.control == "force" and not len(loading.jumps[0])
 
 

@@ -18,7 +18,7 @@ from springpot.rheology.points import STEADY, Real
 
 from ..numerics import NEGLIGIBLE, SMALLEST, rms, vertex
 from ..thresholds import SIGNALS
-from .imposed import NEARLY_ALL, SHORTEST, Loading, is_white, levels, share_held
+from .imposed import NEARLY_ALL, SHORTEST, Loading, is_late, is_white, levels, share_held
 from .rounding import is_even, rounding_step
 
 PERIODS_AFTER = 2
@@ -159,14 +159,22 @@ def rise_is_presumed(loading: Loading, kind: str, first: float) -> bool:
     return bool(loading.value[0] == 0.0 and loading.time[0] < loading.time[1] == first)
 
 
-def said_of_start(name: str, loading: Loading, kind: str, first: float) -> str:
-    """What a test is taken to have done before its record; nothing of most."""
+def said_of_start(name: str, loading: Loading, kind: str, time: Real) -> str:
+    """What a test is taken to have done before its record (n,); nothing of most."""
+    first = float(time[0])
+    if kind in ("relaxation", "creep") and is_late(time):
+        if loading.time[0] == first:
+            return f"{name} is held from its first sample at {first:.4g} s on: stepped to then"
+        return (
+            f"{name} is read {first - loading.time[0]:.4g} s after its step and later: if its clock"
+            " began elsewhere, count the time from the step"
+        )
     if rise_is_presumed(loading, kind, first):
         return (
             f"{name} is held from its first sample at {first:.3g} s on: taken to have"
             " risen evenly until then, which '?ramp=0[s]' behind the file turns to a step"
         )
-    if not loading.before:
+    if not loading.is_cycled:
         return ""
     return f"{name} repeats from its first cycle on: taken to have gone on before the record"
 

@@ -11,7 +11,16 @@ from springpot.rheology.points import Real
 
 from ..numerics import ENOUGH, SMALLEST, evenly, rms
 from ..thresholds import SIGNALS
-from .imposed import NEARLY_ALL, SHORTEST, Loading, controlled, from_rest, imposed_noise, is_white
+from .imposed import (
+    NEARLY_ALL,
+    SHORTEST,
+    Loading,
+    controlled,
+    from_rest,
+    imposed_noise,
+    is_white,
+    since_nothing,
+)
 from .rounding import rounding_step
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
@@ -58,13 +67,14 @@ def as_imposed(
     clock: Real, imposed: Real, rise: float | None, control: str, response: Real
 ) -> tuple[Loading, dict[str, str]]:
     """The loading that a recorded channel (n,) was, and a note on noise that it was not."""
-    imposed, said = still(imposed, response)
+    read = imposed
+    imposed, said = still(read, response)
     loading, noise = quiet(from_rest(clock, imposed, rise), response)
     if not noise:
         loading, noise = straightened(loading, response)
     if loading.sampled:
         loading = stepped_to(gone_on(loading, response), control, response)
-    return loading, said | noise
+    return since_nothing(loading, read), said | noise
 
 
 def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:

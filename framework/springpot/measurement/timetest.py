@@ -18,7 +18,7 @@ from ..numerics import SMALLEST
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .hum import without_hum
-from .imposed import SHORT, Loading, from_rest, is_released
+from .imposed import SHORT, Loading, from_rest, is_released, since_nothing
 from .rounding import even_clock
 from .rows import digest_of_columns
 from .steady_start import said_of_start
@@ -333,7 +333,7 @@ class TimeTest:
         _require_numbers(clock, course, name, control)
         # The same reading of a history as for a measured one, so that both are predicted alike.
         clock = even_clock(clock)
-        loading = from_rest(clock, course, None)
+        loading = since_nothing(from_rest(clock, course, None), course)
         return cls(
             clock,
             0.0 * clock,
@@ -403,7 +403,7 @@ class TimeTest:
     @property
     def said_of_start(self) -> str:
         """What it is taken to have done before its record; nothing of most."""
-        return said_of_start(self.name, self.loading, self.kind, self.time[0])
+        return said_of_start(self.name, self.loading, self.kind, self.time)
 
     @property
     def words(self) -> tuple[str, str]:
@@ -462,7 +462,7 @@ class TimeTest:
     def start(self) -> float:
         """When the load first moves, in s."""
         # Not the first knot: a record may begin long before the load does.
-        loading = self.loading.recorded
+        loading = self.loading.recorded if self.loading.is_cycled else self.loading
         moving = np.flatnonzero(np.diff(loading.value) != 0.0)
         return float(loading.time[moving[0]])
 
@@ -490,7 +490,9 @@ class TimeTest:
         # Told from the load alone: what a test is must not depend on how its specimen answered.
         steady = len(after) == 0 or bool(np.all(np.abs(after - after[-1]) <= STEADY * largest))
         released = len(after) > 0 and abs(after[-1]) < STEADY * largest
-        if steady and not released and self.rise <= SHORT * self.duration:
+        # A rise that was over before the first sample is short beside any of them.
+        over = self.start + self.rise <= self.time[0]
+        if steady and not released and (over or self.rise <= SHORT * self.duration):
             return {"displacement": "relaxation", "force": "creep"}[self.control]
         # The last value is held for as long as the test goes on.
         until = np.append(clock, max(clock[-1], self.time[-1]))

@@ -429,7 +429,7 @@ def part_result(
 
 def _after_many_cycles(part: TestPart) -> TestPart:
     """A record of what had gone on, which had for much longer; any other part itself."""
-    if not isinstance(part, InTimePart) or not part.test.loading.before:
+    if not isinstance(part, InTimePart) or not part.test.loading.is_cycled:
         return part
     test = replace(part.test, loading=lasting(part.test.loading))
     return replace(part, test=test, noise=part.sd)

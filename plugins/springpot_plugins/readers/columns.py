@@ -35,7 +35,7 @@ from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of
-from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, usual_unit
+from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, unit_proposal, usual_unit
 from .table import Column
 
 ROLES = (
@@ -136,7 +136,8 @@ def _unit(column: Column, table: dict[str, float], advice: str) -> str:
     try:
         return known_unit(column.unit, table, column.name)
     except DataError as error:
-        raise column.error(str(error)) from None
+        proposed = unit_proposal([column.name], column.title, column.unit)
+        raise column.error(f"{error}; {proposed}") from None
 
 
 def _omega(roles: Mapping[str, Column]) -> Real:
