@@ -23,6 +23,7 @@ from springpot.measurement.conversion import FILE, LEVELS, file_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, conditions, sweep_of, tests_without, together
 from springpot.measurement.units import Units
+from springpot.numerics import set_numbers
 from springpot.registry import plugins
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
@@ -319,8 +320,7 @@ def _labelled(sweep: Measurement, columns: str) -> Measurement:
     _, repeat = np.unique(words, return_inverse=True)
     if sweep.repeat is not None:
         # A repeat of one is none of another.
-        pairs = np.column_stack([repeat.ravel(), sweep.repeat])
-        _, repeat = np.unique(pairs, axis=0, return_inverse=True)
+        repeat = set_numbers(repeat.ravel(), sweep.repeat)
     return replace(sweep, labels={**sweep.labels, FILE: words}, repeat=repeat.ravel())
 
 

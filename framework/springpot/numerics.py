@@ -107,6 +107,62 @@ def evenly(count: int, most: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
 
 
+def rows_of_levels(number: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
+    """Rows of each of so many levels, in their order, by the level (n,) that each row is of.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import rows_of_levels
+    >>> [rows.tolist() for rows in rows_of_levels(np.array([2, 0, 2]), 3)]
+    [[1], [], [0, 2]]
+    """
+    import numpy as np
+
+    counts = np.bincount(number, minlength=count)
+    return np.split(np.argsort(number, kind="stable"), np.cumsum(counts)[:-1])
+
+
+def set_numbers(*columns: NDArray[Any]) -> NDArray[np.int64]:
+    """Number (n,) of the set of values that each row has of some columns (n,), in their order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import set_numbers
+    >>> set_numbers(np.array([5, 5, 1, 5]), np.array([0.2, 0.1, 0.3, 0.2]))
+    array([2, 1, 0, 2])
+    """
+    import numpy as np
+
+    _, number = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    return np.asarray(number.ravel(), dtype=np.int64)
+
+
+def rows_alike(*columns: NDArray[Any]) -> list[NDArray[np.intp]]:
+    """Rows of each set of values that some columns (n,) have together."""
+    number = set_numbers(*columns)
+    return rows_of_levels(number, int(number.max()) + 1)
+
+
+def level_means(number: NDArray[np.intp], values: NDArray[Any]) -> Any:
+    """Mean of the values (n,) of each level, by the level (n,) that each is of.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import level_means
+    >>> level_means(np.array([1, 0, 1]), np.array([2.0, 5.0, 4.0]))
+    array([5., 3.])
+    """
+    import numpy as np
+
+    sums: NDArray[Any] = np.bincount(number, values.real)
+    if np.iscomplexobj(values):
+        sums = sums + 1j * np.bincount(number, values.imag)
+    return sums / np.bincount(number)
+
+
 def vertex(before: Any, here: Any, after: Any) -> Any:
     """Where the parabola through three equidistant values turns, in steps from the middle one.
 

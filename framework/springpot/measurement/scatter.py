@@ -17,11 +17,11 @@ from scipy.special import gammaln
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
 from springpot.memory import effective_share
-from springpot.rheology.levels import levels_of, rows_of_levels
+from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
-from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, rows_alike
 from .measurement import Measurement
 from .rounding import rounding_step
 
@@ -347,10 +347,7 @@ def _rises_of(measurement: Measurement) -> Iterator[Real]:
     for level in levels:
         # By order: of temperatures the next is as far as the last, of amplitudes ten times it.
         yield from _rises(level.astype(np.float64))
-    _, sweep = np.unique(
-        np.stack([*levels, np.zeros(len(measurement))]), axis=1, return_inverse=True
-    )
-    sweeps = rows_of_levels(sweep.ravel(), int(sweep.max()) + 1)
+    sweeps = rows_alike(*levels, np.zeros(len(measurement)))
     # A single sweep is louder than no other, and points each of its own conditions are no sweeps.
     if 1 < len(sweeps) <= len(measurement) // 3:
         for rows in sweeps:
