@@ -67,7 +67,7 @@ def test_noise_may_be_larger_in_one_sweep_or_grow_with_the_temperature(louder):
 
 
 def with_coherence(coherence, n=120):
-    """A stiffness that scatters by 8 % below 25 rad/s, where the coherence is low, else by 0.4 %."""
+    """A stiffness that scatters by 8 % below 25 rad/s, where coherence is low, then by 0.4 %."""
     rng, omega = np.random.default_rng(2), np.linspace(1.0, 100.0, n)
     spread = np.where(omega < 25.0, 0.08, 0.004)
     exact = 50.0 + 10.0 * (1j * omega) ** 0.5
