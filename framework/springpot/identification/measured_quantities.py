@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.numerics import ALIKE, MOST_STEPS, REWEIGHTINGS, ROUNDING
+from springpot.numerics import ALIKE, MOST_STEPS, REWEIGHTINGS, ROUNDING, rows_alike
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -137,7 +137,7 @@ def curves(data: Measurement, along: str) -> Iterator[OneSweep]:
         yield OneSweep(x, storage, loss, at)
 
 
-def _groups(data: Measurement, held: Mapping[str, Real]) -> Iterator[NDArray[np.intp]]:
+def _groups(data: Measurement, held: Mapping[str, Real]) -> list[NDArray[np.intp]]:
     keys = [np.zeros(len(data), dtype=np.int64)]
     for name, column in held.items():
         if name == "frequency":
@@ -145,9 +145,7 @@ def _groups(data: Measurement, held: Mapping[str, Real]) -> Iterator[NDArray[np.
         # As many levels as leave a curve for each: more are what was measured beside it.
         elif name in CONDITIONS or FEWEST * len(np.unique(column)) <= len(data):
             keys.append(data.levels(name))
-    _, number = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
-    for i in range(int(number.max()) + 1):
-        yield np.flatnonzero(number.ravel() == i)
+    return rows_alike(*keys)
 
 
 def of_frequency(data: Measurement, hertz: float | None) -> Iterator[Quantity]:

@@ -17,7 +17,7 @@ from typing import TypeVar
 import numpy as np
 
 from springpot.memory import autocorrelation_time
-from springpot.numerics import BEYOND, PER_DECADE, non_negative
+from springpot.numerics import BEYOND, PER_DECADE, evenly, non_negative
 from springpot.rheology.points import STEADY, Complex, Real, real_form
 from springpot.thresholds import SIGNALS
 
@@ -76,8 +76,7 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
     if len(measurement) > MOST_ROWS:
         return {}
     sweep = max(sweeps_of(measurement), key=lambda each: len(each.rows))
-    picks = np.linspace(0, len(sweep.rows) - 1, MOST_POINTS).round().astype(int)
-    rows = sweep.rows[np.unique(picks)]
+    rows = sweep.rows[evenly(len(sweep.rows), MOST_POINTS)]
     omega, stiffness = measurement.omega[rows], measurement.stiffness[rows]
     if len(np.unique(omega)) < FEWEST_POINTS or omega.max() < LEAST_RANGE * omega.min():
         return {}

@@ -15,27 +15,13 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, rows_of_levels
 from .nodes import GRADIENT, VALUE, Node, Response, rename
 from .parameters import Parameter
 from .points import KELVIN, LARGEST_SHIFT, Points, Real, held
 
 WIDEST = float(np.exp(LARGEST_SHIFT))
 """Bound on a factor and its inverse: free factors go as far as any law, which they contain."""
-
-
-def rows_of_levels(number: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
-    """Rows of each of so many levels, in their order, by the level (n,) that each row is of.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology.levels import rows_of_levels
-    >>> [rows.tolist() for rows in rows_of_levels(np.array([2, 0, 2]), 3)]
-    [[1], [], [0, 2]]
-    """
-    counts = np.bincount(number, minlength=count)
-    return np.split(np.argsort(number, kind="stable"), np.cumsum(counts)[:-1])
 
 
 def levels_of(column: str, values: Real) -> NDArray[np.int64]:
