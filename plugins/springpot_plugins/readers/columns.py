@@ -16,6 +16,7 @@ from springpot.errors import DataError
 from springpot.measurement import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
+    COHERENCE,
     FILE_UNITS,
     FREQUENCY_UNITS,
     MODULUS_UNITS,
@@ -468,7 +469,9 @@ def _further(
             numbers[f"h{size[2] or size[3]}"] = share
         elif column.unit != TEXT and column.is_numeric():
             numbers[column.name] = column.numbers(gaps=True)
-            if unit != "-":
+            if column.name == COHERENCE and unit == "%":
+                numbers[column.name] *= STRAIN_UNITS[unit]
+            elif unit != "-":
                 units[column.name] = unit
         else:
             words[column.name] = np.array([cell.strip() for cell in column.cells])

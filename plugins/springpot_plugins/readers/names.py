@@ -203,6 +203,10 @@ _WORDS = {
     "raw_phase": """
         rawphase rawphase(torque) rawphaseangle rohphase
     """,
+    "coherence": """
+        coherence coh γ² γ^2 gamma² gamma^2 magnitudesquaredcoherence msc ordinarycoherence koharenz
+        coherencia coerenza coherencefunction
+    """,
     "status": """
         status statut estado stato messstatus zustand pointstatus
     """,
