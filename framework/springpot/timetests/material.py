@@ -21,6 +21,7 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.convex import SPACINGS, ConvexSpectrum, lattice, shown_by
+from springpot.identification.held_material import ends_of_amount
 from springpot.identification.leastsquares import REACH
 from springpot.identification.material import STILL, is_material
 from springpot.identification.material_fit import KEPT
@@ -159,6 +160,46 @@ def spectral(
     for each, start in sorted(convex, key=lambda pair: pair[1].cost)[:KEPT]:
         ends.append((each, each.descended(each.placed(start), MOST_STEPS)))
     return _best(ends, parts)
+
+
+def ends_of_material(
+    model: Model, theta: Real, parts: Sequence[TestPart], reference: float, quantile: float
+) -> tuple[Real, Real] | None:
+    """Intervals of K_e and c of a material with lines, as wide as other lines leave them.
+
+    Parameters
+    ----------
+    model : Model
+        The material and what surrounds it.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    parts, reference
+        What it was fitted to, as for `spectral`.
+    quantile : float
+        Standard deviations to the end of an interval.
+
+    Returns
+    -------
+    low, high : ndarray, shape (2,)
+        The ends; None where a load was imposed, under which a test is not linear in them.
+    """
+    lines = spectrum_of(model, theta)
+    own = theta[2 + len(lines.rates) :]
+    parts = [
+        part.with_scale(part.scale * np.sqrt(part.beside(left, len(theta))))
+        for part in parts
+        for left in [part.residual(model, theta, reference).value]
+    ]
+    around = coordinates_around(model, TimeSearch(model, parts, reference, thorough=False))
+    search = _Search(model, parts, reference, around, lines, own)
+    if not search.linear:
+        return None
+    u = around.u(own.copy(), search.size)
+    value, by_weights, by_u = search.slopes(search.weights, u)
+    columns = _beside(by_u, by_weights)
+    target = _beside(by_u, by_weights @ search.weights - value)
+    low, high = np.array([ends_of_amount(columns, target, i, quantile**2) for i in (0, 1)]).T
+    return low, high
 
 
 def descended_from(
