@@ -15,14 +15,7 @@ import numpy as np
 from springpot.distributions import f_sf, student
 from springpot.measurement.independence import at_one_frequency
 from springpot.memory import Links, autocorrelation_time
-from springpot.numerics import (
-    MOST_STEPS,
-    PRINTED,
-    ROUNDING,
-    Tangent,
-    non_negative,
-    orthonormal,
-)
+from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, Tangent, non_negative, orthonormal
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
