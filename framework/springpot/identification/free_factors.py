@@ -13,12 +13,7 @@ from springpot.distributions import student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
 from springpot.memory import Links, autocorrelation_time
-from springpot.numerics import (
-    ENDLESS,
-    ROUNDING,
-    Tangent,
-    level_means,
-)
+from springpot.numerics import ENDLESS, ROUNDING, Tangent, level_means
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of

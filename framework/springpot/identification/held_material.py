@@ -24,7 +24,6 @@ from springpot.numerics import (
     Tangent,
     non_negative,
     orthonormal,
-    projected_out,
 )
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum, asked_as_measured
@@ -355,8 +354,8 @@ def _ends_beside_lines(known: Uncertainty) -> list[tuple[float, float]]:
     answer = search.respond(Trial(search.u_of(fit.theta[own]), lines, weights, fit.cost))
     columns, by_own = np.split(search.weigh(answer.by_theta).T, [len(weights)], axis=1)
     target = columns @ weights + search.weigh(fit.measurement.stiffness - answer.value)
-    basis = orthonormal(by_own, RANK)
-    columns, target = projected_out(columns, basis), projected_out(target, basis)
+    around = Tangent.of(by_own, RANK)
+    columns, target = around.left(columns), around.left(target)
     rise = allowed_cost(known) - fit.cost
     return [ends_of_amount(columns, target, i, known.widening(i) * rise) for i in (0, 1)]
 

@@ -225,10 +225,11 @@ def descended_from(
     if len(parts) > 1:
         # Each test by what a material leaves of it when it follows that test alone.
         alone = [descended_from(lines, model, [part], reference, around) for part in parts]
-        pairs = list(zip(parts, alone, strict=True))
-        parts = [
-            part.with_scale(max(_left_by(found, part, reference), ALIKE)) for part, found in pairs
+        left = [
+            rms(part.residual(found.model, found.theta, reference).value)
+            for part, found in zip(parts, alone, strict=True)
         ]
+        parts = [part.with_scale(max(each, ALIKE)) for part, each in zip(parts, left, strict=True)]
         known += [found.spectrum for found in alone]
     elif parts[0].lines is not None:
         # Of one test without effects the convex form is the answer.
@@ -244,11 +245,6 @@ def descended_from(
     nearest = sorted(starts, key=lambda each: each[1].cost)[: KEPT + 1]
     ends = [(each, each.descended(start, MOST_STEPS, PRINTED)) for each, start in nearest]
     return _best(ends, parts, spared=False)
-
-
-def _left_by(found: FoundLines, part: TestPart, reference: float) -> float:
-    """Root mean square of what lines leave of a test."""
-    return rms(part.residual(found.model, found.theta, reference).value)
 
 
 class Around(NamedTuple):
@@ -521,17 +517,16 @@ class _Search:
                     * float(np.linalg.norm(signal))
                     / max(float(np.linalg.norm(effect)), SMALLEST)
                 )
-            change = effect * amount
-            least = _left(by_weights, others, by_weights @ weights - value)
-            for moved in (change, -change):
-                if (
-                    _left(by_weights, others, by_weights @ weights - value - moved) - least
-                    < TWO_DEVIATIONS
-                ):
-                    return (
-                        f"{names[i]}: another material could have done the same in these tests:"
-                        " name a model in place of 'material', or add a test of another kind"
-                    )
+            # By a step either way.
+            kept, *after = (
+                _left(by_weights, others, by_weights @ weights - value - step * amount * effect)
+                for step in (0.0, 1.0, -1.0)
+            )
+            if min(after) - kept < TWO_DEVIATIONS:
+                return (
+                    f"{names[i]}: another material could have done the same in these tests:"
+                    " name a model in place of 'material', or add a test of another kind"
+                )
         return ""
 
     def step(
