@@ -194,8 +194,7 @@ def ends_of_material(
     search = _Search(model, parts, reference, around, lines, own)
     if not search.linear:
         return None
-    u = around.u(own.copy(), search.size)
-    value, by_weights, by_u = search.slopes(search.weights, u)
+    value, by_weights, by_u = search.slopes(search.weights, around.u(own.copy(), search.size))
     columns = _beside(by_u, by_weights)
     target = _beside(by_u, by_weights @ search.weights - value)
     low, high = np.array([ends_of_amount(columns, target, i, quantile**2) for i in (0, 1)]).T
@@ -508,15 +507,10 @@ class _Search:
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
-            amount = 1.0
             # What may be of either sign has no logarithm, and may be nothing: it moves by what
             # could be seen.
-            if not self.coordinates.log[i]:
-                amount = (
-                    VISIBLE
-                    * float(np.linalg.norm(signal))
-                    / max(float(np.linalg.norm(effect)), SMALLEST)
-                )
+            seen = VISIBLE * rms(signal) / max(rms(effect), SMALLEST)
+            amount = 1.0 if self.coordinates.log[i] else seen
             # By a step either way.
             kept, *after = (
                 _left(by_weights, others, by_weights @ weights - value - step * amount * effect)
