@@ -433,6 +433,7 @@ def test_factors_of_levels_are_no_level_s_once_more(share, own):
     model = SimpleNamespace(
         name="made",
         material=None,
+        needs=frozenset(),
         names=["k", "c", "free-shift.a_1", "inertia.m"],
         bases={},
         named_effects=lambda: [

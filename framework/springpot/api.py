@@ -19,6 +19,7 @@ from springpot.constraints import (
     Bounds,
     constrained,
     excluded,
+    numbered,
     optimiser_of,
     own_values,
     owning,
@@ -350,13 +351,14 @@ def discover(
     held = constrained(_judged(model), timetests.units_of(tests), fix, bounds, tie)
     begin, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
-    data = sweep_of(tests)
-    known = library(effects, only, without, data)
+    known = library(effects, only, without, sweep_of(tests))
     # None lets the evidence decide; an empty list accepts nothing.
-    wanted = None
+    asked = None
     if accept is not None:
-        asked = enumerate(_listed(accept), 1)
-        wanted = [_met(_effect(effect, known, number), data) for number, effect in asked]
+        asked = [_effect(effect, known, number) for number, effect in enumerate(_listed(accept), 1)]
+        tests = numbered(tests, {column for effect in asked for column in effect.needs})
+    data = sweep_of(tests)
+    wanted = None if asked is None else [_met(effect, data) for effect in asked]
     if data is None:
         return timetests.discover(
             tests, begin, known, wanted, progress, reached, promised, begun, fitted

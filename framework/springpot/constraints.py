@@ -23,6 +23,7 @@ from springpot.measurement.conversion import FILE, LEVELS, file_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, conditions, sweep_of, tests_without, together
 from springpot.measurement.units import Units
+from springpot.numerics import set_numbers
 from springpot.registry import plugins
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
@@ -188,6 +189,7 @@ def owning(
     OptionError
         If it is no mapping.
     """
+    tests = numbered(tests, model.needs)
     wanted = _of_ties(model, by_name(own, "own", '{"k": "batch"}'))
     shared = [share] if isinstance(share, str) else list(share)
     for name in shared:
@@ -206,7 +208,7 @@ def owning(
             f"{model.name}: levels have parameters of their own in a model with a name, not in a"
             " free spectrum: name one, such as fractional-zener"
         )
-    numbered = list(tests)
+    counted = list(tests)
     for name, column in wanted.items():
         names = [name]
         if name == EVERY:
@@ -218,9 +220,27 @@ def owning(
                 if each.rpartition(".")[0] not in of_levels and each not in shared
             ]
         model = model.owning(names, column)
-        sweep = sweep_of(numbered)
-        numbered = marked(numbered, column) if sweep is None else [_numbered(sweep, column)]
-    return model, numbered
+        sweep = sweep_of(counted)
+        counted = marked(counted, column) if sweep is None else [_numbered(sweep, column)]
+    return model, counted
+
+
+def numbered(tests: Sequence[Test], columns: Iterable[str]) -> list[Test]:
+    """The tests, with numbers for the words of those columns of which a law needs the levels.
+
+    Parameters
+    ----------
+    tests : sequence of Test
+        A sweep, or tests in time, which have no columns of words and stay as they are.
+    columns : iterable of str
+        What a model or an effect needs beside the frequency, such as ``"batch"``.
+    """
+    sweep = sweep_of(tests)
+    if sweep is None:
+        return list(tests)
+    for column in sorted(set(columns) & set(sweep.labels)):
+        sweep = _numbered(sweep, column)
+    return [sweep]
 
 
 def marked(tests: Sequence[Test], column: str) -> list[Test]:
@@ -300,8 +320,7 @@ def _labelled(sweep: Measurement, columns: str) -> Measurement:
     _, repeat = np.unique(words, return_inverse=True)
     if sweep.repeat is not None:
         # A repeat of one is none of another.
-        pairs = np.column_stack([repeat.ravel(), sweep.repeat])
-        _, repeat = np.unique(pairs, axis=0, return_inverse=True)
+        repeat = set_numbers(repeat.ravel(), sweep.repeat)
     return replace(sweep, labels={**sweep.labels, FILE: words}, repeat=repeat.ravel())
 
 

@@ -7,7 +7,7 @@ added, compared or measured.
 from __future__ import annotations
 
 from math import log, sqrt
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     import numpy as np
@@ -107,6 +107,62 @@ def evenly(count: int, most: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
 
 
+def rows_of_levels(number: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
+    """Rows of each of so many levels, in their order, by the level (n,) that each row is of.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import rows_of_levels
+    >>> [rows.tolist() for rows in rows_of_levels(np.array([2, 0, 2]), 3)]
+    [[1], [], [0, 2]]
+    """
+    import numpy as np
+
+    counts = np.bincount(number, minlength=count)
+    return np.split(np.argsort(number, kind="stable"), np.cumsum(counts)[:-1])
+
+
+def set_numbers(*columns: NDArray[Any]) -> NDArray[np.int64]:
+    """Number (n,) of the set of values that each row has of some columns (n,), in their order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import set_numbers
+    >>> set_numbers(np.array([5, 5, 1, 5]), np.array([0.2, 0.1, 0.3, 0.2]))
+    array([2, 1, 0, 2])
+    """
+    import numpy as np
+
+    _, number = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    return np.asarray(number.ravel(), dtype=np.int64)
+
+
+def rows_alike(*columns: NDArray[Any]) -> list[NDArray[np.intp]]:
+    """Rows of each set of values that some columns (n,) have together."""
+    number = set_numbers(*columns)
+    return rows_of_levels(number, int(number.max()) + 1)
+
+
+def level_means(number: NDArray[np.intp], values: NDArray[Any]) -> Any:
+    """Mean of the values (n,) of each level, by the level (n,) that each is of.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.numerics import level_means
+    >>> level_means(np.array([1, 0, 1]), np.array([2.0, 5.0, 4.0]))
+    array([5., 3.])
+    """
+    import numpy as np
+
+    sums: NDArray[Any] = np.bincount(number, values.real)
+    if np.iscomplexobj(values):
+        sums = sums + 1j * np.bincount(number, values.imag)
+    return sums / np.bincount(number)
+
+
 def vertex(before: Any, here: Any, after: Any) -> Any:
     """Where the parabola through three equidistant values turns, in steps from the middle one.
 
@@ -135,6 +191,59 @@ def projected_out(values: Real, basis: Real) -> Real:
     array([0., 4.])
     """
     return values - basis @ (basis.T @ values)
+
+
+class Tangent(NamedTuple):
+    """What small changes of some amounts make, as a linear step has it.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (m, r)
+        Orthonormal.
+    back : ndarray, shape (p, r)
+        The change of the amounts that makes each of its directions.
+    lost : ndarray, shape (p,)
+        Part of each amount, by its size, in changes that make nothing.
+    """
+
+    basis: Real
+    back: Real
+    lost: Real
+
+    @classmethod
+    def of(cls, slopes: Real, tolerance: float = ALIKE) -> Tangent:
+        """That of slopes (m, p), scaled first, so that the units of the amounts do not matter."""
+        import numpy as np
+        from scipy.linalg import svd
+
+        size = np.linalg.norm(slopes, axis=0)
+        # What changes nothing has a column of nothing.
+        size = np.where(size > 0.0, size, 1.0)
+        # By singular values of the slopes themselves: parameters of a fit are often nearly
+        # dependent, a QR would keep rounding as a direction, and their square half of the digits.
+        try:
+            u, s, v = np.linalg.svd(slopes / size, full_matrices=False)
+        except np.linalg.LinAlgError:
+            # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one
+            # does not.
+            u, s, v = svd(slopes / size, full_matrices=False, lapack_driver="gesvd")
+        good = s > tolerance * s.max(initial=0.0)
+        u, s, v = u[:, good], s[good], v[good]
+        lost = np.sqrt(np.maximum(1.0 - np.sum(v * v, axis=0), 0.0))
+        return cls(u, (v.T / s) / size[:, None], lost)
+
+    def left(self, values: Real) -> Real:
+        """What of (m,) or columns (m, c) the amounts cannot make."""
+        return projected_out(values, self.basis)
+
+    def step(self, wanted: Real) -> Real:
+        """The change of the amounts (p,) that makes something (m,), as nearly as they can."""
+        return self.back @ (self.basis.T @ wanted)
+
+
+def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
+    """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
+    return Tangent.of(columns, tolerance).basis
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:

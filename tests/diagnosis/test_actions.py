@@ -89,3 +89,39 @@ def test_that_it_is_to_be_turned_is_said_first(apart):
 def test_a_row_that_stands_out_is_left_out_by_its_number():
     assert leaving_out(12, 0.01).command == "springpot diagnose DATA --exclude row=12"
     assert splitting("band tension", 0.1).command.endswith("--split 'band tension'")
+
+
+def three_specimens(late=0.0):
+    """Three bushes that differ in stiffness, and a force that comes a moment late."""
+    omega = np.tile(OMEGA, 3)
+    stiffness = np.repeat([0.9, 1.0, 1.2], len(OMEGA)) * (40.0 + 8.0 * (1j * omega) ** 0.5)
+    stiffness *= np.exp(-1j * late * omega)
+    noise = 0.005 * np.random.default_rng(4).normal(size=(2, len(omega)))
+    names = np.repeat(["left", "right", "spare"], len(OMEGA))
+    return springpot.Measurement(
+        omega, stiffness * (1.0 + noise[0] + 1j * noise[1]), labels={"bush": names}
+    )
+
+
+def test_a_column_of_words_has_factors_of_its_own():
+    model = "fractional-kelvin + free-vertical-shift:bush"
+    assert springpot.identify(three_specimens(), model).relative_rms < 0.01
+
+
+@pytest.mark.soak
+def test_a_column_of_words_is_split_too():
+    known = {"only": ["time-delay", "inertia"], "accept": of_each("bush")}
+    ladder = springpot.discover(three_specimens(0.003), "fractional-kelvin", **known)
+    assert ladder.steps[-1].relative_rms < 0.6 * ladder.steps[0].relative_rms
+    assert ladder.diagnosis.leading == ("time-delay",)
+    assert "bush: 1 is left, 2 is right, 3 is spare" in ladder.diagnosis.notes
+
+
+@pytest.mark.soak
+def test_what_a_split_will_leave_is_without_the_effect_beside_it():
+    data = three_specimens(0.003)
+    found = springpot.diagnose(data, "fractional-kelvin", only=["time-delay", "inertia"])
+    (step,) = found.steps
+    assert step.split == "bush"
+    ladder = springpot.discover(data, "fractional-kelvin", accept=of_each("bush"), only=FEW)
+    assert step.error_after == pytest.approx(ladder.steps[-1].relative_rms, rel=0.05)

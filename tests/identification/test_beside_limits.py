@@ -29,3 +29,27 @@ def test_what_the_data_tell_keeps_its_interval():
     fit = springpot.identify(data, "zener")
     known = springpot.identification.Uncertainty.of(fit.fit)
     assert np.array_equal([fit.low, fit.high], known.interval())
+
+
+def half_a_swing(seed):
+    """A spring of 200 N/m beside a dashpot of 30 N s/m, carried along half a sine from rest."""
+    rng, t = np.random.default_rng(seed), 0.02 * np.arange(101)
+    x = 0.03 * np.sin(0.5 * np.pi * t)
+    force = 200.0 * x + 30.0 * 0.015 * np.pi * np.cos(0.5 * np.pi * t)
+    return springpot.TimeTest.of_history(t, x, force + 0.02 * rng.normal(size=101), "m", "N")
+
+
+@pytest.mark.parametrize("seed", [6, 7])
+def test_in_time_a_limit_that_fits_as_well_lies_within(seed):
+    """A spring in series that does not give; by slopes the other one was [166, 240] N/m."""
+    fit = springpot.identify(half_a_swing(seed), "zener")
+    told = dict(zip(fit.model.names, zip(fit.low, fit.high, strict=True), strict=True))
+    assert 199.5 < told["k1"][0] < 200.0 < told["k1"][1] < 200.5
+    assert 29.5 < told["c"][0] < 30.0 < told["c"][1] < 30.5
+    assert 2000.0 < told["k2"][0] < 1e-3 * told["k2"][1]
+
+
+def test_in_time_what_the_tests_tell_keeps_its_interval():
+    """That of its slopes: by the same factor either way."""
+    fit = springpot.identify(half_a_swing(1), "kelvin")
+    assert fit.low * fit.high == pytest.approx(fit.theta**2, rel=1e-9)

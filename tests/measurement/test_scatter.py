@@ -64,3 +64,30 @@ def test_noise_may_be_larger_in_one_sweep_or_grow_with_the_temperature(louder):
     noise = size * data.magnitude * (rng.standard_normal(75) + 1j * rng.standard_normal(75))
     told, _ = scatter.robust_noise_shape(data, noise, np.arange(75), uneven=True)
     np.testing.assert_allclose(told.real / data.magnitude / size, 1.0, atol=0.6)
+
+
+def with_coherence(coherence, n=120):
+    """A stiffness that scatters by 8 % below 25 rad/s, where coherence is low, then by 0.4 %."""
+    rng, omega = np.random.default_rng(2), np.linspace(1.0, 100.0, n)
+    spread = np.where(omega < 25.0, 0.08, 0.004)
+    exact = 50.0 + 10.0 * (1j * omega) ** 0.5
+    told = {} if coherence is None else {"coherence": coherence(spread)}
+    off = exact * spread * (rng.normal(size=n) + 1j * rng.normal(size=n))
+    return Measurement(omega, exact + off, conditions=told), off, spread
+
+
+def test_coherence_tells_how_the_noise_goes():
+    data, off, spread = with_coherence(lambda spread: 1.0 / (1.0 + 40.0 * spread**2))
+    sd, turn = scatter.robust_noise_shape(data, off, np.arange(len(off)))
+    assert turn is None
+    relative = sd.real / data.magnitude
+    assert relative[0] / relative[-1] == pytest.approx(spread[0] / spread[-1], rel=0.25)
+
+
+@pytest.mark.parametrize("wrong", [lambda spread: 0.9 + 0.0 * spread, lambda spread: 1.0 + spread])
+def test_what_is_no_coherence_tells_nothing(wrong):
+    data, off, _ = with_coherence(wrong)
+    without, *_ = with_coherence(None)
+    rows = np.arange(len(off))
+    mine = scatter.robust_noise_shape(data, off, rows)[0]
+    np.testing.assert_allclose(mine, scatter.robust_noise_shape(without, off, rows)[0])

@@ -156,11 +156,12 @@ def test_loss_over_storage_is_drawn_by_decades_only_where_both_are_positive(part
         assert axes.get_xscale() == scale
 
 
-@pytest.mark.parametrize(("spread", "levels"), [(0.9, 2), (1.1, None)])
-def test_a_chain_of_neighbours_is_no_level_where_it_is_too_long(spread, levels):
-    chain = np.linspace(0.0, spread * sweeps.SPREAD["temperature"], 6)
-    found = sweeps._levels("temperature", np.concatenate([chain, 40.0 + chain]))
-    assert (None if found is None else len(set(found))) == levels
+@pytest.mark.parametrize(("between", "parts"), [(2.1, 2), (1.9, 1)])
+def test_a_chain_of_neighbours_is_no_level_where_it_is_as_wide_as_what_lies_between(between, parts):
+    chain = np.linspace(0.0, 2.0, 6)
+    celsius = np.concatenate([chain, chain[-1] + between + chain])
+    found = sweeps._split("temperature", celsius, np.tile(np.arange(6.0), 2), np.arange(12))
+    assert len(found) == parts
 
 
 @pytest.mark.parametrize(

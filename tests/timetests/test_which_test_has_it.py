@@ -107,6 +107,14 @@ def test_an_effect_of_one_test_is_typed_with_its_name():
         identify(three_tests(2, "creep"), parse_model("zener + test-gain:bend"))
 
 
+def test_a_gain_of_one_test_in_time_is_tried_once():
+    tests, both = three_tests(1), [plugins().effect(name) for name in ("gain-error", "test-gain")]
+    forms = [form.name for effect in both for form in at_tests(effect, tests)]
+    assert forms == ["gain-error", "test-gain:relax", "test-gain:creep"]
+    forms = [form.name for effect in both for form in at_tests(effect, tests[1:])]
+    assert forms == ["gain-error", "test-gain:relax", "test-gain:creep"]
+
+
 def test_a_test_by_itself_has_no_gain():
     gain = plugins().effect("test-gain")
     sweep, relax, creep = three_tests(1)

@@ -356,8 +356,13 @@ def _steps(
     if spec := turned(measurement.provenance):
         yield turning(spec)
     error = search.base.error
-    if isinstance(cause, Column) and cause.name in measurement.conditions:
-        yield splitting(cause.name, error * float(np.sqrt(max(1.0 - cause.share, 0.0))))
+    known = {**measurement.conditions, **measurement.labels}
+    if isinstance(cause, Column) and cause.name in known:
+        # Taken from what the best model leaves: a mass beside the gains is not split off with them.
+        taken = cause.of_gains * min(search.best.error, error) ** 2
+        left = float(np.sqrt(max(error**2 - taken, 0.0)))
+        if left < VERDICT.helps * error:
+            yield splitting(cause.name, left)
     elif cause is None and verdict in SEEN and (rest := evidence.rest) and rest.column:
         # What each level of a condition has of its own hides the rest from every later test.
         yield splitting(rest.column, what="what is left")

@@ -23,14 +23,13 @@ from springpot.misfit.frame import (
     DRIFT_DEGREE,
     LEAST_SEEN,
     NoiseFrame,
-    orthonormal,
     relative_to,
 )
 from springpot.misfit.refit import Refit
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, INTERVAL, VERDICT
 
-from ..numerics import ROUNDING, SMALLEST, projected_out
+from ..numerics import ROUNDING, SMALLEST, evenly, orthonormal, projected_out
 
 if TYPE_CHECKING:
     from .grown import Grown, Search
@@ -273,9 +272,7 @@ def _step(frame: NoiseFrame) -> Iterator[Unknown]:
         return
     # Two frequencies on each side at least: a step beside a single one is a bad point.
     between = 0.5 * (levels[1:-2] + levels[2:-1])
-    between = between[
-        np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)
-    ]
+    between = between[evenly(len(between), MOST_STEPS)]
     drops = _each_alone(
         frame, (np.log(frame.measurement.omega) > between[:, None]).astype(np.complex128)
     )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
+from springpot.identification.kept import note_on_levels, words_in
 from springpot.identification.known_factors import refused_in_words
 from springpot.identification.value import Value
 from springpot.measurement.independence import at_one_frequency, moved_along
@@ -86,6 +87,8 @@ def notes(
     yield from _of_one_frequency(search)
     yield from refused_in_words(search.base.fit)
     yield from _of_data(search, outliers, measured)
+    words = words_in(search.base.data.raw)
+    yield from (note_on_levels(words, name) for name in words if name in search.base.model.needs)
     for finding in unexplained_harmonics(search, verdict):
         yield (
             f"{finding.says}; the model does not make it,"

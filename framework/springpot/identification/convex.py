@@ -19,15 +19,7 @@ from springpot.errors import SpringpotError
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.numerics import (
-    DECADE,
-    ENOUGH,
-    HALVINGS,
-    PER_DECADE,
-    SMALLEST,
-    evenly,
-    non_negative,
-)
+from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, SMALLEST, evenly, non_negative
 from springpot.rheology.effect import ALL
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
 from .fitted import Fit
-from .leastsquares import WHOLE, Rows, Solution, levenberg_marquardt
+from .leastsquares import WHOLE, Evaluate, Rows, Solution, levenberg_marquardt
 from .native import CONFIRMED, NEAR, within_bounds
 from .normal import Equations, matrix_of
 from .task import Task
@@ -161,16 +161,48 @@ def bent(known: Uncertainty) -> list[int]:
     # Of computed data the objective rises by rounding alone, and no interval has a digit.
     seen = known.quantile * spread[rows] > NEGLIGIBLE
     rows = rows[np.isfinite(spread[rows]) & seen]
-    step = known.quantile * matrix_of(covariance)[rows] / spread[rows, None]
-    ends = fit.u + np.concatenate([step, -step])
-    evaluate = fit.task.evaluator(np.zeros(len(ends), dtype=np.intp))
-    low, high = (bound[0] for bound in fit.task.coordinates.bounds)
+    steps = known.quantile * matrix_of(covariance)[rows] / spread[rows, None]
+
+    def evaluate(u: Real, numbers: Rows) -> tuple[Real, Real]:
+        return fit.task.evaluator(np.zeros(len(u), dtype=np.intp))(u, numbers)
+
+    off = off_their_slopes(evaluate, fit.u, steps, fit.task.coordinates.bounds)
+    return [int(i) for i in rows[off]]
+
+
+def off_their_slopes(
+    evaluate: Evaluate, u: Real, steps: Real, bounds: tuple[Real, Real]
+) -> NDArray[np.bool_]:
+    """Whether along each of some steps the objective rises otherwise than by its slopes.
+
+    To twice of what they foretell on one side at least, or to half of it.
+
+    Parameters
+    ----------
+    evaluate : callable
+        Residuals and their slopes by the coordinates, as `levenberg_marquardt` asks for them.
+    u : ndarray, shape (p,)
+        The best fit.
+    steps : ndarray, shape (r, p)
+        From it to one end of each interval, and as far to the other one.
+    bounds : tuple of ndarray, each of shape (1, p)
+        Of the coordinates.
+
+    Returns
+    -------
+    ndarray of bool, shape (r,)
+    """
+    both = np.concatenate([steps, -steps])
+    low, high = (bound[0] for bound in bounds)
+    places = np.concatenate([u[None], np.clip(u + both, low, high)])
     with np.errstate(all="ignore"):
-        residual, _ = evaluate(np.clip(ends, low, high), np.arange(len(ends)))
-        foretold = np.sum((np.concatenate([step, step]) @ known.slopes.T) ** 2, axis=1)
-        risen = (np.sum(residual**2, axis=1) - fit.cost) / foretold
+        residual, slopes = evaluate(places, np.arange(len(places)))
+        by_slopes, objective = both @ slopes[0], np.sum(residual**2, axis=1)
+        # A search may rest a little beside the bottom, from where one side falls at first.
+        risen = objective[1:] - objective[0] - 2.0 * by_slopes @ residual[0]
+        risen /= np.sum(by_slopes**2, axis=1)
     off = np.reshape(~((risen > 0.5) & (risen < 2.0)), (2, -1))
-    return [int(i) for i in rows[off.any(axis=0)]]
+    return np.asarray(off.any(axis=0))
 
 
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
@@ -205,7 +237,7 @@ class Path:
     coordinates: Coordinates
     u: Real
     i: int
-    evaluate: Callable[[Real, Rows], tuple[Real, Real]]
+    evaluate: Evaluate
     equations: Equations = WHOLE
 
     @classmethod

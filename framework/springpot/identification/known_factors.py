@@ -22,7 +22,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
-from ..numerics import ALIKE, DECADE, DEVIATIONS
+from ..numerics import ALIKE, DECADE, DEVIATIONS, level_means
 from .fitted import Fit
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
@@ -96,7 +96,7 @@ def allowed_shifts(data: Measurement, bound: Levels, log_b: Real, own: Alone) ->
     number = levels_of(bound.column, data.points.need(bound.column))
     low, high = ranges(number, np.log(data.magnitude) - log_b)
     # Of a plateau the extremes are those of its scatter, and sweeps far apart on it share none.
-    fitted, factor = np.isfinite(own.low), np.bincount(number, log_b) / np.bincount(number)
+    fitted, factor = np.isfinite(own.low), level_means(number, log_b)
     low, high = np.where(fitted, own.low - factor, low), np.where(fitted, own.high - factor, high)
     # Beyond their scatter: where two ends only just meet, nobody knows that they do.
     surely = meeting(low, high, -DEVIATIONS * np.sqrt(scatter_between(own)))
@@ -159,7 +159,7 @@ def _apart(fit: Fit, effect: Effect, log_a: Real) -> str:
     data, (column,) = fit.measurement, effect.needs
     bound = Levels(column).bound_to(data.points)
     number = levels_of(column, data.points.need(column))
-    shifts = np.bincount(number, log_a) / np.bincount(number)
+    shifts = level_means(number, log_a)
     log_b = np.zeros(len(number))
     for each in fit.model.effects:
         own = [i for i, name in enumerate(fit.model.names) if name.startswith(f"{each.name}.")]

@@ -17,7 +17,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import ROUNDING, SMALLEST, rms
+from ..numerics import ROUNDING, SMALLEST, level_means, rms, set_numbers
 from .material import shifted_by
 from .native import fit
 from .problem import Objective, default_objective, relative_objective
@@ -163,12 +163,9 @@ def parts_of(sweep: Measurement) -> tuple[StorageOrLoss, StorageOrLoss]:
 
 def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
     """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
-    rows = np.column_stack([number, frequency_numbers(data)])
-    _, group = np.unique(rows, axis=0, return_inverse=True)
-    group = group.ravel()
+    group = set_numbers(number, frequency_numbers(data))
     count = np.bincount(group)
-    mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
-    square = np.abs(data.stiffness / mean[group] - 1.0) ** 2
+    square = np.abs(data.stiffness / level_means(group, data.stiffness)[group] - 1.0) ** 2
     spare = np.bincount(number, 1.0 - 1.0 / count[group])
     summed = np.bincount(number, square)
     # One pair of repeats leaves one degree of freedom; without repeats there is nothing to divide.
@@ -264,7 +261,7 @@ def weighing_of(
         )
         objective = relative_objective()
         own = each_alone(measurement, number, objective, unfitted)
-    means = np.bincount(number, values) / np.bincount(number)
+    means = level_means(number, values)
     factors = _by_own_size(measurement, number, own, unfitted)
     if np.any(factors != 1.0 + 1.0j):
         by_part = _ByLevel(objective, column, means, factors)

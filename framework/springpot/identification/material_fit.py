@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned as thinned_rows
-from springpot.numerics import DECADE, MOST_STEPS, vertex
+from springpot.numerics import DECADE, MOST_STEPS, level_means, vertex
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.factors import arrhenius, wlf
@@ -498,7 +498,7 @@ def _as_factors(
     constants = np.array([known[f"{law.name}.{p.name}"] for p in law.element.parameters])
     number = levels_of(levels.column, points.need(levels.column))
     log_a = law.element.respond(constants, points).value.real
-    log_a = np.bincount(number, log_a) / np.bincount(number)
+    log_a = level_means(number, log_a)
     at_reference = log_a[levels.reference]
     factors = np.exp(log_a - at_reference)[list(levels.free)].tolist()
     names = [f"{free.name}.{parameter.name}" for parameter in levels.parameters]

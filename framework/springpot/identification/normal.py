@@ -19,10 +19,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, SMALLEST, projected_out
+from ..numerics import ALIKE, SMALLEST, projected_out, rows_of_levels
 
 Mask = NDArray[np.bool_]
 

@@ -21,13 +21,12 @@ from springpot.measurement.covered import Covered, between
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
-from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Complex, Points, Real, held
 from springpot.thresholds import INTERVAL
 from springpot.writing import LISTED, NAMED, listed, suggested, table, tag
 
-from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
+from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST, rows_of_levels
 from .kept import called
 from .normal import Bordered, Covariance, lost_and_known
 

@@ -69,7 +69,11 @@ if TYPE_CHECKING:
     )
     from .recording import Record as Record
     from .replicates import average_repeats as average_repeats, thinned as thinned
-    from .scatter import at_least_rounding as at_least_rounding, with_noise as with_noise
+    from .scatter import (
+        COHERENCE as COHERENCE,
+        at_least_rounding as at_least_rounding,
+        with_noise as with_noise,
+    )
     from .signals import Signals as Signals, harmonics_of as harmonics_of
     from .timenoise import noise_of as noise_of
     from .timetest import TimeTest as TimeTest

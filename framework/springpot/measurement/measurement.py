@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError, plain
 from springpot.lazy import Drawn
-from springpot.rheology.points import HELD, KELVIN, ROOM, Complex, Points, Real
+from springpot.rheology.points import HELD, HELD_OTHER, KELVIN, ROOM, Complex, Points, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST, rows_alike
 from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
 from .rows import Rows, digest_of_columns, rows_without
 from .units import AMPLITUDE_UNITS, Units
@@ -455,18 +455,13 @@ class Measurement(Rows, Drawn):
 
         Neighbouring values that lie closer than a rig holds what was set are one level.
         """
-        return _levels(name, self.conditions[name])
+        return held_levels(name, self.conditions[name])
 
-    def sweeps(
-        self, tolerance: float = 2e-3, held: Collection[str] = CONDITIONS
-    ) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    def sweeps(self, held: Collection[str] = CONDITIONS) -> Iterator[tuple[str, NDArray[np.int64]]]:
         """Labels and row numbers of the frequency sweeps, one per set of conditions and repeat.
 
         Parameters
         ----------
-        tolerance : float
-            Neighbouring values that differ by less than this share of the largest are one
-            condition.
         held : collection of str
             Conditions that were held during a sweep.
         """
@@ -480,16 +475,13 @@ class Measurement(Rows, Drawn):
         if not columns:
             yield "all", np.arange(len(self))
             return
-        keys = np.column_stack([_clusters(column, tolerance) for column in columns.values()])
-        combinations, which = np.unique(keys, axis=0, return_inverse=True)
-        for i in range(len(combinations)):
-            rows = np.flatnonzero(which.ravel() == i)
-            yield (
-                ", ".join(
-                    f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()
-                ),
-                rows,
-            )
+        levels = (
+            numbers_of_levels(column, HELD_OTHER * float(np.max(np.abs(column))))
+            for column in columns.values()
+        )
+        for rows in rows_alike(*levels):
+            means = (f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items())
+            yield ", ".join(means), rows
 
 
 def points_at(
@@ -522,7 +514,7 @@ def _holds_complex(values: ArrayLike) -> bool:
         return True
 
 
-def _levels(name: str, column: Real) -> NDArray[np.int64]:
+def held_levels(name: str, column: Real) -> NDArray[np.int64]:
     """Number of the level of each value, ascending, for values that a rig holds only nearly."""
     x = column
     # How nearly an amplitude is held is a share of it: a step of the logarithm.
@@ -561,13 +553,6 @@ def misspelt(condition: str) -> str:
         return ""
     known = " and ".join(CONDITIONS)
     return f"is nearly '{near[0]}': models know {known}; write that, or a plainly different name"
-
-
-def _clusters(column: Real, tolerance: float) -> NDArray[np.int64]:
-    """Number of the cluster of neighbouring values that each value is in, in ascending order."""
-    values, which = np.unique(column, return_inverse=True)
-    apart = np.diff(values) > tolerance * float(np.max(np.abs(values)))
-    return np.concatenate([[0], np.cumsum(apart)])[which.ravel()].astype(np.int64)
 
 
 def _of_rows(provenance: Mapping[str, str], stiffness: Complex) -> dict[str, str]:

@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.numerics import rows_alike
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
 from springpot.thresholds import COURSE, VARIED
@@ -506,7 +507,7 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
         column = measurement.conditions.get(name)
         if column is None or np.ptp(column) == 0:
             continue
-        groups = list(_at_constant(measurement, name))
+        groups = _at_constant(measurement, name)
         if len(groups) <= most:
             return [_ordered(rows, scale(column)) for rows in groups]
     # Nothing was held while something else was swept: all points in the order of frequency are the
@@ -519,21 +520,14 @@ def longest_memory(sweeps: Sequence[Sweep]) -> float:
     return float(np.exp(-SMOOTH_DEGREE / max(len(rows) for rows, _ in sweeps)))
 
 
-def _parted(
-    rows: NDArray[np.int64], columns: list[NDArray[np.int64]]
-) -> Iterator[NDArray[np.int64]]:
+def _parted(rows: NDArray[np.int64], columns: list[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
     """The rows of each set of values of some columns (n,)."""
     if not columns:
-        yield rows
-        return
-    _, which = np.unique(
-        np.column_stack([column[rows] for column in columns]), axis=0, return_inverse=True
-    )
-    for group in range(int(which.max()) + 1):
-        yield rows[which.ravel() == group]
+        return [rows]
+    return [rows[part] for part in rows_alike(*(column[rows] for column in columns))]
 
 
-def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.int64]]:
+def _at_constant(measurement: Measurement, swept: str) -> list[NDArray[np.int64]]:
     """Rows at one frequency and equal conditions but for the swept one."""
     # A frequency that was held is told as it was measured, now a little higher and now a little
     # lower.
@@ -544,9 +538,7 @@ def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.in
     columns += [number.astype(float) for number in told_apart(measurement).values()]
     if measurement.repeat is not None:
         columns.append(measurement.repeat.astype(float))
-    _, which = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
-    for group in range(int(which.max()) + 1):
-        yield np.flatnonzero(which.ravel() == group)
+    return rows_alike(*columns)
 
 
 def _ordered(rows: NDArray[np.int64], x: Real) -> Sweep:

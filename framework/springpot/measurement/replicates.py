@@ -5,6 +5,7 @@ Their mean and scatter, the gain that each run has of its own, and how many are 
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,7 +19,7 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
 from ..memory import Links, effective_share, fitted_memory, prewhitened
-from ..numerics import SMALLEST, rms
+from ..numerics import SMALLEST, evenly, level_means, rms, set_numbers
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
 from .mixed_tests import (
@@ -176,7 +177,7 @@ def average_repeats(measurement: Measurement) -> Averaged:
     if len(first) == len(measurement):
         nothing = np.zeros(len(first))
         return Averaged(measurement, measurement, Scatter(nothing, nothing, nothing), group)
-    mean = _means(measurement.stiffness, group)
+    mean = level_means(group, measurement.stiffness)
     if np.all(np.abs(measurement.stiffness / mean[group] - 1.0) < LEAST_RELATIVE):
         # Rows that were written again are no repeats: they tell nothing of the noise.
         return average_repeats(replace(measurement.subset(first), repeat=None))
@@ -184,7 +185,7 @@ def average_repeats(measurement: Measurement) -> Averaged:
     stiffness = measurement.stiffness
     if gains is not None:
         stiffness = stiffness / (1.0 + gains)
-    mean = _means(stiffness, group)
+    mean = level_means(group, stiffness)
     off = stiffness - mean[group]
     # A gain is estimated from all points of a run: each point pays its share of that degree of
     # freedom.
@@ -203,14 +204,6 @@ def _squares_of(values: Complex, group: Rows) -> tuple[Real, Real]:
     """Sums of squares of both parts in each group, shape (groups,)."""
     real, imag = (np.bincount(group, part**2) for part in (values.real, values.imag))
     return real.astype(np.float64), imag.astype(np.float64)
-
-
-def _means(values: Complex, group: Rows) -> Complex:
-    """Mean of each group, shape (groups,)."""
-    count = np.bincount(group)
-    return np.asarray(
-        (np.bincount(group, values.real) + 1j * np.bincount(group, values.imag)) / count
-    )
 
 
 def _replicate_gains(
@@ -233,7 +226,7 @@ def _replicate_gains(
     count, x = count[usable], np.log(measurement.omega[usable])
     by_gain, gain_spent = _by_gains(values, run, count)
     # About the middle of each run, so that its gain and its slope do not share what sets it apart.
-    x = x - _means(x.astype(np.complex128), run).real[run]
+    x = x - level_means(run, x)[run]
     slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
     slope = slope / np.maximum(np.bincount(run, x**2), SMALLEST)
     # An analysis of variance: what a gain of each run explains, against what is left when slopes
@@ -267,7 +260,7 @@ def _replicate_gains(
     if by_drift - by_gains > 2.0 * np.log(REPEATS.drift_odds):
         return None, 0.0
     gains = np.zeros(len(relative), dtype=np.complex128)
-    gains[usable] = _means(values, run)[run]
+    gains[usable] = level_means(run, values)[run]
     return gains, gain_spent
 
 
@@ -276,7 +269,7 @@ def _by_gains(values: Complex, owner: Rows, count: Rows) -> tuple[float, float]:
 
     Of values (n,) that have lost the means of so many repeats (n,).
     """
-    taken = float(np.sum(np.abs(_means(values, owner)[owner]) ** 2))
+    taken = float(np.sum(np.abs(level_means(owner, values)[owner]) ** 2))
     return taken, len(np.unique(owner)) * (1.0 - float(np.mean(1.0 / count)))
 
 
@@ -292,8 +285,7 @@ def _run_numbers(measurement: Measurement) -> Rows:
     columns = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
     if measurement.repeat is not None:
         columns += [*told_apart(measurement).values(), measurement.repeat]
-    _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
-    return np.asarray(run.ravel(), dtype=np.int64)
+    return set_numbers(*columns)
 
 
 def _by_settling(relative: Complex, group: Rows, usable: NDArray[np.bool_]) -> float:
@@ -303,9 +295,7 @@ def _by_settling(relative: Complex, group: Rows, usable: NDArray[np.bool_]) -> f
     """
     curves = np.exp(-np.linspace(0.0, 1.0, len(relative))[:, None] / SETTLING_TIMES)
     # What is measured has lost the means of its repeats; so must the curves.
-    curves = np.stack(
-        [curve - _means(curve.astype(np.complex128), group).real[group] for curve in curves.T]
-    )
+    curves = np.stack([curve - level_means(group, curve)[group] for curve in curves.T])
     curves = curves[:, usable]
     taken = np.abs(curves @ relative[usable]) ** 2 / np.maximum(np.sum(curves**2, axis=1), SMALLEST)
     return float(np.max(taken))
@@ -421,7 +411,7 @@ def _tails(averaged: Averaged, noise: Noise) -> float:
     # Of an odd number the signs have a mean, which the deviations have not.
     size = np.sqrt(1.0 - (count % 2) / count**2)
     told = np.flatnonzero(count > 1)
-    apart = _means(averaged.apart * sign, averaged.group)[told] / size[told]
+    apart = level_means(averaged.group, averaged.apart * sign)[told] / size[told]
     white = _whitened(apart, noise, told)
     lines = [rows for rows, _ in sweeps_of(averaged.mean.subset(told))]
     new = prewhitened(white, noise.memory, Links.of_parts(lines, len(told)))
@@ -457,45 +447,27 @@ def thinned(measurement: Measurement) -> Measurement:
         np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1]
     )
     most = max(MOST_REPEATS, MOST_POINTS // len(points))
-    points = [_even(rows, most) for rows in points]
+    points = [rows[evenly(len(rows), most)] for rows in points]
     size = np.array([len(rows) for rows in points])
     lines = [sweep.rows for sweep in sweeps_of(data.mean)]
 
     def fits(lines: Sequence[Rows], each: int) -> bool:
-        return sum(int(size[_even(line, each)].sum()) for line in lines) <= MOST_POINTS
+        return sum(int(size[line[evenly(len(line), each)]].sum()) for line in lines) <= MOST_POINTS
 
     kept = _largest(
-        lambda count: fits([lines[i] for i in _spread(len(lines), count)], FEWEST_OF_A_SWEEP),
+        lambda count: fits([lines[i] for i in evenly(len(lines), count)], FEWEST_OF_A_SWEEP),
         len(lines),
     )
-    lines = [lines[i] for i in _spread(len(lines), kept)]
+    lines = [lines[i] for i in evenly(len(lines), kept)]
     each = _largest(lambda count: fits(lines, count), max(len(line) for line in lines))
     # Row numbers of the repeats of all points that stay, in the order of the file.
-    kept_rows: list[Rows] = []
-    for line in lines:
-        kept_rows += [points[i] for i in _even(line, each)]
+    kept_rows = [points[i] for line in lines for i in line[evenly(len(line), each)]]
     return measurement.subset(np.sort(np.concatenate(kept_rows)))
 
 
 def _largest(fits: Callable[[int], bool], most: int) -> int:
     """The largest number up to `most` that fits, by halving; 1 where none does."""
-    low, high = 1, most + 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if fits(middle):
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-def _even(rows: Rows, most: int) -> Rows:
-    return rows[_spread(len(rows), most)]
-
-
-def _spread(count: int, most: int) -> Rows:
-    """At most so many of the numbers 0, ..., count - 1, from end to end."""
-    return np.linspace(0, count - 1, min(count, most)).round().astype(np.int64)
+    return 1 + bisect_right(range(2, most + 1), False, key=lambda count: not fits(count))
 
 
 NOTE = "note repeats"

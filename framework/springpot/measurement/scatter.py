@@ -17,11 +17,11 @@ from scipy.special import gammaln
 from springpot.distributions import chi2_quantile
 from springpot.errors import DataError
 from springpot.memory import effective_share
-from springpot.rheology.levels import levels_of, rows_of_levels
+from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
-from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, rows_alike
 from .measurement import Measurement
 from .rounding import rounding_step
 
@@ -43,6 +43,8 @@ Rigs are weak where forces are small or masses pull.
 """
 END_POWERS = (2, 4)
 """How steeply it rises towards the end: over half of the logarithmic range, or over a quarter."""
+COHERENCE = "coherence"
+"""Column of the coherence gamma^2 between force and displacement, from 0 to 1."""
 FLOOR_LEVELS = 2.0 ** np.arange(-2.0, 10.0)
 """Stiffness or force, in units of the least one, at which the floor equals the other noise.
 
@@ -283,6 +285,24 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
         units = [same]
     for unit in units:
         yield from _beside_floor(size, unit)
+    spread = _spread_by_coherence(measurement)
+    if spread is not None:
+        yield from _beside_floor(size, 1.0 / (size * spread))
+
+
+def _spread_by_coherence(measurement: Measurement) -> Real | None:
+    """Relative standard deviations (n,) of a transfer function, but for the number of averages.
+
+    By the coherence of force and displacement, sqrt((1 - gamma^2) / gamma^2), the same along K and
+    across it (Bendat and Piersol 2010, Random Data, eq. 9.89 and 9.91). None where no column tells
+    it, or it is the same at all points.
+    """
+    coherence = measurement.conditions.get(COHERENCE)
+    if coherence is None or not np.all((coherence > 0.0) & (coherence <= 1.0)):
+        return None
+    if np.ptp(coherence) == 0.0:
+        return None
+    return np.asarray(np.sqrt(np.maximum(1.0 / coherence - 1.0, NEGLIGIBLE)), dtype=float)
 
 
 def _beside_floor(size: Real, unit: Real) -> Iterator[Shape]:
@@ -327,10 +347,7 @@ def _rises_of(measurement: Measurement) -> Iterator[Real]:
     for level in levels:
         # By order: of temperatures the next is as far as the last, of amplitudes ten times it.
         yield from _rises(level.astype(np.float64))
-    _, sweep = np.unique(
-        np.stack([*levels, np.zeros(len(measurement))]), axis=1, return_inverse=True
-    )
-    sweeps = rows_of_levels(sweep.ravel(), int(sweep.max()) + 1)
+    sweeps = rows_alike(*levels, np.zeros(len(measurement)))
     # A single sweep is louder than no other, and points each of its own conditions are no sweeps.
     if 1 < len(sweeps) <= len(measurement) // 3:
         for rows in sweeps:

@@ -23,7 +23,7 @@ from springpot.measurement.units import TIME_UNITS
 from springpot.rheology.points import Real
 from springpot.thresholds import COURSE, VERDICT
 
-from ..numerics import SMALLEST, projected_out
+from ..numerics import SMALLEST, projected_out, rows_alike
 from .error import plain
 from .frame import LEAST_SEEN, NoiseFrame, beyond
 
@@ -456,12 +456,10 @@ def _most_alike(data: Measurement) -> NDArray[np.int64]:
     columns += [data.levels(name) for name in CONDITIONS if name in data.conditions]
     if "amplitude" in data.conditions and _force_was_held(data):
         columns = columns[:-1]
-    _, number, count = np.unique(
-        np.column_stack(columns), axis=0, return_inverse=True, return_counts=True
-    )
-    most = np.flatnonzero(count == count.max())
+    groups = rows_alike(*columns)
+    most = [rows for rows in groups if len(rows) == max(map(len, groups))]
     # Of many alike the middle one: the ends of a sweep are measured worst.
-    return np.flatnonzero(number.ravel() == most[len(most) // 2])
+    return most[len(most) // 2]
 
 
 def _mutation(data: Measurement, time: Real, rows: NDArray[np.int64], unit: str) -> float | None:

@@ -24,13 +24,12 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
-from springpot.rheology.levels import rows_of_levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.writing import NAMED, number
 
-from ..numerics import SMALLEST, rms
+from ..numerics import SMALLEST, rms, rows_of_levels
 from .error import Error, percent, times, with_unit
 from .refit import Refit, refit
 from .residual_tests import Battery, battery

@@ -34,7 +34,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, projected_out, rms
+from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, orthonormal, projected_out, rms
 from .error import percent, plain
 from .frame import (
     ENOUGH_NEIGHBOURS,
@@ -42,7 +42,6 @@ from .frame import (
     NoiseFrame,
     beyond,
     chance_of_squares,
-    orthonormal,
     relative_to,
 )
 from .refit import Refit
@@ -197,6 +196,8 @@ class Column:
     share : float
         Of the square of the relative error that a gain and a phase at each value, sloping along
         the frequency, takes.
+    of_gains : float
+        The same of a gain at each value alone, which is what splits a column.
     one_test : str
         How a user chooses the rows of one value: ``current=0.5``.
     """
@@ -204,6 +205,7 @@ class Column:
     name: str
     values: int
     share: float
+    of_gains: float
     one_test: str
 
     @property
@@ -307,8 +309,6 @@ def column_behind(frame: NoiseFrame) -> Column | None:
     if not settings:
         return None
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
-    # What is off across K counts as what is off along it, though noise may be larger along.
-    relative = _relative_squares(frame, frame.rest)
     along = np.log(frame.measurement.omega)
     # At one frequency there are no slopes, only what rounding makes of them.
     slopes = np.zeros_like(along)
@@ -329,13 +329,23 @@ def column_behind(frame: NoiseFrame) -> Column | None:
         left = max(misfit - taken, SMALLEST)
         free = spare - spent
         chance = f_sf(frame.worth * taken / spent / (left / free), spent, frame.worth * free)
-        share = 1.0 - _relative_squares(frame, frame.rest - pattern) / max(relative, SMALLEST)
+        share = _share_taken(frame, basis)
         # Each of the columns might have been it (Bonferroni); and what takes less than most of it
         # explains nothing.
         is_behind = share > VERDICT.takes_most and chance * len(settings) < VERDICT.sentence_alarm
         if is_behind and (best is None or share > best.share):
-            best = Column(name, values, share, largest_test(frame.measurement, name))
+            gains = frame.beyond(frame.relative(at_each)[:, :values], LEAST_SEEN)
+            one_test = largest_test(frame.measurement, name)
+            best = Column(name, values, share, _share_taken(frame, gains), one_test)
     return best
+
+
+def _share_taken(frame: NoiseFrame, basis: Real) -> float:
+    """What of the squares of a misfit, relative to |K|, an orthonormal basis (2n, q) takes."""
+    # What is off across K counts as what is off along it, though noise may be larger along.
+    whole = max(_relative_squares(frame, frame.rest), SMALLEST)
+    left = frame.rest - basis @ (basis.T @ frame.rest)
+    return 1.0 - _relative_squares(frame, left) / whole
 
 
 def one_test_of(measurement: Measurement, column: Column | None) -> tuple[str, str]:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.conversion import levels_in_words
-from springpot.measurement.measurement import Measurement
+from springpot.measurement.independence import ranges
+from springpot.measurement.measurement import Measurement, held_levels, numbers_of_levels
+from springpot.numerics import evenly
 from springpot.rheology.levels import levels_of
-from springpot.rheology.points import HELD_OTHER, Real
+from springpot.rheology.points import Real
 from springpot.thresholds import VARIED
 
 Rows = NDArray[np.int64]
@@ -24,13 +26,6 @@ More colours than this cannot be told apart.
 """
 VARIES = 1.2
 """A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
-JITTER = {"temperature": 0.7, "amplitude": 0.05}
-"""Gap up to which values belong to one condition that was not held well.
-
-In kelvin, and of ln amplitude.
-"""
-SPREAD = {"temperature": 2.0, "amplitude": 0.2}
-"""Range up to which such values are one condition, in the same units."""
 PROFILE = 3.0
 """Ranges that a condition travels at most if it changes along a sweep, not between sweeps."""
 BIN = 8
@@ -107,10 +102,10 @@ def all_sweeps(
     further: list[tuple[str, Real | Words]] = []
     for name in sorted(set(own) - {"temperature", "amplitude"}):
         number, told = _further(measurement, name)
-        parts = [one for part in parts for one in _alike(part, number)]
+        parts = [one for part in parts for one in _alike(part, number[part])]
         further.append((name, told))
     if measurement.repeat is not None:
-        again = [one for part in parts for one in _alike(part, measurement.repeat)]
+        again = [one for part in parts for one in _alike(part, measurement.repeat[part])]
         # Specimens are repeats already.
         if len(again) > len(parts):
             telling.append(("repeat", measurement.repeat.astype(float)))
@@ -147,10 +142,8 @@ def _further(measurement: Measurement, name: str) -> tuple[Rows, Real | Words]:
 
 def chosen(sweeps: list[DrawnSweep]) -> list[DrawnSweep]:
     """At most `MOST_DRAWN` of the sweeps, evenly spread, the first and the last among them."""
-    if len(sweeps) <= MOST_DRAWN:
-        return sweeps
     # Both ends among them: they show how much a condition changes.
-    return [sweeps[i] for i in np.linspace(0, len(sweeps) - 1, MOST_DRAWN).round().astype(int)]
+    return [sweeps[i] for i in evenly(len(sweeps), MOST_DRAWN)]
 
 
 def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
@@ -163,53 +156,24 @@ def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
     # was set.
     if profile and name == "amplitude":
         return [rows]
-    levels = _levels(name, here)
-    if levels is not None:
-        return list(_alike(rows, levels, here=True))
+    levels = held_levels(name, here)
+    low, high = ranges(levels, here)
+    wide = np.maximum(high - low, np.roll(high - low, -1))[:-1]
+    # Neighbours that are each near the next may make a chain as wide as what lies between: then
+    # those are a level that are the same.
+    if len(low) == 1 or np.any(wide > low[1:] - high[:-1]):
+        levels = numbers_of_levels(here, 0.0)
+    # With fewer than two points in most levels there are none.
+    if levels.max() < max(1, len(here) // 2):
+        return _alike(rows, levels)
     if profile:
         return [rows]
-    return list(_alike(rows, _bins(here), here=True))
+    return _alike(rows, _bins(here))
 
 
-def _alike(rows: Rows, numbers: NDArray[np.int64], here: bool = False) -> Iterator[Rows]:
-    own = numbers
-    if not here:
-        own = numbers[rows]
-    for number in np.unique(own):
-        yield rows[own == number]
-
-
-def _levels(name: str, values: Real) -> NDArray[np.int64] | None:
-    """Number of the level of each value; None where the values are too scattered for levels."""
-    largest = float(np.max(np.abs(values)))
-    same = HELD_OTHER
-    if name == "temperature":
-        scale, same = values, HELD_OTHER * largest
-    # Amplitudes are set over decades: a difference of logarithms is a share of any of them.
-    elif np.all(values > 0):
-        scale = np.log(values)
-    else:
-        scale = values / largest
-    levels = _clusters(scale, JITTER[name])
-    widths = [float(np.ptp(scale[levels == level])) for level in range(int(levels.max()) + 1)]
-    # Neighbours that are each near the next may make a chain that is no level any more.
-    if max(widths) > SPREAD[name]:
-        levels = _clusters(scale, same)
-    # With fewer than two points in most levels there are none.
-    if levels.max() + 1 > max(1, len(values) // 2):
-        return None
-    return levels
-
-
-def _clusters(values: Real, gap: float) -> NDArray[np.int64]:
-    """Number of the cluster of each value, ascending.
-
-    Neighbours of one cluster differ by `gap` at most.
-    """
-    # Sorted: a cluster ends where the next value is too far off.
-    distinct, which = np.unique(values, return_inverse=True)
-    numbers = np.concatenate([[0], np.cumsum(np.diff(distinct) > gap)]).astype(np.int64)
-    return np.asarray(numbers[which.ravel()])
+def _alike(rows: Rows, numbers: NDArray[np.int64]) -> list[Rows]:
+    """Rows (n,) of each number (n,) that some of them have."""
+    return [rows[numbers == number] for number in np.unique(numbers)]
 
 
 def _bins(values: Real) -> NDArray[np.int64]:

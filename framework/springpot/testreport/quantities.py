@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.distributions import normal_quantile, student
-from springpot.numerics import SMALLEST
+from springpot.numerics import SMALLEST, evenly
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
@@ -162,7 +162,7 @@ def _drift(time: Real, values: Real, bounds: list[float]) -> float:
     middles = 0.5 * (edges[1:] + edges[:-1])
     one, other = np.triu_indices(min(len(levels), MOST), 1)
     # Of very many cycles some, evenly spread, tell the same.
-    few = np.linspace(0, len(levels) - 1, min(len(levels), MOST)).round().astype(int)
+    few = evenly(len(levels), MOST)
     levels, middles = levels[few], middles[few]
     if not len(one):
         return 0.0

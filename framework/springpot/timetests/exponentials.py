@@ -175,15 +175,17 @@ class QuickPart(InTimePart):
         turned = s * self.times
         one, nothing = np.ones_like(s), np.zeros_like(s)
         if self.test.control == "displacement":
-            # A spring, no dashpot and no mass, then Maxwell elements: in the order of `answers_of`.
-            columns = np.hstack([one, nothing, nothing, turned / (1.0 + turned)])
+            # A mode too fast for the test is a dashpot, unless a step has no speed.
+            dashpot = nothing if len(self.test.loading.jumps[0]) else s
+            # A spring, no mass, then Maxwell elements: in the order of `answers_of`.
+            columns = np.hstack([one, dashpot, nothing, turned / (1.0 + turned)])
         else:
             # Under a force the compliances: spring, dashpot, no mass, then Kelvin elements.
             columns = np.hstack([one, 1.0 / s, nothing, 1.0 / (1.0 + turned)])
         columns = columns * self.share[:, None]
         basis = real_form(columns)
         size = np.linalg.norm(basis, axis=0)
-        # Dashpot and mass have no column here: they are taken off before.
+        # What has no column here is taken off before.
         size[size == 0.0] = 1.0
         # Neighbouring exponentials are alike: without a limit their amounts would grow against one
         # another.

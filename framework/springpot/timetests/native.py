@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +17,14 @@ from springpot.distributions import ends_of_draws, student
 from springpot.errors import SpringpotError
 from springpot.identification.convex import start_of
 from springpot.identification.fitting import RESAMPLES
-from springpot.identification.intervals import FAR, Path, Profile, beside_endless, inverse_of
+from springpot.identification.intervals import (
+    FAR,
+    Path,
+    Profile,
+    beside_endless,
+    inverse_of,
+    off_their_slopes,
+)
 from springpot.identification.leastsquares import (
     Evaluate,
     Rows,
@@ -130,6 +138,7 @@ class TimeSearch:
         # Set once a model was followed: from then on a fault is one of the parameters, and a search
         # may go on.
         self._followed = False
+        self._asked: tuple[Sequence[TestPart], Sequence[TestPart]] = (), ()
         # Between the frequencies that the tests saw: there a springpot's constant hardly hangs on
         # its order.
         middle = float(np.mean([part.log_omega for part in parts]))
@@ -227,6 +236,12 @@ class TimeSearch:
         value = np.concatenate([each.value for each in residuals])
         return value, self.coordinates.carry(by_theta, theta, self.size)
 
+    def quickly(self, parts: Sequence[TestPart]) -> Sequence[TestPart]:
+        """These parts by fixed exponentials; asked again, with all that is known of them."""
+        if parts is not self._asked[0]:
+            self._asked = parts, quick_parts(parts)
+        return self._asked[1]
+
     def solved(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         """The best search point (p,), evaluations spent, and whether the search came to rest."""
         return self.ended(parts, *self.near(parts, starts))
@@ -243,7 +258,7 @@ class TimeSearch:
 
         By fixed exponentials where they will do.
         """
-        quick, further = quick_parts(parts), self.natural() if self.thorough else []
+        quick, further = self.quickly(parts), self.natural() if self.thorough else []
         try:
             # Exponentials show the valley at little cost, whatever the starts; the exact response
             # then has a short way to its bottom.
@@ -383,8 +398,8 @@ class TimeSearch:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            if isinstance(part, InTimePart) and part.test.loading.is_cycled:
-                _, slopes = self.residual([_after_many_cycles(part)], u)
+            if (after := _after_many_cycles(part)) is not part:
+                _, slopes = self.residual([after], u)
             information += slopes @ slopes.T / part.beside(value, len(u))
         return inverse_of(information)
 
@@ -412,8 +427,10 @@ def part_result(
     return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
 
 
-def _after_many_cycles(part: InTimePart) -> InTimePart:
-    """A record of what had gone on, which had for much longer."""
+def _after_many_cycles(part: TestPart) -> TestPart:
+    """A record of what had gone on, which had for much longer; any other part itself."""
+    if not isinstance(part, InTimePart) or not part.test.loading.is_cycled:
+        return part
     test = replace(part.test, loading=lasting(part.test.loading))
     return replace(part, test=test, noise=part.sd)
 
@@ -452,17 +469,16 @@ def with_intervals(
     seed : int
         Of simulated noise.
     """
-    endless = result.high > LOST * np.maximum(result.low, 0.0)
     detail = any(parameter.detail for parameter in result.model.parameters)
-    if kind == "slopes" or (kind == "jacobian" and (detail or not endless.any())):
+    if kind == "slopes" or (kind == "jacobian" and detail):
         return result
     valley = _Valley.of(search, found)
     if kind == "jacobian":
-        low, high = valley.beside_endless(result)
+        low, high = valley.where_slopes_tell(result)
         return replace(result, low=low, high=high)
     if kind == "profile":
         told = valley.profiled(result)
-        low, high = np.array([(each.low, each.high) for each in told]).T
+        low, high = _ends_of(told)
         return replace(result, low=low, high=high, verdicts=tuple(each.verdict for each in told))
     below, above = valley.simulated(np.random.default_rng([seed, 1]))
     return replace(result, low=below, high=above)
@@ -492,30 +508,46 @@ class _Valley:
 
     search: TimeSearch
     parts: Sequence[TestPart]
+    whole: Sequence[TestPart]
     u: Real
-    weight: Real
 
     @classmethod
     def of(cls, search: TimeSearch, found: Minimum) -> _Valley:
         plain = copy(search)
         plain.coordinates = replace(search.coordinates, pairs=())
         u = plain.coordinates.u(search.theta(found.u).copy(), plain.size)
-        parts: Sequence[TestPart] = quick_parts(found.parts)
+        parts = quick_parts([_after_many_cycles(each) for each in search.quickly(found.parts)])
         try:
             plain.residual(parts, u)
         # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
-            parts = found.parts
-        weight = []
-        for part in parts:
-            value, _ = plain.residual([part], u)
-            weight.append(np.full(len(value), part.beside(value, len(u)) ** -0.5))
-        return cls(plain, parts, u, np.concatenate(weight))
+            parts = [_after_many_cycles(each) for each in found.parts]
+        return cls(plain, parts, found.parts, u)
+
+    @cached_property
+    def weighed(self) -> tuple[Real, Real]:
+        """Weights (m,) of the residuals, and what is taken off these (m,) before."""
+        weight, aside = [], []
+        for part, whole in zip(self.parts, self.whole, strict=True):
+            (value, _), (known, _) = (
+                self.search.residual([each], self.u) for each in (part, whole)
+            )
+            weight.append(np.full(len(value), whole.beside(known, len(self.u)) ** -0.5))
+            # Some samples of a long record know where they would be best, not where all are; one
+            # that is taken to have gone on for longer, neither.
+            other = len(value) < len(known) or _after_many_cycles(whole) is not whole
+            aside.append(value if other else np.zeros(len(value)))
+        return np.concatenate(weight), np.concatenate(aside)
+
+    def plainly(self, u: Real) -> tuple[Real, Real]:
+        """Residuals (m,) over the noise and their slopes (p, m) at u (p,)."""
+        return self.search.guarded(self.parts, u, False)
 
     def at(self, u: Real) -> tuple[Real, Real]:
-        """Residuals (m,) and their slopes (p, m) at u (p,), of unit variance."""
-        value, slopes = self.search.guarded(self.parts, u, False)
-        return value * self.weight, slopes * self.weight
+        """The same of unit variance."""
+        value, slopes = self.plainly(u)
+        weight, aside = self.weighed
+        return (value - aside) * weight, slopes * weight
 
     @property
     def evaluate(self) -> Evaluate:
@@ -525,15 +557,37 @@ class _Valley:
     @property
     def quantile(self) -> float:
         """Standard deviations to the end of an interval."""
-        return student(INTERVAL, max(len(self.weight) - len(self.u), 1))
+        return student(INTERVAL, max(len(self.weighed[0]) - len(self.u), 1))
 
     def paths(self, u: Real) -> list[Path]:
         """One along each parameter from a best fit u (p,) on."""
         return [Path(self.search.coordinates, u, i, self.evaluate) for i in range(len(u))]
 
-    def beside_endless(self, result: Identification) -> tuple[Real, Real]:
-        """Intervals by the slopes, also where a parameter without an end is elsewhere."""
-        return beside_endless(self.paths(self.u), self.quantile**2, result.low, result.high)
+    def where_slopes_tell(self, result: Identification) -> tuple[Real, Real]:
+        """Intervals by the slopes, by profiles where the valley is bent.
+
+        Also where a parameter without an end is elsewhere.
+        """
+        low, high = result.low, result.high
+        # What a wrong model leaves is no scatter that a rise of the objective could be told by.
+        at_noise = all(row.over_floor <= VERDICT.agrees for row in result.parts)
+        if at_noise and self._bent(result):
+            low, high = _ends_of(self.profiled(result))
+        if not np.any(high > LOST * np.maximum(low, 0.0)):
+            return low, high
+        return beside_endless(self.paths(self.u), self.quantile**2, low, high)
+
+    def _bent(self, result: Identification) -> bool:
+        """Whether to the ends of an interval the objective rises otherwise than by its slopes."""
+        at, log = self.search.coordinates, self.search.coordinates.log
+        low, high = result.low, result.high
+        rows = np.flatnonzero(np.isfinite(high - low) & ~(log & (high > LOST * low)))
+        reach = np.diff(at.u(np.array([low, high]), self.search.size), axis=0)[0, rows] / 2.0
+        _, slopes = self.plainly(self.u)
+        covariance = inverse_of(slopes @ slopes.T)
+        steps = covariance[rows] * (reach / np.diag(covariance)[rows])[:, None]
+        evaluate = one_by_one(self.plainly)
+        return bool(off_their_slopes(evaluate, self.u, steps, at.bounds).any())
 
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
@@ -566,3 +620,8 @@ class _Valley:
         starts = np.tile(self.u, (RESAMPLES, 1))
         fits = levenberg_marquardt(evaluate, starts, *self.search.coordinates.bounds)
         return ends_of_draws(np.array([self.search.theta(u) for u in fits.u]), INTERVAL)
+
+
+def _ends_of(told: Sequence[Profile]) -> tuple[Real, Real]:
+    low, high = np.array([(each.low, each.high) for each in told]).T
+    return low, high

@@ -63,6 +63,9 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
         forms.append(there.at(SWEEPS))
     # One rig alone may have it; one sweep is all sweeps.
     apart = [test for test in tests if there.applies_to(test) and [test] != sweeps]
+    if getattr(effect.element, "kind", "") == "gain":
+        # That of one test in time is told of its record: twice, each would halve the other's odds.
+        apart = [test for test in apart if isinstance(test, Measurement)]
     return forms + [there.of_one(name) for name in dict.fromkeys(test.name for test in apart)]
 
 

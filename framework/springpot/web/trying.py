@@ -26,6 +26,7 @@ from springpot.measurement.units import Units
 from springpot.misfit.error import percent
 from springpot.misfit.refit import Refit
 from springpot.misfit.residuals_of_tests import units_of
+from springpot.numerics import evenly
 from springpot.registry import parse_model
 from springpot.report.interactive.answers import Preview, drawn_at_once, preview
 from springpot.report.interactive.in_time import DrawnTests, TimeScene
@@ -95,7 +96,7 @@ def looked_at(state: State, data: Opened) -> tuple[Model, list[Test]]:
     used = kept(data, state.excluded)
     if isinstance(used, Measurement) and len(used) > FEW:
         rows = np.zeros(len(used), dtype=bool)
-        rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
+        rows[evenly(len(used), FEW)] = True
         used = used.subset(rows)
     return model_and_tests(state, tests_in(used))
 

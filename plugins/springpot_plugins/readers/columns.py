@@ -16,6 +16,7 @@ from springpot.errors import DataError
 from springpot.measurement import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
+    COHERENCE,
     FILE_UNITS,
     FREQUENCY_UNITS,
     MODULUS_UNITS,
@@ -35,7 +36,7 @@ from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of
-from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, usual_unit
+from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, unit_proposal, usual_unit
 from .table import Column
 
 ROLES = (
@@ -136,7 +137,8 @@ def _unit(column: Column, table: dict[str, float], advice: str) -> str:
     try:
         return known_unit(column.unit, table, column.name)
     except DataError as error:
-        raise column.error(str(error)) from None
+        proposed = unit_proposal([column.name], column.title, column.unit)
+        raise column.error(f"{error}; {proposed}") from None
 
 
 def _omega(roles: Mapping[str, Column]) -> Real:
@@ -467,7 +469,9 @@ def _further(
             numbers[f"h{size[2] or size[3]}"] = share
         elif column.unit != TEXT and column.is_numeric():
             numbers[column.name] = column.numbers(gaps=True)
-            if unit != "-":
+            if column.name == COHERENCE and unit == "%":
+                numbers[column.name] *= STRAIN_UNITS[unit]
+            elif unit != "-":
                 units[column.name] = unit
         else:
             words[column.name] = np.array([cell.strip() for cell in column.cells])

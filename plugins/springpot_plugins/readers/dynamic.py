@@ -15,6 +15,7 @@ from typing import TypeAlias
 
 from springpot.errors import DataError
 from springpot.measurement import (
+    COHERENCE,
     FILE_UNITS,
     PRESSURE_UNITS,
     Choice,
@@ -48,7 +49,10 @@ from .table import Column
 from .titles import UNITS, Heading, heading, is_dynamic
 from .written import as_measured, value_of
 
-KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
+KEPT = (
+    *("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress"),
+    COHERENCE,
+)
 """Further columns of instruments that are kept as conditions."""
 _PAIRS = (
     ("storage", "loss"),

@@ -128,7 +128,9 @@ _WORDS = {
     """,
     "force_amplitude": """
         forceamplitude forceamp loadamplitude loadamp dynamicforce dynforce fdyn dynamicload
-        peakforce maxforce maximumforce peakload maxload maximumload f0 torqueamplitude
+        peakforce maxforce maximumforce peakload maxload maximumload f0 torqueamplitude torqueamp
+        dynamictorque peaktorque momentenamplitude drehmomentamplitude drehmomentenamplitude
+        amplitudeducouple amplituddelpar ampiezzadicoppia
         kraftamplitude dynamischekraft dynkraft maximalkraft maxkraft amplitudedeforce
         forcedynamique effortdynamique forcemax fuerzamaxima fuerzadinamica forzamassima
         荷重振幅 最大荷重 動荷重 力幅值 最大力 最大阻尼力 하중진폭 최대하중 амплитудасилы
@@ -173,7 +175,9 @@ _WORDS = {
         dynamischerweg dynamischeamplitude dynamicdisp dynamicdispl dyndisp dyndispl
         dynamicdeflection doubleamplitude peaktopeakamplitude peaktopeakdisplacement doppelamplitude
         amplitudecreteacrete deplacementdynamique deformationdynamique amplitudedynamique
-        deformaciondinamica
+        deformaciondinamica angleamplitude angleamp angularamplitude twistamplitude dynamicangle
+        rotationamplitude winkelamplitude drehwinkelamplitude verdrehwinkelamplitude
+        amplitudeangulaire amplitudangular ampiezzaangolare
     """,
     "repeat": """
         repeat rep replicate repetition replica wiederholung repeticion ripetizione
@@ -198,6 +202,10 @@ _WORDS = {
     """,
     "raw_phase": """
         rawphase rawphase(torque) rawphaseangle rohphase
+    """,
+    "coherence": """
+        coherence coh γ² γ^2 gamma² gamma^2 magnitudesquaredcoherence msc ordinarycoherence koharenz
+        coherencia coerenza coherencefunction
     """,
     "status": """
         status statut estado stato messstatus zustand pointstatus

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 
 from springpot.measurement import (
+    FILE_UNITS,
     LENGTH_UNITS,
     TEMPERATURE_UNITS,
     Choice,
@@ -52,6 +53,8 @@ _MODULUS = re.compile(
     rf"{_STIFF.pattern}|\A(?-i:[GEM])[a-z]?(?![a-z])|modul|storage|loss|speicher|verlust",
     re.IGNORECASE,
 )
+_OF_SIGNALS = re.compile(r"(?:[mu]?V|mA|counts?|cts|digits?|bits?|LSB|-)(?:/|\Z)", re.IGNORECASE)
+"""A unit of signals that nobody calibrated: volts, counts, or one over the other."""
 _LOOKS_LIKE = {
     "frequency": re.compile(r"\A(?:f|w|ω)(?![a-z])|freq|omega|puls|hertz", re.IGNORECASE),
     "storage": _MODULUS,
@@ -265,11 +268,19 @@ def _example(role: str, title: str, given: str) -> str:
 def unit_proposal(roles: Sequence[str], title: str, written: str) -> str:
     """What to type for a unit that nobody knows, in which columns of these roles are."""
     first = roles[0]
-    near = near_units(written, UNITS[first])
+    near = [unit for unit in near_units(written, UNITS[first]) if unit != FILE_UNITS]
+    of_signals = FILE_UNITS in UNITS[first] and _OF_SIGNALS.match(written)
     if not near or near[0].lower() != normal_unit(written).lower():
         near = list(dict.fromkeys([usual_unit(first, title), *near]))
-    commands = {unit: ",".join(f"{role}={unit}" for role in roles) for unit in near[:_MOST]}
-    return "; ".join(f"if it is {unit}, open 'FILE?{said}'" for unit, said in commands.items())
+    cases = {unit: f"it is {unit}" for unit in near[:_MOST]}
+    if of_signals:
+        cases[FILE_UNITS] = "the channels are not calibrated"
+    said = []
+    for unit, case in cases.items():
+        # A force and a displacement may both be in volts: of these a newton is one of the two.
+        options = ",".join(f"{role}={unit}" for role in roles if unit in UNITS[role])
+        said.append(f"if {case}, open 'FILE?{options}'")
+    return "; ".join(said)
 
 
 def usual_unit(role: str, title: str) -> str:

@@ -91,12 +91,16 @@ def test_what_must_be_known_is_asked_for_with_all_that_lacks(tmp_path):
     path = table(tmp_path, "frequency,storage,loss", OMEGA, K.real, K.imag)
     with pytest.raises(DataError, match=r"frequency=Hz,storage=Pa,loss=Pa"):
         springpot.read(path)
-    path = table(tmp_path, "time,strain,stress", TIMES, 1.0 / TIMES, 3.0 / TIMES)
-    with pytest.raises(DataError, match=r"time=s,displacement=-,force=Pa"):
-        springpot.read(path)
-    path = table(tmp_path, "time,relaxation", TIMES, 1.0 / TIMES)
-    with pytest.raises(DataError, match=r"time=s,relaxation=Pa"):
-        springpot.read(path)
+
+
+@pytest.mark.parametrize("head", ["time,relaxation", "time,relaxation modulus [Pa]"])
+def test_a_time_without_a_unit_is_in_seconds(tmp_path, head):
+    """It was refused; a note says what was taken and how another unit is said."""
+    path = table(tmp_path, head, TIMES, 1.0 / TIMES)
+    test = springpot.read(path)
+    np.testing.assert_allclose(test.time, TIMES, rtol=1e-7)
+    assert test.provenance["note clock"].endswith(f"say '{path}?time=min'")
+    np.testing.assert_allclose(springpot.read(f"{path}?time=min").time, 60.0 * TIMES, rtol=1e-7)
 
 
 def test_nothing_is_converted_to_them_or_from_them(tmp_path):
@@ -143,3 +147,35 @@ def test_a_force_in_a_unit_is_told_in_those_of_the_file_beside_a_displacement_of
     test = springpot.read(table(tmp_path, "time_s,displacement,force_N", clock, moved, 3 * moved))
     assert (test.units.stiffness, test.units.is_modulus) == (FILE_UNITS, False)
     assert "displacement=mm'" in test.provenance["note units"]
+
+
+@pytest.mark.parametrize("unit", ["counts/V", "V/V", "-"])
+def test_channels_that_nobody_calibrated_are_offered_the_units_of_the_file(tmp_path, unit):
+    head = f"frequency [Hz],magnitude [{unit}],phase [rad]"
+    path = table(tmp_path, head, OMEGA / (2.0 * np.pi), np.abs(K), np.angle(K))
+    with pytest.raises(DataError) as told:
+        springpot.read(path)
+    way = str(told.value).rpartition("open '")[2].rstrip("'")
+    assert way.endswith("mine.csv?magnitude=file units")
+    data = springpot.read(way)
+    assert data.units.stiffness == FILE_UNITS
+    np.testing.assert_allclose(data.stiffness, K, rtol=1e-7)
+
+
+def test_of_volts_a_newton_is_offered_to_the_force_alone(tmp_path):
+    head = "f [Hz],force amplitude [V],displacement amplitude [V],phase [rad]"
+    one = np.ones(len(OMEGA))
+    path = table(tmp_path, head, OMEGA, np.abs(K), one, np.angle(K))
+    with pytest.raises(DataError, match=r"if it is N, open '.*[?]force_amplitude=N'$"):
+        springpot.read(path)
+
+
+def test_a_torque_over_an_angle_is_a_stiffness(tmp_path):
+    head = "f [Hz],torque amplitude [mN m],angle amplitude [mrad],phase [rad]"
+    moved = np.full(len(OMEGA), 3.0)
+    path = table(tmp_path, head, OMEGA / (2.0 * np.pi), 3.0 * np.abs(K), moved, np.angle(K))
+    data = springpot.read(path)
+    assert data.units.stiffness == "mN m/mrad"
+    np.testing.assert_allclose(data.stiffness, K, rtol=1e-6)
+    assert data.units.amplitude == "mrad"
+    np.testing.assert_allclose(data.conditions["amplitude"], 3.0)

@@ -361,3 +361,14 @@ def test_inertia_begins_at_each_temperature_where_the_specimen_is_soft_enough(fo
         table = np.column_stack([HERTZ, sign * STORAGE, LOSS, np.full(len(HERTZ), celsius)])
         lines += [";".join(f"{value:.10g}" for value in row) for row in table]
     assert says in notes_of(folder.open("\n".join([*lines, ""])))["note storage"]
+
+
+@pytest.mark.parametrize(
+    ("title", "scale"), [("Coherence [-]", 1.0), ("γ²", 1.0), ("Kohärenz [%]", 100.0)]
+)
+def test_coherence_is_known_by_its_names(tmp_path, title, scale):
+    path = tmp_path / "chirp.csv"
+    rows = [f"{f},{10 + f},{f},{scale * (0.99 - 0.01 * f)}" for f in range(1, 6)]
+    path.write_text("\n".join([f"f [Hz],K' [N/mm],K'' [N/mm],{title}", *rows]), encoding="utf-8")
+    told = springpot.read(path).conditions["coherence"]
+    np.testing.assert_allclose(told, 0.99 - 0.01 * np.arange(1, 6))

@@ -19,7 +19,7 @@ from springpot.measurement.other_test import OtherTest
 from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.residuals_of_tests import Test, TestPart, parts_of_specimen
-from springpot.numerics import rms
+from springpot.numerics import evenly, rms
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.timetests.specimen import reference_of
@@ -67,7 +67,7 @@ class TimeScene:
     def rows(self) -> list[NDArray[np.int64]]:
         """Numbers of the rows that are drawn of each test."""
         most = MOST_POINTS // len(self.parts)
-        return [_evenly(len(part.test), most) for part in self.parts]
+        return [evenly(len(part.test), most) for part in self.parts]
 
     @cached_property
     def grids(self) -> list[Real]:
@@ -169,10 +169,6 @@ DrawnTests: TypeAlias = PageScene | TimeScene
 """Tests of whatever kind as the page draws them."""
 
 
-def _evenly(count: int, most: int) -> NDArray[np.int64]:
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-
-
 def _grid(test: Test, most: int) -> Real:
     """Smooth after a step; a record swings faster than that, and is computed where it was read."""
     if isinstance(test, Measurement):
@@ -183,7 +179,7 @@ def _grid(test: Test, most: int) -> Real:
     if test.after_step:
         return np.geomspace(positive[0], positive[-1], min(SMOOTH, most))
     # Of its swings a picture needs five times the points of a smooth curve.
-    return np.asarray(test.time[_evenly(len(test), 5 * most)])
+    return np.asarray(test.time[evenly(len(test), 5 * most)])
 
 
 def _moved(test: TimeTest, at: Real) -> Real:

@@ -22,7 +22,7 @@ from springpot.measurement.opening import Test
 from springpot.measurement.replicates import MOST_POINTS as MOST_POINTS
 from springpot.measurement.units import Units
 from springpot.misfit.refit import Refit
-from springpot.numerics import rms
+from springpot.numerics import evenly, rms
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
@@ -94,11 +94,9 @@ class PageScene:
     def rows(self) -> NDArray[np.int64]:
         """Numbers of the rows that are drawn: all, or evenly many of each sweep."""
         rows = np.concatenate([sweep.rows for sweep in self.sweeps])
-        if len(rows) <= MOST_POINTS:
-            return rows
         # Evenly along each sweep, its ends among them: a browser draws some thousand marks without
         # a pause.
-        return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_POINTS).round().astype(int)])
+        return rows[evenly(len(rows), MOST_POINTS)]
 
     @cached_property
     def thin(self) -> NDArray[np.int64]:
@@ -182,8 +180,7 @@ class PageScene:
         """Rows beside those that can be pointed at: as many as make a density."""
         rest = np.setdiff1d(np.arange(len(self.measurement)), self.rows)
         rest = rest[np.isin(rest, np.concatenate([sweep.rows for sweep in self.sweeps]))]
-        if len(rest) > MOST_IN_CLOUD:
-            rest = rest[np.linspace(0, len(rest) - 1, MOST_IN_CLOUD).round().astype(int)]
+        rest = rest[evenly(len(rest), MOST_IN_CLOUD)]
         columns = (self.axis.values, self.measurement.storage, self.measurement.loss)
         names = ("x", "storage", "loss")
         cloud = {
