@@ -198,17 +198,13 @@ class TestPart(ABC):
 
     def count(self, coarse: bool = False) -> int:
         """How many numbers it gives."""
-        if coarse:
-            return len(self.thin)
-        return len(self.measured)
+        return len(self.thin if coarse else self.measured)
 
     def residual(
         self, model: Model, theta: Real, reference: float, coarse: bool = False
     ) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
-        rows = np.arange(len(self.measured))
-        if coarse:
-            rows = self.thin
+        rows = self.thin if coarse else np.arange(len(self.measured))
         answer = self.answer(model, theta, reference, rows)
         weight = np.asarray(1.0 / (self.scale * self.sd[rows]), dtype=float)
         counted = self.counted[rows]
@@ -660,9 +656,7 @@ def typical_stiffness(parts: Sequence[TestPart]) -> float:
 def part_of(test: Test, noise: Real | None = None) -> TestPart:
     """A test as an engine sees it, with the noise of each sample (n,) where it is known."""
     if isinstance(test, TimeTest):
-        if noise is None:
-            return _told_by_itself(test)
-        return InTimePart(test, noise=noise)
+        return _told_by_itself(test) if noise is None else InTimePart(test, noise=noise)
     if isinstance(test, OtherTest):
         return OtherPart(test, noise=noise)
     return SweepPart(test, noise=noise)
