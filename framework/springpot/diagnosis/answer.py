@@ -173,8 +173,10 @@ def _effect_verdict(
     # be clear too.
     if missing and gain >= VERDICT.clear_evidence:
         return "missing"
-    # Not seen is not absent: only where the data would have shown a small one.
-    if gain < 0.0 and score.bound < VERDICT.seen:
+    # Not seen is not absent: only where the data would have shown a small one. Nor is one that was
+    # not fitted as others leave less, but follows more of the misfit than it does of noise.
+    unasked = best is None and score.score > search.scan.threshold
+    if gain < 0.0 and score.bound < VERDICT.seen and not unasked:
         return "absent"
     return "cannot-tell"
 
