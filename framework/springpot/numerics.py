@@ -7,7 +7,7 @@ added, compared or measured.
 from __future__ import annotations
 
 from math import log, sqrt
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     import numpy as np
@@ -191,6 +191,59 @@ def projected_out(values: Real, basis: Real) -> Real:
     array([0., 4.])
     """
     return values - basis @ (basis.T @ values)
+
+
+class Tangent(NamedTuple):
+    """What small changes of some amounts make, as a linear step has it.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (m, r)
+        Orthonormal.
+    back : ndarray, shape (p, r)
+        The change of the amounts that makes each of its directions.
+    lost : ndarray, shape (p,)
+        Part of each amount, by its size, in changes that make nothing.
+    """
+
+    basis: Real
+    back: Real
+    lost: Real
+
+    @classmethod
+    def of(cls, slopes: Real, tolerance: float = ALIKE) -> Tangent:
+        """That of slopes (m, p), scaled first, so that the units of the amounts do not matter."""
+        import numpy as np
+        from scipy.linalg import svd
+
+        size = np.linalg.norm(slopes, axis=0)
+        # What changes nothing has a column of nothing.
+        size = np.where(size > 0.0, size, 1.0)
+        # By singular values of the slopes themselves: parameters of a fit are often nearly
+        # dependent, a QR would keep rounding as a direction, and their square half of the digits.
+        try:
+            u, s, v = np.linalg.svd(slopes / size, full_matrices=False)
+        except np.linalg.LinAlgError:
+            # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one
+            # does not.
+            u, s, v = svd(slopes / size, full_matrices=False, lapack_driver="gesvd")
+        good = s > tolerance * s.max(initial=0.0)
+        u, s, v = u[:, good], s[good], v[good]
+        lost = np.sqrt(np.maximum(1.0 - np.sum(v * v, axis=0), 0.0))
+        return cls(u, (v.T / s) / size[:, None], lost)
+
+    def left(self, values: Real) -> Real:
+        """What of (m,) or columns (m, c) the amounts cannot make."""
+        return projected_out(values, self.basis)
+
+    def step(self, wanted: Real) -> Real:
+        """The change of the amounts (p,) that makes something (m,), as nearly as they can."""
+        return self.back @ (self.basis.T @ wanted)
+
+
+def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
+    """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
+    return Tangent.of(columns, tolerance).basis
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:

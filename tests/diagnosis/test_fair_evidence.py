@@ -15,8 +15,8 @@ from springpot.diagnosis.experiment import actions, planned_sweep
 from springpot.diagnosis.grown import Grown
 from springpot.diagnosis.marginal import _refund
 from springpot.identification import Window, shown
-from springpot.misfit.frame import orthonormal
 from springpot.misfit.residuals_of_tests import SweepPart
+from springpot.numerics import orthonormal
 from springpot.registry import plugins
 from springpot.report.ladder_text import doubt_text
 from springpot.rheology.points import real_form

@@ -95,6 +95,7 @@ def test_on_a_bound_the_whole_tail_lies_on_one_side(monkeypatch, theta, at, lowe
     own = SimpleNamespace(
         fit=fit,
         at_bound=np.array([at, 0]),
+        _free=np.array([1]),
         level=0.95,
         freedom=7,
         scale=4.0 / side,

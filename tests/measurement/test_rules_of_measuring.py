@@ -126,6 +126,18 @@ def test_a_sign_is_doubted_where_neither_part_is_left():
     assert not mixed_up._gives_work(TIME, np.exp(TIME), -np.exp(TIME))
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_fluid_that_has_relaxed_or_been_released_is_not_opposed_to_its_load(sign):
+    """What it answers then is noise of either sign, or that of a load that is nothing."""
+    t = np.arange(200.0)
+    strain, stress = np.where(t < 60.0, 1.0 + t, 61.0), np.where(t < 60.0, 1.0, -1e-9)
+    tests = [TimeTest.of_history(t, sign * strain, stress, "-", "Pa", control="force")]
+    relaxed = np.exp(-t / 5.0) - 1e-3
+    tests.append(TimeTest.of_history(t, 0.0 * t + 1.0, sign * relaxed, "-", "Pa"))
+    assert [test.kind for test in tests] == ["recovery", "relaxation"]
+    assert [bool(mixed_up.sign_note(test, "force=-N")) for test in tests] == [sign < 0.0] * 2
+
+
 def test_parts_that_ask_are_usable_where_what_they_ask_was_said():
     asks, plain = Part("a", 3, False, "which unit?", asks=True), Part("b", 0, False, "empty")
     opened = SimpleNamespace(provenance={"note parts": "a"})

@@ -264,7 +264,7 @@ def test_a_step_is_told_where_spectrum_and_factors_leave_some_of_its_direction(
     monkeypatch.setattr(simplicity, "_excess", lambda alone, rows: np.array([6.0]))
     monkeypatch.setattr(simplicity, "_variance", lambda alone, rows: np.array([4.0]))
     monkeypatch.setattr(simplicity, "weighted", lambda columns, weights: columns)
-    monkeypatch.setattr(simplicity, "without", lambda basis, asked: slope)
+    monkeypatch.setattr(simplicity.Tangent, "left", lambda basis, asked: slope)
     rows = SimpleNamespace(
         level_of_row=np.array([0, 0]),
         by_theta=np.zeros((2, 1)),

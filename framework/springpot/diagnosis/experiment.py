@@ -24,7 +24,6 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.units import Units
 from springpot.misfit.error import plain
-from springpot.misfit.frame import orthonormal
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.residuals_of_tests import SweepPart, TestPart
@@ -36,7 +35,7 @@ from springpot.rheology.points import KELVIN, Points, Real, complex_form, real_f
 from springpot.thresholds import EXPERIMENT
 from springpot.writing import NAMED
 
-from ..numerics import ALIKE, PRINTED, SMALLEST, projected_out
+from ..numerics import ALIKE, PRINTED, SMALLEST, orthonormal, projected_out
 from .grown import COLUMN, Untold
 from .result import NextExperiment
 

@@ -23,14 +23,13 @@ from springpot.misfit.frame import (
     DRIFT_DEGREE,
     LEAST_SEEN,
     NoiseFrame,
-    orthonormal,
     relative_to,
 )
 from springpot.misfit.refit import Refit
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, INTERVAL, VERDICT
 
-from ..numerics import ROUNDING, SMALLEST, evenly, projected_out
+from ..numerics import ROUNDING, SMALLEST, evenly, orthonormal, projected_out
 
 if TYPE_CHECKING:
     from .grown import Grown, Search

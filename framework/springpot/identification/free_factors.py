@@ -13,7 +13,7 @@ from springpot.distributions import student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
 from springpot.memory import Links, autocorrelation_time
-from springpot.numerics import ALIKE, ENDLESS, ROUNDING, projected_out
+from springpot.numerics import ENDLESS, ROUNDING, Tangent, level_means
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.levels import Levels, level_text, levels_of
@@ -277,7 +277,7 @@ class FactorRows:
         Given standard deviations only weigh: a factor compares sweeps of one series, and what these
         share, such as the calibration, cancels in it.
         """
-        squares = np.bincount(self.level_of_row, self.residual**2) / np.bincount(self.level_of_row)
+        squares = level_means(self.level_of_row, self.residual**2)
         spent = len(self.residual) / max(self.fit.dof, 1)
         sd = np.maximum(np.sqrt(squares * spent), ROUNDING)
         return np.asarray(sd[self.level_of_row], dtype=np.float64)
@@ -360,7 +360,7 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     """Covariance (q, q) of the logarithms of the free factors."""
     # What the spectrum could do in a factor's place tells nothing of the factor.
     sd = np.sqrt(rows.alike) * rows.scale
-    slopes = without(rows.spectrum, rows.factors)
+    slopes = Tangent.of(rows.spectrum).left(rows.factors)
     # The few parameters of a model with a name follow next to nothing of the noise.
     if is_material(rows.fit.model):
         slopes = _beyond_noise(slopes, _noise_of_slopes(rows, sd))
@@ -401,15 +401,14 @@ def _noise_of_slopes(rows: FactorRows, sd: Real) -> Real:
     sd : ndarray, shape (2n,)
         Standard deviation of each row.
     """
-    used = np.linalg.norm(rows.spectrum, axis=0) > 0.0
-    basis, bent = rows.spectrum[:, used], rows.bent[:, used]
     # By columns of one size: a line that has all but passed within the measured times is tiny, and
     # what rounding leaves of it would be taken for noise without end.
-    size = np.linalg.norm(basis, axis=0)
-    basis, bent = basis / size, bent / size
-    left, values, right = _spanned(basis)
+    size = np.linalg.norm(rows.spectrum, axis=0)
+    size[size == 0.0] = 1.0
+    basis, bent = rows.spectrum / size, rows.bent / size
+    followed = Tangent.of(basis)
     # What the spectrum makes of the noise, in as many independent ways as it has.
-    turn, spread, _ = np.linalg.svd((right.T / values) @ (left.T * sd), full_matrices=False)
+    turn, spread, _ = np.linalg.svd(followed.back @ (followed.basis.T * sd), full_matrices=False)
     ways = turn * spread
     errors, seen, levels = [], [], []
     for element in rows.elements:
@@ -419,7 +418,7 @@ def _noise_of_slopes(rows: FactorRows, sd: Real) -> Real:
         for level in element.free:
             here = np.where((rows.level_of_row == level)[:, None], by_level, 0.0)
             errors.append(here)
-            seen.append((left.T @ here).ravel())
+            seen.append((followed.basis.T @ here).ravel())
             levels.append(level)
     # Errors at different levels have no row in common; what the spectrum can do is taken out, as of
     # the slopes.
@@ -442,20 +441,6 @@ def _beyond_noise(slopes: Real, noise: Real) -> Real:
     left, values, right = np.linalg.svd(np.linalg.solve(root.T, slopes.T).T, full_matrices=False)
     beyond = np.sqrt(np.maximum(values**2 - 1.0, 0.0))
     return np.asarray((left * beyond) @ right @ root, dtype=np.float64)
-
-
-def _spanned(basis: Real) -> tuple[Real, Real, Real]:
-    """Singular vectors and values of a basis (m, s) of unit columns, less what is said twice."""
-    left, values, right = np.linalg.svd(basis, full_matrices=False)
-    kept = values > ALIKE * values[0]
-    return left[:, kept], values[kept], right[kept]
-
-
-def without(basis: Real, columns: Real) -> Real:
-    """What is left of columns (m, q) beside a basis (m, s)."""
-    size = np.linalg.norm(basis, axis=0)
-    left, _, _ = _spanned(basis[:, size > 0.0] / size[size > 0.0])
-    return projected_out(columns, left)
 
 
 def _spread(rows: FactorRows, covariance: Real) -> Factors:

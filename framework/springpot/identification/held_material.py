@@ -15,7 +15,7 @@ import numpy as np
 from springpot.distributions import f_sf, student
 from springpot.measurement.independence import at_one_frequency
 from springpot.memory import Links, autocorrelation_time
-from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, SMALLEST, non_negative, projected_out
+from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, Tangent, non_negative, orthonormal
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import asked_as_measured
 from springpot.rheology.levels import levels_of
@@ -67,8 +67,10 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
         beside = len(fit.expected.rows)
         freed = np.concatenate([freed, np.zeros((beside, freed.shape[1]))])
         residual = np.concatenate([residual, known.prior_residual])
-    basis = known.slopes[:, known.at_bound == 0]
-    gained = _spanned(projected_out(freed, _spanned(basis)), np.linalg.norm(freed, axis=0))
+    least = np.sqrt(RANK)
+    beyond = Tangent.of(known.slopes[:, known.at_bound == 0], least).left(freed)
+    seen = np.linalg.norm(beyond, axis=0) > least * np.linalg.norm(freed, axis=0)
+    gained = orthonormal(beyond[:, seen], least)
     spare = gained.shape[1]
     left = fit.dof - spare
     if not spare or left <= 0:
@@ -109,18 +111,6 @@ def _alike(known: Uncertainty, column: str) -> float:
     data = known.fit.measurement
     number = levels_of(column, data.points.need(column))
     return autocorrelation_time(known.fit.residual, Links.of_levels(data.omega, number))
-
-
-def _spanned(columns: Real, whole: Real | None = None) -> Real:
-    """Orthonormal basis of columns of which something is left beside their whole size."""
-    size = np.linalg.norm(columns, axis=0)
-    if whole is None:
-        whole = size
-    kept = size > np.sqrt(RANK) * np.maximum(whole, SMALLEST)
-    if not np.any(kept):
-        return np.zeros((len(columns), 0))
-    left, values, _ = np.linalg.svd(columns[:, kept] / size[kept], full_matrices=False)
-    return np.asarray(left[:, values > np.sqrt(RANK) * values[0]], dtype=np.float64)
 
 
 OMEGA = np.geomspace(1e-3, 1e3, 61)

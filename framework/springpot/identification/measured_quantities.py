@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.numerics import ALIKE, MOST_STEPS, REWEIGHTINGS, ROUNDING, rows_alike
+from springpot.numerics import MOST_STEPS, REWEIGHTINGS, rows_alike
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from .leastsquares import Rows, levenberg_marquardt
 from .value import Quantity, Value, energy_unit, in_logarithm, noun
 
 AROUND = 9
@@ -287,45 +288,17 @@ def linear_limit(x: Real, storage: Real) -> tuple[float, float, int] | None:
 
 
 def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, int]:
-    """Level, place and power by Gauss and Newton with halved steps, their covariance."""
+    """Level, place and power of a fall by least squares, and their covariance."""
     fallen = np.flatnonzero(level - y > depth)
-    start = x[fallen[0]] if len(fallen) else x[-1]
-    theta, dof = np.array([level, float(start), 2.0]), len(x) - 3
+    start, dof = float(x[fallen[0]] if len(fallen) else x[-1]), len(x) - 3
 
-    def power(at: Real) -> Real:
-        # Where it is no number, neither is the cost, and the step is halved.
-        with np.errstate(over="ignore"):
-            return np.asarray(np.exp(at[2] * (x - at[1])), dtype=np.float64)
+    def evaluate(theta: Real, rows: Rows) -> tuple[Real, Real]:
+        at, place, power = theta.T[..., None]
+        fall = depth * np.exp(power * (x - place))
+        slopes = np.ones_like(fall), power * fall, (place - x) * fall
+        return at - fall - y, np.stack(slopes, axis=1)
 
-    def slopes_at(at: Real) -> Real:
-        fall = depth * power(at)
-        return np.column_stack([np.ones_like(x), at[2] * fall, -(x - at[1]) * fall])
-
-    def rest(at: Real) -> Real:
-        return np.asarray(y - at[0] + depth * power(at), dtype=np.float64)
-
-    def cost(at: Real) -> float:
-        with np.errstate(over="ignore"):
-            return float(np.sum(rest(at) ** 2))
-
-    least, most = 0.2, 8.0
-    for _ in range(MOST_STEPS):
-        slopes, left, size = slopes_at(theta), rest(theta), 1.0
-        step = np.linalg.lstsq(slopes, left, rcond=None)[0]
-        room = (least if step[2] < 0.0 else most) - theta[2]
-        if abs(room) <= ROUNDING:
-            # At an end of its range the power is held, and the others go on.
-            step = np.append(np.linalg.lstsq(slopes[:, :2], left, rcond=None)[0], 0.0)
-        elif abs(step[2]) > abs(room):
-            size = room / step[2]
-        before = cost(theta)
-        while size > 1e-6 and not cost(theta + size * step) <= before:
-            size *= 0.5
-        # Of a curve that does not fall no step may be better, and one that is worse leads to where
-        # the power is no number.
-        if not before - cost(theta + size * step) > ALIKE * before:
-            break
-        theta = theta + size * step
-    slopes = slopes_at(theta)
-    covariance = np.asarray(cost(theta) / dof * np.linalg.pinv(slopes.T @ slopes))
-    return theta, covariance, dof
+    low, high = np.array([-np.inf, -np.inf, 0.2]), np.array([np.inf, np.inf, 8.0])
+    found = levenberg_marquardt(evaluate, np.array([[level, start, 2.0]]), low, high)
+    covariance = np.asarray(found.cost[0] / dof * np.linalg.pinv(found.jtj[0]))
+    return found.u[0], covariance, dof

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL, VERDICT
 
-from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING
+from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING, Tangent
 from .fitted import Fit
 from .material import prior_residual_of, prior_slopes
 from .normal import (
@@ -36,24 +35,6 @@ from .normal import (
 from .population import Specimens, follows_specimens
 from .problem import weighted
 from .value import Value, printed
-
-
-class Followed(NamedTuple):
-    """What free parameters follow of the data.
-
-    Attributes
-    ----------
-    basis : ndarray, shape (m, k)
-        Orthonormal columns.
-    spread : ndarray, shape (k, f)
-        By how much each free parameter moves with what the data have along these.
-    lost : ndarray of int
-        Numbers of the parameters of which the data say nothing.
-    """
-
-    basis: Real
-    spread: Real
-    lost: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,37 +231,33 @@ class Uncertainty:
                 return self.eliminated.covariance(self.scale)
             unit, slopes = self.eliminated.covariance(1.0), self.eliminated.slopes
             return specimens.sandwich_of_levels(slopes, self.fit.residual, unit)
-        free, (_, spread, lost) = np.flatnonzero(self.at_bound == 0), self._followed
+        free, back = self._free, self._followed.back
+        # A direction without a trace in the data takes all parameters along that have a part in it.
+        lost = free[self._followed.lost > PART]
         covariance: Real = np.zeros((len(self.fit.u),) * 2)
         with np.errstate(invalid="ignore"):
-            inverse_square = spread.T @ spread
-            whole = self.scale**2 * inverse_square
+            whole = self.scale**2 * (back @ back.T)
             if specimens is not None:
                 inner = self.slopes[:, free]
-                whole = specimens.sandwich(inner, self.fit.residual, inverse_square)
+                whole = specimens.sandwich(inner, self.fit.residual, back @ back.T)
             elif memory:
-                whole = self.scale**2 * spread.T @ self._of_sums @ spread
+                whole = self.scale**2 * back @ self._of_sums @ back.T
             covariance[np.ix_(free, free)] = whole
         covariance[lost, lost] = np.inf
         return np.nan_to_num(covariance, nan=np.inf, posinf=np.inf)
 
     @cached_property
-    def _followed(self) -> Followed:
-        # What rests on a bound does not move with the data: it takes no part, and the others are
-        # the surer for it.
-        free = np.flatnonzero(self.at_bound == 0)
-        inner = self.slopes[:, free]
-        # Columns of one size: what is determined must not depend on the units of the parameters.
-        size = np.linalg.norm(inner, axis=0)
-        size[size == 0] = 1.0
-        # Of the Jacobian itself: its square would lose half of the digits that tell what is
-        # determined.
-        basis, values, directions = np.linalg.svd(inner / size, full_matrices=False)
-        known = values > RANK * values.max(initial=0.0)
-        spread = directions[known] / values[known, None] / size
-        # A direction without a trace in the data takes all parameters along that have a part in it.
-        lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
-        return Followed(basis[:, known], spread, lost)
+    def _free(self) -> NDArray[np.intp]:
+        """Numbers of the parameters that move with the data.
+
+        What rests on a bound takes no part, and the others are the surer for it.
+        """
+        return np.flatnonzero(self.at_bound == 0)
+
+    @cached_property
+    def _followed(self) -> Tangent:
+        """What these follow of the data."""
+        return Tangent.of(self.slopes[:, self._free], RANK)
 
     @property
     def prior_residual(self) -> Real:
@@ -337,7 +314,7 @@ class Uncertainty:
         """
         if self.eliminated is not None:
             return None
-        fit, free = self.fit, np.flatnonzero(self.at_bound == 0)
+        fit, free = self.fit, self._free
         turn, moves = slopes_of(fit)[:, free], []
         for i in np.flatnonzero(self.at_bound).tolist():
             reach, made_up = self._reach(i)
@@ -361,9 +338,8 @@ class Uncertainty:
         if self.eliminated is not None:
             size = self.eliminated.left(slope)
         else:
-            others = self.fit.jacobian_u[:, self.at_bound == 0]
-            if others.size:
-                made_up = np.asarray(np.linalg.lstsq(others, slope, rcond=RANK)[0])
+            others = self.fit.jacobian_u[:, self._free]
+            made_up = Tangent.of(others, RANK).step(slope)
             slope = slope - others @ made_up
             size = float(np.linalg.norm(slope))
         # From a bound there is one way only: the whole tail lies on that side.

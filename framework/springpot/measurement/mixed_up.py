@@ -18,7 +18,7 @@ import numpy as np
 
 from springpot.memory import autocorrelation_time
 from springpot.numerics import BEYOND, PER_DECADE, evenly, non_negative
-from springpot.rheology.points import Complex, Real, real_form
+from springpot.rheology.points import STEADY, Complex, Real, real_form
 from springpot.thresholds import SIGNALS
 
 from .measurement import Measurement
@@ -193,11 +193,12 @@ def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
     if test.kind == "history":
         turned, why = _gives_work(test.time, moved, pulled), "the specimen gives work away"
     else:
-        # No cycle, over which work is counted: a push is answered by a push.
-        turned, why = (
-            bool(2 * np.sum(moved * pulled < 0.0) > len(pulled)),
-            "force and displacement are opposed",
-        )
+        # No cycle, over which work is counted: a push is answered by a push until it is taken
+        # back. By how much, as what has relaxed to nothing is noise of either sign.
+        size = np.abs(moved if test.control == "displacement" else pulled)
+        until = 1 + int(np.flatnonzero(size >= (1.0 - STEADY) * size.max())[-1])
+        turned = bool(np.sum((moved * pulled)[:until]) < 0.0)
+        why = "force and displacement are opposed"
     if not turned:
         return {}
     turn = f"if one channel counts the other way, open 'FILE?{hint}'"

@@ -33,7 +33,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, SCATTER, SEARCH, SIGNALS, VERDICT
 
-from ..numerics import SMALLEST, projected_out
+from ..numerics import SMALLEST, orthonormal, projected_out
 from .frame import (
     ENOUGH_NEIGHBOURS,
     FEWEST_OWN,
@@ -41,7 +41,6 @@ from .frame import (
     LEAST_SEEN,
     NoiseFrame,
     is_beyond_noise,
-    orthonormal,
     phase_of,
 )
 from .outliers import MOST_TURNS, Trimmed, trimmed

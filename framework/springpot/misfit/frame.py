@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import svd
 from scipy.optimize import brentq
 
 from springpot.distributions import chi2_sf, f_sf
@@ -27,7 +26,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
-from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, projected_out
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, orthonormal, projected_out
 
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
@@ -50,51 +49,6 @@ def phase_of(stiffness: Complex, measurement: Measurement) -> Complex:
     """K over |K| (n,) of a model."""
     whole = relative_to(stiffness, measurement)
     return np.asarray(whole / np.abs(whole), dtype=np.complex128)
-
-
-class Tangent(NamedTuple):
-    """What small changes of some amounts make, as a linear step has it.
-
-    Attributes
-    ----------
-    basis : ndarray, shape (m, r)
-        Orthonormal.
-    back : ndarray, shape (p, r)
-        The change of the amounts that makes each of its directions.
-    """
-
-    basis: Real
-    back: Real
-
-    @classmethod
-    def of(cls, slopes: Real, tolerance: float = ALIKE) -> Tangent:
-        """That of slopes (m, p), scaled first, so that the units of the amounts do not matter."""
-        size = np.sqrt(np.sum(slopes * slopes, axis=0))
-        # What changes nothing has a column of nothing.
-        size = np.where(size > 0.0, size, 1.0)
-        # By singular values: parameters of a fit are often nearly dependent, and a QR would keep
-        # rounding as a direction.
-        try:
-            u, s, v = np.linalg.svd(slopes / size, full_matrices=False)
-        except np.linalg.LinAlgError:
-            # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one
-            # does not.
-            u, s, v = svd(slopes / size, full_matrices=False, lapack_driver="gesvd")
-        good = s > tolerance * s.max(initial=0.0)
-        return cls(u[:, good], (v[good].T / s[good]) / size[:, None])
-
-    def left(self, values: Real) -> Real:
-        """What of (m,) or columns (m, c) the amounts cannot make."""
-        return projected_out(values, self.basis)
-
-    def step(self, wanted: Real) -> Real:
-        """The change of the amounts (p,) that makes something (m,), as nearly as they can."""
-        return np.asarray(self.back @ (self.basis.T @ wanted))
-
-
-def orthonormal(columns: Real, tolerance: float = ALIKE) -> Real:
-    """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
-    return Tangent.of(columns, tolerance).basis
 
 
 def able_to_follow(

@@ -31,7 +31,7 @@ from springpot.measurement.replicates import average_repeats, noise_of_repeats
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
-from ..numerics import ALIKE, ROUNDING, SMALLEST, projected_out
+from ..numerics import ALIKE, ROUNDING, SMALLEST, orthonormal, projected_out
 from .error import plain, point_in_words
 from .frame import (
     FEWEST_OWN,
@@ -40,7 +40,6 @@ from .frame import (
     NoiseFrame,
     chance_of_squares,
     drift_shapes,
-    orthonormal,
     spectrum,
     waves,
 )

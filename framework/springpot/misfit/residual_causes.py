@@ -34,7 +34,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, projected_out, rms
+from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, orthonormal, projected_out, rms
 from .error import percent, plain
 from .frame import (
     ENOUGH_NEIGHBOURS,
@@ -42,7 +42,6 @@ from .frame import (
     NoiseFrame,
     beyond,
     chance_of_squares,
-    orthonormal,
     relative_to,
 )
 from .refit import Refit

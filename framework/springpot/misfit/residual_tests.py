@@ -27,7 +27,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, REPEATS, VERDICT
 
 from ..memory import autoregressive
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, orthonormal
 from .error import plain, point_in_words, times
 from .frame import (
     DRAWN,
@@ -38,7 +38,6 @@ from .frame import (
     NoiseFrame,
     drift_curves,
     near_an_alarm,
-    orthonormal,
     relative_to,
     spectrum,
 )

@@ -6,7 +6,6 @@ Markdown, CSV, LaTeX (booktabs), HTML and Excel from the same rows by one rule f
 from __future__ import annotations
 
 import csv
-import html
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -18,9 +17,10 @@ from typing import IO, TYPE_CHECKING, TypeAlias
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text, write_with
 from springpot.identification.value import Value
-from springpot.writing import DIGITS, guarded, number as digits
+from springpot.writing import DIGITS, guarded, number as digits, tag, wide_table
 
 from .canvas import PLAIN
+from .page import page
 from .text import halved
 
 if TYPE_CHECKING:
@@ -216,35 +216,14 @@ def _latex_cell(cell: str) -> str:
     return escaped
 
 
-_STYLE = (
-    "body{font:15px/1.4 system-ui,sans-serif;margin:2em}table{border-collapse:collapse}"
-    "th,td{padding:.25em .7em;border-bottom:1px solid #ccc;text-align:left}.n{text-align:right}"
-)
-
-
 def to_html(table: Table) -> str:
     """The table as a page of its own."""
-    marks = {True: ' class="n"', False: ""}
-    kinds = [marks[numeric] for numeric in _numeric(table)]
-    # Names of data sets and optimisers are anybody's words: none may be read as a tag.
-    title, note = html.escape(table.title), html.escape(table.note)
-    asks = f"<p>{html.escape(table.asks)}</p>\n" if table.asks else ""
-    head = "".join(
-        f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True)
-    )
-    rows = [
-        "".join(
-            f"<td{k}>{html.escape(text(entry))}</td>" for entry, k in zip(row, kinds, strict=True)
-        )
-        for row in table.rows
-    ]
-    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n{asks}"
-        f"<table>\n<thead><tr>{head}</tr></thead>\n"
-        f"<tbody>\n{body}\n</tbody>\n</table>\n<p>{note}</p>\n</body></html>\n"
-    )
+    pairs = zip(table.columns, _numeric(table), strict=True)
+    numbers = [column for column, numeric in pairs if numeric]
+    rows = [[text(entry) for entry in row] for row in table.rows]
+    above, below = (tag("p", words) if words else "" for words in (table.asks, table.note))
+    cells = wide_table(table.columns, rows, numbers)
+    return page(table.title, tag("h1", table.title), above, cells, below)
 
 
 def _numeric(table: Table) -> list[bool]:

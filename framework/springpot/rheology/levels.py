@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
-from ..numerics import ALIKE, rows_of_levels
+from ..numerics import ALIKE, level_means, rows_of_levels
 from .nodes import GRADIENT, VALUE, Node, Response, rename
 from .parameters import Parameter
 from .points import KELVIN, LARGEST_SHIFT, Points, Real, held
@@ -119,8 +119,7 @@ class Levels(Node):
             return self
         column = at.need(self.column)
         number = levels_of(self.column, column)
-        count = np.bincount(number)
-        means = np.bincount(number, column) / count
+        means = level_means(number, column)
         target = at.reference_temperature
         if self.column != "temperature":
             # The lower median, as the mean of two levels would be none.
@@ -173,25 +172,18 @@ class Levels(Node):
     def shares(self, at: Points) -> Real:
         """Share of each free level (q, n) in the logarithm of the factor at the points."""
         column, values = at.need(self.column), np.array(self.values)
+        if not self.free:
+            return np.zeros((0, len(column)))
         nearest = np.argmin(np.abs(column[None, :] - values[:, None]), axis=0)
         # Within what a rig holds a value is its level, not a place between two.
         settled = np.abs(column - values[nearest]) <= held(self.column, values)[nearest]
         place = np.where(settled, values[nearest], column)
-        return np.array(
-            [np.interp(place, values, unit) for unit in np.eye(len(values))[list(self.free)]]
-        )
+        units = np.eye(len(values))[list(self.free)]
+        return np.array([np.interp(place, values, unit) for unit in units])
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The factor or its logarithm."""
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
-        if not self.free:
-            at.need(self.column)
-            # A factor of one, or its logarithm.
-            neutral = np.ones(shape, dtype=np.complex128)
-            if self.logarithmic:
-                neutral = np.zeros(shape, dtype=np.complex128)
-            nothing = np.zeros((*shape[:-1], 0, shape[-1]), dtype=np.complex128)
-            return Response(neutral, nothing, np.zeros_like(neutral))
         shares = self.shares(at)
         # Linear in the logarithms, in which factors between two levels are interpolated.
         log_factor = np.matmul(np.log(theta), shares)
@@ -287,7 +279,7 @@ class Own(Node):
             return self
         column = at.need(self.column)
         number = levels_of(self.column, column)
-        means = np.bincount(number, column) / np.bincount(number)
+        means = level_means(number, column)
         return replace(self, node=self.node.bound_to(at), values=tuple(means.tolist()))
 
     @cached_property

@@ -16,8 +16,9 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
-from springpot.numerics import HALVINGS, REWEIGHTINGS, SMALLEST, non_negative
+from springpot.numerics import REWEIGHTINGS, SMALLEST, non_negative
 from springpot.rheology.points import Complex, Real, real_form
+from springpot.rheology.rational import Rational
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
 IN_VAIN = 6
@@ -462,40 +463,12 @@ def beside_a_spring(prony: Prony, own: float, soft: float) -> Prony:
             "no series beside a dashpot is converted with a constant bulk modulus: give --bulk"
             " relaxing"
         )
-    order = np.argsort(-prony.times)
-    rates, weights = 1.0 / prony.times[order], prony.weights[order]
-    # The denominator has the same poles as M, and between two of them it takes every value once.
-    left = own + soft * prony.instantaneous
-    before, behind = np.diff(rates, prepend=0.0), np.zeros(len(rates))
-    ends = -before, behind
-    if soft < 0.0:
-        beyond = -soft / left * float(np.sum(weights * rates))
-        ends = behind, np.append(before[1:], beyond)
-    away = _roots(prony.equilibrium + own / soft, weights, rates, ends)
-    gaps = rates - rates[:, None]
-    slope = np.sum(weights * rates / (gaps - away[:, None]) ** 2, axis=1)
-    new = rates + away
+    # As a compliance the spring of the bulk is one term more.
+    none = np.zeros((len(prony.times), 0))
+    ends = np.array([prony.equilibrium, 0.0])
+    series = Rational(ends, 1.0 / prony.times, prony.weights, np.zeros((2, 0)), none, none)
+    compliance = series.inverse().times(own, np.zeros(0))
+    there = replace(compliance, ends=compliance.ends + np.array([soft, 0.0])).inverse()
     return replace(
-        prony,
-        equilibrium=equilibrium,
-        weights=(own / (soft**2 * slope * new))[::-1],
-        times=1.0 / new[::-1],
+        prony, equilibrium=float(there.ends[0]), weights=there.weights, times=1.0 / there.rates
     )
-
-
-def _roots(level: float, weights: Real, rates: Real, ends: tuple[Real, Real]) -> Real:
-    """Roots of level + sum of weights x / (x - rates), as distances (m,) from each rate.
-
-    They lie between these ends. Counted from the rate itself, as that of a small term lies next to
-    it.
-    """
-    low, high = ends
-    gaps = rates - rates[:, None]
-    for _ in range(HALVINGS):
-        away = 0.5 * (low + high)
-        place = (rates + away)[:, None]
-        with np.errstate(all="ignore"):
-            value = level + np.sum(weights * place / (away[:, None] - gaps), axis=1)
-        # Between two rates it falls from plus to minus without end.
-        low, high = np.where(value > 0.0, away, low), np.where(value > 0.0, high, away)
-    return 0.5 * (low + high)

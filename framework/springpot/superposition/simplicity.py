@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, f_sum_sf, normal_sf
-from springpot.identification.free_factors import FactorRows, without
+from springpot.identification.free_factors import FactorRows
 from springpot.identification.levels_alone import Alone, parts_of
 from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from ..numerics import DECADE, ROUNDING, SMALLEST, rms
+from ..numerics import DECADE, ROUNDING, SMALLEST, Tangent, level_means, rms
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 
@@ -165,7 +165,7 @@ def _variance(alone: Alone, rows: FactorRows) -> Real:
 
     That of its own material, else of the common one.
     """
-    common = np.bincount(rows.level_of_row, rows.scale**2) / np.bincount(rows.level_of_row)
+    common = level_means(rows.level_of_row, rows.scale**2)
     own = alone.cost / np.maximum(alone.dof, 1.0)
     return np.maximum(np.where(alone.judged, own, common), ROUNDING**2)
 
@@ -191,7 +191,7 @@ def _relative(rows: FactorRows) -> Real:
 
 
 def _level_errors(rows: FactorRows) -> Real:
-    return np.sqrt(np.bincount(rows.number, _relative(rows) ** 2) / np.bincount(rows.number))
+    return np.asarray(np.sqrt(level_means(rows.number, _relative(rows) ** 2)))
 
 
 def _chance(rows: FactorRows, alone: Alone) -> float:
@@ -381,7 +381,7 @@ def _one_step(
     # What spectrum and factors can do in its place is no failure of superposition.
     spectrum = rows.by_theta[:, : len(rows.fit.model.material.parameters)]
     asked = weighted(columns, rows.weights).T / scale
-    slopes = without(np.column_stack([spectrum, rows.factors]) / scale, asked)
+    slopes = Tangent.of(np.column_stack([spectrum, rows.factors]) / scale).left(asked)
     square = np.sum(slopes**2, axis=0)
     whole = np.sum(asked**2, axis=0)
     seen = square > LEFT * np.maximum(whole, SMALLEST)

@@ -102,45 +102,40 @@ def _widths(width: float, enough: Callable[[float], bool]) -> Iterator[float]:
         yield width
 
 
-def polynomial_at(channel: Channel, moment: float, width: float, degree: int) -> tuple[Real, Real]:
+def polynomial_at(
+    channel: Channel, moment: float, width: float, degree: int, spare: int = 0
+) -> _Fit:
     """Coefficients of powers of the time from a moment on, and their covariance.
 
-    The value, the slope, half the second derivative, and so on, by the widest window that fits.
+    The value, the slope, half the second derivative, and so on, by the widest window that fits;
+    whether one fits in which that many samples are left over.
     """
 
     def enough(half: float) -> bool:
-        return len(channel.within(moment - half, moment + half)[0]) > degree
+        return len(channel.within(moment - half, moment + half)[0]) > degree + spare
 
     for half in _widths(width, enough):
         time, values = channel.within(moment - half, moment + half)
         # In units of the window, so that all columns are of one size.
-        fit = _least_squares(
-            np.vander((time - moment) / half, degree + 1, increasing=True), values, channel.noise
-        )
-        if fit.fits:
+        columns = np.vander((time - moment) / half, degree + 1, increasing=True)
+        fit = _least_squares(columns, values, channel.noise)
+        if fits := fit.fits and enough(half):
             break
     scale = half ** -np.arange(degree + 1.0)
-    return fit.solution * scale, fit.covariance * np.outer(scale, scale)
+    return _Fit(fit.solution * scale, fit.covariance * np.outer(scale, scale), fits)
 
 
 def smooth_value(channel: Channel, moment: float, width: float) -> Estimate | None:
     """The value at a moment around which a channel is smooth; None beside a jump."""
-
-    def enough(half: float) -> bool:
-        return len(channel.within(moment - half, moment + half)[0]) > SMOOTH + 1
-
-    for half in _widths(width, enough):
-        time, values = channel.within(moment - half, moment + half)
-        columns = np.vander((time - moment) / half, SMOOTH + 1, increasing=True)
-        fit = _least_squares(columns, values, channel.noise)
-        if fit.fits and len(time) > SMOOTH + 1:
-            return Estimate(float(fit.solution[0]), float(np.sqrt(fit.covariance[0, 0])))
-    return None
+    fit = polynomial_at(channel, moment, width, SMOOTH, 1)
+    if not fit.fits:
+        return None
+    return Estimate(float(fit.solution[0]), float(np.sqrt(fit.covariance[0, 0])))
 
 
 def value_at(channel: Channel, moment: Estimate, width: float) -> Estimate:
     """The value at a moment that is itself known with a deviation."""
-    solution, covariance = polynomial_at(channel, moment.value, width, SMOOTH)
+    solution, covariance, _ = polynomial_at(channel, moment.value, width, SMOOTH)
     return Estimate(
         float(solution[0]), float(np.hypot(np.sqrt(covariance[0, 0]), solution[1] * moment.sd))
     )
@@ -152,7 +147,7 @@ def crossing(
     """When a channel crosses a level, and its slope there."""
     moment = guess
     for _ in range(MOVES):
-        solution, covariance = polynomial_at(channel, moment, width, STEEP)
+        solution, covariance, _ = polynomial_at(channel, moment, width, STEEP)
         if solution[1] == 0.0:
             break
         # By less than the window: a flat piece, such as play, has no crossing of its own.
@@ -168,7 +163,7 @@ def turning_point(channel: Channel, guess: float, width: float, sign: float) -> 
     """Where a channel is greatest (`sign` 1) or least (-1), near a guess."""
     moment = guess
     for _ in range(MOVES):
-        solution, covariance = polynomial_at(channel, moment, width, SMOOTH)
+        solution, covariance, _ = polynomial_at(channel, moment, width, SMOOTH)
         bend = 2.0 * solution[2]
         if sign * bend >= 0.0:
             break

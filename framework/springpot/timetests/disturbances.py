@@ -31,12 +31,11 @@ from springpot.measurement.rounding import is_even
 from springpot.measurement.timenoise import ORDER as ENDS
 from springpot.misfit.coloured_noise import UPPER
 from springpot.misfit.error import plain
-from springpot.misfit.frame import Tangent
 from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, rougher, scatter_of
 from springpot.misfit.residuals_of_tests import InTimePart, Residual, TestPart
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, MOST_STEPS, SMALLEST, rms
+from ..numerics import ALIKE, MOST_STEPS, SMALLEST, Tangent, rms
 from .hypotheses import FitResiduals, delta_bic
 from .native import ROUGHLY, TimeSearch
 

@@ -18,14 +18,14 @@ from springpot.diagnosis.scan import PARALLEL
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
 from springpot.measurement.timetest import TimeTest
-from springpot.misfit.frame import Tangent, able_to_follow
+from springpot.misfit.frame import able_to_follow
 from springpot.misfit.residuals_of_tests import Residual, TestPart
 from springpot.rheology.effect import Effect, on_clock, on_response
 from springpot.rheology.model import Model, linear_network, sorted_out
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST
+from ..numerics import NEGLIGIBLE, SMALLEST, Tangent
 from .exponentials import QuickPart, points_at
 from .hypotheses import Atom, ScanEntry
 from .specimen import MOST, Scales, stepped, tries_of

@@ -230,9 +230,11 @@ def _used(
     """
     found = {role: [each for each in columns if each.name == role] for role in EXAMPLES}
     timed: dict[str, Column] = {}
+    noted: dict[str, str] = {}
     if found["time"]:
-        timed["time"] = in_seconds(found["time"][0])
-    found, notes = _in_units(timed, found)
+        timed["time"], noted = _with_unit(in_seconds(found["time"][0]))
+    found, notes = _in_units(found)
+    notes = {**noted, **notes}
     if timed and (pair := _pair(found["displacement"], found["force"])) is not None:
         return {**timed, "displacement": pair[0], "force": pair[1]}, notes
     for role in ("relaxation", "compliance"):
@@ -282,8 +284,17 @@ def _clock(column: Column) -> Real:
     return column.numbers() * TIME_UNITS[unit]
 
 
+def _with_unit(clock: Column) -> tuple[Column, dict[str, str]]:
+    """Times in their unit, or in seconds and a note that these are taken."""
+    if clock.unit is not None:
+        return clock, {}
+    says = f"there is no unit, and seconds are taken; write {clock.title} [s]"
+    note = f"'{clock.title}': {says}, or if it is another one say 'FILE?time=min'"
+    return replace(clock, unit="s"), {"note clock": note}
+
+
 def _in_units(
-    timed: Mapping[str, Column], found: dict[str, list[Column]]
+    found: dict[str, list[Column]],
 ) -> tuple[dict[str, list[Column]], dict[str, str]]:
     """The columns with their units, and a note where these are not written in the file.
 
@@ -297,7 +308,7 @@ def _in_units(
         # Displacement and force are of no use beside a modulus, unless their units make one.
         moduli = [*found["relaxation"][:1], *found["compliance"][:1]]
         wanted = moduli or [*found["displacement"], *found["force"]]
-    bare = [each for each in (*timed.values(), *wanted) if each.unit is None]
+    bare = [each for each in wanted if each.unit is None]
     if not bare:
         return found, {}
     names = ", ".join(f"'{each.title}'" for each in bare)
@@ -310,7 +321,6 @@ def _in_units(
     mend = f"write {bare[0].title} [{units[0]}], or say it by 'FILE?{spec}'"
     roles = {each.name for each in bare}
     together = next((set(each) for each in WITHOUT_UNIT if roles <= each), None)
-    # A time must have its unit.
     if together is None:
         raise DataError(f"column {names}: there is no unit; {mend}")
     taken = {role: [replace(each, unit=OF_FILE[role]) for each in found[role]] for role in together}

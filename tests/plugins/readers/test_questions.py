@@ -17,7 +17,6 @@ FILES = {
     "no names": (ROWS, ["meaning", "meaning", "meaning"]),
     "base of logarithms": ("frequency [Hz],log G' [Pa],log G'' [Pa]\n" + ROWS, ["base"]),
     "no frequency": ("T [°C],G' [Pa],G'' [Pa]\n" + ROWS, ["constant"]),
-    "units of channels": ("time,displacement,force\n" + TIMES, ["unit", "unit", "unit"]),
     "which channel": ("time [s],displacement [mm],signal\n" + TIMES, ["column"]),
     "parts of two kinds": (PARTS.format(ROWS), ["part"]),
 }

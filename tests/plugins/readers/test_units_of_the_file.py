@@ -91,12 +91,16 @@ def test_what_must_be_known_is_asked_for_with_all_that_lacks(tmp_path):
     path = table(tmp_path, "frequency,storage,loss", OMEGA, K.real, K.imag)
     with pytest.raises(DataError, match=r"frequency=Hz,storage=Pa,loss=Pa"):
         springpot.read(path)
-    path = table(tmp_path, "time,strain,stress", TIMES, 1.0 / TIMES, 3.0 / TIMES)
-    with pytest.raises(DataError, match=r"time=s,displacement=-,force=Pa"):
-        springpot.read(path)
-    path = table(tmp_path, "time,relaxation", TIMES, 1.0 / TIMES)
-    with pytest.raises(DataError, match=r"time=s,relaxation=Pa"):
-        springpot.read(path)
+
+
+@pytest.mark.parametrize("head", ["time,relaxation", "time,relaxation modulus [Pa]"])
+def test_a_time_without_a_unit_is_in_seconds(tmp_path, head):
+    """It was refused; a note says what was taken and how another unit is said."""
+    path = table(tmp_path, head, TIMES, 1.0 / TIMES)
+    test = springpot.read(path)
+    np.testing.assert_allclose(test.time, TIMES, rtol=1e-7)
+    assert test.provenance["note clock"].endswith(f"say '{path}?time=min'")
+    np.testing.assert_allclose(springpot.read(f"{path}?time=min").time, 60.0 * TIMES, rtol=1e-7)
 
 
 def test_nothing_is_converted_to_them_or_from_them(tmp_path):
