@@ -31,12 +31,12 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.mixed_tests import runs_together
-from springpot.measurement.mixed_up import EXCHANGED, SIGN, exchange_note
+from springpot.measurement.mixed_up import EXCHANGED, FAR, SIGN, exchange_note
 from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of
-from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, unit_proposal, usual_unit
+from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, usual_unit
 from .table import Column
 
 ROLES = (
@@ -137,8 +137,7 @@ def _unit(column: Column, table: dict[str, float], advice: str) -> str:
     try:
         return known_unit(column.unit, table, column.name)
     except DataError as error:
-        proposed = unit_proposal([column.name], column.title, column.unit)
-        raise column.error(f"{error}; {proposed}") from None
+        raise column.error(str(error)) from None
 
 
 def _omega(roles: Mapping[str, Column]) -> Real:
@@ -329,16 +328,20 @@ def sign_note(measured: Measurement, own: Mapping[str, Column]) -> dict[str, str
     own : mapping of str to Column
         The file's own columns by role: only what it holds itself can be turned by a hint.
     """
-    # Either alone has other causes: a mass takes the storage away, a phase of the other sign the
-    # loss.
+    # Storage alone may be taken away by a mass.
     both = (measured.storage < 0.0) & (measured.loss < 0.0)
-    if not own.keys() >= {"storage", "loss"} or 2 * both.sum() <= len(measured):
+    if own.keys() >= {"storage", "loss"} and 2 * both.sum() > len(measured):
+        hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+        why, what = "storage and loss are negative, as if the force had the wrong sign", "channel"
+        return {SIGN: f"{why}: if one {what} counts the other way, open 'FILE?{hint}'"}
+    told = next((role for role in ("loss", "phase") if role in own and own[role].unit), "")
+    if not told or not np.median(measured.loss / measured.magnitude) < -FAR:
         return {}
-    hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+    # No mass takes it away, and no rig lags by so much at most frequencies.
     return {
         SIGN: (
-            "storage and loss are negative, as if the force had the wrong sign: "
-            f"if one channel counts the other way, open 'FILE?{hint}'"
+            f"loss is negative, as if the phase had the wrong sign: if the {told} counts the other"
+            f" way, open 'FILE?{told}=-{own[told].unit}'"
         )
     }
 
