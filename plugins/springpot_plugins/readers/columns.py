@@ -130,14 +130,14 @@ def measurement_of(
     return replace(measured, provenance={**provenance, **of_values})
 
 
-def _unit(column: Column, table: dict[str, float], advice: str) -> str:
-    """The column's unit as the table spells it."""
+def _unit(column: Column, table: dict[str, float], advice: str, alike: Sequence[str] = ()) -> str:
+    """The column's unit as the table spells it; columns of the roles `alike` have the same one."""
     if column.unit is None:
         raise column.error(f"there is no unit; {advice}")
     try:
         return known_unit(column.unit, table, column.name)
     except DataError as error:
-        proposed = unit_proposal([column.name], column.title, column.unit)
+        proposed = unit_proposal(alike or [column.name], column.title, column.unit)
         raise column.error(f"{error}; {proposed}") from None
 
 
@@ -186,9 +186,12 @@ def _letter_without_unit(titles: Sequence[str]) -> str:
     return "K"
 
 
-def _modulus(column: Column) -> tuple[Real, str]:
+def _modulus(roles: Mapping[str, Column], role: str) -> tuple[Real, str]:
+    column = roles[role]
     advice = f"write {column.name} [N/mm], [kN/m], [Pa] or any stiffness or pressure unit"
-    return column.numbers(), _unit(column, MODULUS_UNITS, advice)
+    moduli = ("storage", "loss", "magnitude")
+    alike = [each for each in moduli if each in roles and roles[each].unit == column.unit]
+    return column.numbers(), _unit(column, MODULUS_UNITS, advice, alike)
 
 
 def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
@@ -208,8 +211,8 @@ def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
 def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
     """K' + i K'' from storage and loss, or from one or the magnitude with phase or loss factor."""
     if "storage" in roles and "loss" in roles:
-        storage, unit = _modulus(roles["storage"])
-        loss, loss_unit = _modulus(roles["loss"])
+        storage, unit = _modulus(roles, "storage")
+        loss, loss_unit = _modulus(roles, "loss")
         return _complex(storage, _in_unit(loss, loss_unit, unit, roles["loss"])), unit
     tangent = _tangent(roles)
     if tangent is None or not roles.keys() & {"magnitude", "storage", "loss"}:
@@ -219,12 +222,12 @@ def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
             "or magnitude [unit] with phase [deg] or loss_factor [-]"
         )
     if "storage" in roles:
-        storage, unit = _modulus(roles["storage"])
+        storage, unit = _modulus(roles, "storage")
         return _complex(storage, storage * np.tan(tangent)), unit
     if "loss" in roles and "magnitude" not in roles:
-        loss, unit = _modulus(roles["loss"])
+        loss, unit = _modulus(roles, "loss")
         return _complex(_over_tangent(loss, tangent, roles["loss"]), loss), unit
-    size, unit = _modulus(roles["magnitude"])
+    size, unit = _modulus(roles, "magnitude")
     wrong = size <= 0
     if wrong.any():
         raise roles["magnitude"].error("the magnitude must be positive", int(np.argmax(wrong)))
