@@ -33,13 +33,14 @@ def test_what_shifts_or_multiplies_all_frequencies_alike_keeps_the_modes(effect)
     at = points(35.0)
     found = rational_of(model.network, theta, np.eye(len(theta)), at)
     s = 1j * OMEGA
-    modes = found.weights[:, None] * s / (s + found.rates[:, None])
+    rates, weights, rate_slopes, weight_slopes = found.lines
+    modes = weights[:, None] * s / (s + rates[:, None])
     whole = found.ends[0] + found.ends[1] * s + modes.sum(axis=0)
     np.testing.assert_allclose(whole, model.stiffness(theta, at), rtol=1e-9)
-    by_rate = -found.weights[:, None] * s / (s + found.rates[:, None]) ** 2
+    by_rate = -weights[:, None] * s / (s + rates[:, None]) ** 2
     slopes = found.end_slopes[0][:, None] + found.end_slopes[1][:, None] * s
-    slopes = slopes + found.weight_slopes.T @ (s / (s + found.rates[:, None]))
-    slopes = slopes + found.rate_slopes.T @ by_rate
+    slopes = slopes + weight_slopes.T @ (s / (s + rates[:, None]))
+    slopes = slopes + rate_slopes.T @ by_rate
     exact = model.network.respond(theta, at, GRADIENT).by_theta
     np.testing.assert_allclose(slopes, exact, rtol=1e-9, atol=1e-12 * np.abs(exact).max())
 

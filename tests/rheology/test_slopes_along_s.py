@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from springpot.rheology.intime import _around, _pair, _times, _value
+from springpot.rheology.intime import _pair, _times
 from springpot.rheology.spectrum import Slopes, Spectrum
 
 S = np.array([0.3 + 0.8j, -0.2 + 3.0j, 5.0 - 1.0j, 0.7 + 0.0j])
@@ -39,21 +39,20 @@ def moved(modes, i, step):
 
 
 def test_value_and_slope_along_s(modes):
-    value, steep, bend, _, _ = _around(modes, S)
-    plain, plain_steep = _value(modes, S)
-    for found in (value, plain):
-        np.testing.assert_allclose(found, stiffness(modes, S), rtol=1e-12)
+    steep, bend, _, _ = modes.modes.around(S)
+    value, plain_steep = modes.modes.at(S)
+    np.testing.assert_allclose(value, stiffness(modes, S), rtol=1e-12)
     wanted = (stiffness(modes, S + STEP) - stiffness(modes, S - STEP)) / (2 * STEP)
     np.testing.assert_allclose(steep, wanted, rtol=1e-7)
     np.testing.assert_allclose(plain_steep, wanted, rtol=1e-7)
-    after, before = (_around(modes, S + sign * STEP)[1] for sign in (1.0, -1.0))
+    after, before = (modes.modes.around(S + sign * STEP)[0] for sign in (1.0, -1.0))
     np.testing.assert_allclose(bend, (after - before) / (2 * STEP), rtol=1e-6)
 
 
 def test_slopes_by_the_parameters(modes):
-    _, _, _, by_theta, steep_by_theta = _around(modes, S)
+    _, _, by_theta, steep_by_theta = modes.modes.around(S)
     for i in range(3):
-        ends = [_around(moved(modes, i, sign * STEP), S) for sign in (1.0, -1.0)]
+        ends = [moved(modes, i, sign * STEP).modes.at(S) for sign in (1.0, -1.0)]
         for k, slopes in ((0, by_theta), (1, steep_by_theta)):
             wanted = (ends[0][k] - ends[1][k]) / (2 * STEP)
             np.testing.assert_allclose(slopes[:, i], wanted, rtol=1e-6, atol=1e-8)

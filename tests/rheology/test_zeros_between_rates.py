@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from springpot.rheology.rational import Rational
+from springpot.rheology.rational import Lines, Rational
 
 ABOVE = 1.0 + 1e-13
 """Of what is found by its logarithm, and may lie 25 decades from one."""
@@ -18,13 +18,14 @@ def network(rng: np.random.Generator, lines: int, decades: float, weak: float) -
     """Lines at rates over so many decades, the weakest a share `weak` of the strongest."""
     rates = np.sort(10.0 ** rng.uniform(-0.5 * decades, 0.5 * decades, lines))
     weights = weak ** rng.uniform(size=lines)
-    ends = rng.integers(0, 2, 2) * rng.uniform(0.1, 1.0, 2)
+    ends = np.append(rng.integers(0, 2, 2) * rng.uniform(0.1, 1.0, 2), 0.0)
     nothing = np.zeros((lines, 1))
-    return Rational(ends, rates, weights, np.zeros((2, 1)), nothing, nothing)
+    return Rational(ends, np.zeros((3, 1)), Lines(rates, weights, nothing, nothing))
 
 
 def stiffness(of: Rational, s: np.ndarray) -> np.ndarray:
-    return of.ends[0] + of.ends[1] * s + (s[:, None] / (s[:, None] + of.rates)) @ of.weights
+    rates, weights, _, _ = of.lines
+    return of.ends[0] + of.ends[1] * s + (s[:, None] / (s[:, None] + rates)) @ weights
 
 
 @pytest.mark.parametrize("decades", [1.0, 8.0, 24.0])
@@ -32,22 +33,20 @@ def stiffness(of: Rational, s: np.ndarray) -> np.ndarray:
 def test_they_stand_in_turn_and_k_is_zero_there(rng, decades, weak):
     for lines in (1, 2, 7, 30, 60):
         of = network(rng, lines, decades, weak)
-        spring, dashpot = of.ends
+        spring, dashpot, _ = of.ends
         zeros = of._zeros()
         assert len(zeros) == lines - 1 + bool(spring) + bool(dashpot)
-        ends = np.concatenate([[0.0] * bool(spring), of.rates, [np.inf] * bool(dashpot)])
+        ends = np.concatenate([[0.0] * bool(spring), of.lines.rates, [np.inf] * bool(dashpot)])
         assert np.all((ends[:-1] <= zeros * ABOVE) & (zeros <= ends[1:] * ABOVE))
         # Beside a weak line both are one to many digits: there only the interval is told.
-        apart = np.min(np.abs(zeros[:, None] / of.rates - 1.0), axis=1) > 1e-6
+        apart = np.min(np.abs(zeros[:, None] / of.lines.rates - 1.0), axis=1) > 1e-6
         for side, sign in ((1.0 - 1e-9, 1.0), (1.0 + 1e-9, -1.0)):
             assert np.all(sign * stiffness(of, -zeros[apart] * side) > 0.0)
 
 
 def test_a_spring_beside_a_dashpot_has_one_and_either_alone_none():
-    nothing = np.zeros((2, 1))
-    empty = np.zeros((0, 1))
     for ends, zeros in (([2.0, 4.0], [0.5]), ([2.0, 0.0], []), ([0.0, 4.0], [])):
-        of = Rational(np.array(ends), np.zeros(0), np.zeros(0), nothing, empty, empty)
+        of = Rational(np.array([*ends, 0.0]), np.zeros((3, 1)), Lines.none(1))
         np.testing.assert_allclose(of._zeros(), zeros)
 
 

@@ -59,7 +59,7 @@ def test_what_slows_a_mass_down_that_was_let_go_is_foretold():
     scan = TimeScan(base, quick_parts(parts_of_specimen([test])))
     (best,) = scan.entries([plugins().effect("friction")])["friction"]
     assert 0.02 < best.values[0] < 0.1
-    assert best.drop > 0.1 * float(scan.residual @ scan.residual)
+    assert best.drop > 0.09 * float(scan.residual @ scan.residual)
 
 
 @pytest.mark.soak

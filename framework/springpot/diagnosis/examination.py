@@ -412,7 +412,7 @@ def prepared(measurement: Measurement, model: Model) -> Measurement:
 
 
 def _asked_of(measurement: Measurement, library: Sequence[Effect]) -> Sequence[Effect]:
-    """The effects that are looked for: none before a channel that counts the other way is turned."""
+    """Effects that are looked for: none before a channel of the wrong sign is turned."""
     return () if turned(measurement.provenance) else library
 
 

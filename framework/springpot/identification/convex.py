@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import sqrt
 from typing import TypeAlias
 
 import numpy as np
@@ -130,6 +131,12 @@ def nearest_lines(columns: Columns, seen: tuple[float, float]) -> ConvexSpectrum
 
 def lines_of_record(test: TimeTest, sd: Real) -> ConvexSpectrum:
     """Of relaxation, by the response over its noise (n,); of retardation these are turned."""
+    found = shown_lines(test, sd)
+    return relaxation_of(found) if test.control == "force" else found
+
+
+def shown_lines(test: TimeTest, sd: Real) -> ConvexSpectrum:
+    """Of relaxation under a displacement and of retardation under a force."""
     rows = evenly(len(test), ENOUGH)
     rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
 
@@ -138,8 +145,33 @@ def lines_of_record(test: TimeTest, sd: Real) -> ConvexSpectrum:
         # Without the mass, which is no part of such a sum.
         return np.delete(shown, 2, axis=1) / sd[rows, None], test.response[rows] / sd[rows]
 
-    found = nearest_lines(columns, test.seen)
-    return relaxation_of(found) if test.control == "force" else found
+    return nearest_lines(columns, test.seen)
+
+
+def instants_of(test: TimeTest, sd: Real) -> Real:
+    """By how much a response (n, k) hangs on when each step between two samples happened.
+
+    That may have been any instant between them, and the loading is straight there, its mean. What
+    the lines of the record with noise (n,) answer to the step at either sample and in the middle
+    tells how far off that is: in proportion to the instant and to its square, each in standard
+    deviations of an even chance. Just after it what else there may be is as large as the bend.
+    """
+    steps = test.loading.steps_between
+    if not steps:
+        return np.zeros((len(test), 0))
+    lines = shown_lines(test, sd)
+    mix = np.concatenate([lines.amounts[:2], [0.0], lines.weights])[:, None]
+    times, columns = 1.0 / lines.rates, []
+    for before, after, size in steps:
+        step = Loading.step(size)
+        soon, middle, late = (
+            answers_of(replace(step, time=step.time + at), test.control, times, test.time, mix)
+            for at in (before, 0.5 * (before + after), after)
+        )
+        bent, just_then = late - 2.0 * middle + soon, (test.time == after)[:, None]
+        moved = np.hstack([(late - soon) / sqrt(12.0), bent / sqrt(45.0), bent * just_then])
+        columns.append(np.where(test.time[:, None] > before, moved, 0.0))
+    return np.hstack(columns)
 
 
 def lines_of_sweep(sweep: Measurement, sd: Real) -> ConvexSpectrum:

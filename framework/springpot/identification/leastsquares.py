@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,29 @@ AGREE = 3
 WHOLE = Whole()
 
 TRIED = ("u", "cost", "gradient", "jtj", "residual")
+
+
+class Residual(NamedTuple):
+    """Differences over their noise (m,), and their derivatives by the parameters (m, p)."""
+
+    value: Real
+    by_theta: Real
+
+    def freed(self, columns: Real) -> Residual:
+        """The same, of noise that has unknown amounts of variance one of some columns (m, k) too.
+
+        Examples
+        --------
+        >>> one = Residual(np.array([3.0, 4.0]), np.zeros((2, 0)))
+        >>> one.freed(np.array([[1e6], [0.0]])).value.round(3)
+        array([0., 4.])
+        """
+        if not columns.shape[1]:
+            return self
+        basis, size, _ = np.linalg.svd(columns, full_matrices=False)
+        lost = basis * (1.0 - 1.0 / np.sqrt(1.0 + size**2))
+        value, by_theta = (each - lost @ (basis.T @ each) for each in self)
+        return Residual(value, by_theta)
 
 
 @dataclass(frozen=True)

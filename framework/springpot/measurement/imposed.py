@@ -15,10 +15,10 @@ import numpy as np
 
 from springpot.distributions import normal_sf
 from springpot.errors import DataError
-from springpot.rheology.motion import Between
+from springpot.rheology.motion import FEWEST_AT_CORNER, SHARP, Between
 from springpot.rheology.points import STEADY, Real
 
-from ..numerics import NORMAL, SMALLEST, TWO_DEVIATIONS, rms
+from ..numerics import DEVIATIONS, NORMAL, SMALLEST, rms
 from ..thresholds import SIGNALS
 from .rounding import is_even, rounding_step
 
@@ -139,6 +139,35 @@ class Loading:
         if not self.sampled or len(self.time) < 2:
             return None
         return Between.of(self.time, self.value)
+
+    @cached_property
+    def steps_between(self) -> list[tuple[float, float, float]]:
+        """Times of two samples between which it stepped, held before and after, and by how much.
+
+        Examples
+        --------
+        >>> Loading(np.arange(8.0), np.arange(8.0) < 4.0, sampled=True).steps_between
+        [(3.0, 4.0, -1.0)]
+        """
+        known = self.recorded if self.is_cycled else self
+        if len(known.value) < SHORTEST:
+            return []
+        change, most = np.diff(known.value), STEADY * float(np.abs(known.value).max())
+        size = np.where(np.diff(known.time) > 0.0, np.abs(change), 0.0)
+        padded, steps = np.pad(size, 2), np.zeros(len(size), dtype=bool)
+        # Fewer samples on the way than two corners need tell as little of when these were.
+        for length in range(1, FEWEST_AT_CORNER - 1):
+            runs = np.lib.stride_tricks.sliding_window_view(padded, length + 4)
+            beside = np.max(runs[:, [0, 1, -2, -1]], axis=1)
+            large = np.min(runs[:, 2:-2], axis=1) > np.maximum(SHARP * beside, most)
+            for i in range(length):
+                steps[i : i + len(large)] |= large
+        # One rise to what is held from the first sample on was said, or presumed.
+        if not steps[1:].any():
+            return []
+        at = np.flatnonzero(steps)
+        ends = known.time[at].tolist(), known.time[at + 1].tolist(), change[at].tolist()
+        return list(zip(*ends, strict=True))
 
     def unsure(self, judged: bool) -> Real:
         """Times when nobody knows what is felt: at a jump by a spring, at a turn by a dashpot.
@@ -333,9 +362,7 @@ def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
     if held and (clock[0] == 0.0 or is_late(clock)):
         # Held from the first sample on: it was stepped to just then.
         return Loading(np.concatenate([clock[:1], clock]), np.concatenate([[0.0], imposed]))
-    soon = held or clock[0] < SHORT * clock[-1]
-    there = clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and soon
-    if there and (held or not leads_to_nothing(clock, imposed)):
+    if held and clock[0] > 0.0:
         return Loading(np.concatenate([[0.0], clock]), np.concatenate([[0.0], imposed]))
     return Loading(clock, imposed, sampled=True)
 
@@ -361,13 +388,15 @@ def leads_to_nothing(clock: Real, value: Real) -> bool:
     if len(at) < SHORTEST or not 0.0 < at[0] <= at[-1] - at[0] or value[0] == 0.0:
         return False
     to_nothing = np.linalg.pinv(np.vander(at, 3))[-1]
-    noise = np.hypot(imposed_noise(value), rms(rounding_step(value)) / sqrt(12.0))
-    most = max(TWO_DEVIATIONS * noise * rms(to_nothing) * sqrt(SHORTEST), 0.5 * abs(value[0]))
+    error = imposed_noise(value) * float(np.linalg.norm(to_nothing))
+    most = max(DEVIATIONS * error, 0.5 * abs(value[0]))
     return bool(abs(to_nothing @ value[:SHORTEST]) <= most)
 
 
 def since_nothing(loading: Loading, read: Real) -> Loading:
-    """A sampled loading that rises from nothing at t = 0 where what was `read` (n,) says so.
+    """A sampled loading that rises from nothing at t = 0.
+
+    Where what was `read` (n,) says so, or where it is there already soon after.
 
     Examples
     --------
@@ -375,7 +404,9 @@ def since_nothing(loading: Loading, read: Real) -> Loading:
     >>> since_nothing(Loading(t, 0.5 * t, sampled=True), 0.5 * t).time[:2]
     array([0., 1.])
     """
-    if not loading.sampled or loading.before or not leads_to_nothing(loading.time, read):
+    first, largest = loading.time[0], float(np.abs(read).max())
+    soon = 0.0 < first < SHORT * loading.time[-1] and abs(float(read[0])) > STEADY * largest
+    if loading.before or not (loading.sampled and (soon or leads_to_nothing(loading.time, read))):
         return loading
     time, value = (np.concatenate([[0.0], each]) for each in (loading.time, loading.value))
     return replace(loading, time=time, value=value, before=1)

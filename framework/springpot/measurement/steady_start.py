@@ -16,9 +16,18 @@ import numpy as np
 from springpot.distributions import f_sf
 from springpot.rheology.points import STEADY, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST, rms, vertex
+from ..numerics import DEVIATIONS, NEGLIGIBLE, SMALLEST, rms, vertex
 from ..thresholds import SIGNALS
-from .imposed import NEARLY_ALL, SHORTEST, Loading, is_late, is_white, levels, share_held
+from .imposed import (
+    NEARLY_ALL,
+    SHORTEST,
+    Loading,
+    imposed_noise,
+    is_late,
+    is_white,
+    levels,
+    share_held,
+)
 from .rounding import is_even, rounding_step
 
 PERIODS_AFTER = 2
@@ -60,6 +69,11 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     samples = len(loading.time)
     periods, lag = cycles_of(loading, samples)
     if not lag or not _repeats(response[lag:] - response[:-lag], lag // periods):
+        return loading
+    # What lags answers already where its load passes nothing; at rest it does not.
+    size = NEGLIGIBLE * float(np.abs(response).max())
+    quiet_yet = abs(float(response[0])) <= max(DEVIATIONS * imposed_noise(response), size)
+    if quiet_yet and abs(float(loading.value[0])) <= STEADY * float(np.abs(loading.value).max()):
         return loading
     # What flows on has no place that it had always been at, and what never moves was not measured.
     if abs(float(np.mean(response[lag:] - response[:-lag]))) >= REPEATS * float(np.std(response)):
@@ -123,7 +137,8 @@ def stepped_to(loading: Loading, control: str, response: Real) -> Loading:
     first, size = loading.value[0], float(np.abs(loading.value).max())
     moved = np.abs(loading.value - first) > STEADY * size
     held = int(np.argmax(moved))
-    if loading.time[0] != 0.0 or abs(first) <= STEADY * size or held < SHORTEST:
+    begun = loading.time[0] == 0.0 or is_late(loading.time)
+    if not begun or abs(first) <= STEADY * size or held < SHORTEST:
         return loading
     early, late = loading.value[: held // 2], loading.value[held // 2 : held]
     # The halves of what turns there lie half of the way out apart, and half of that is motion
@@ -162,9 +177,9 @@ def rise_is_presumed(loading: Loading, kind: str, first: float) -> bool:
 def said_of_start(name: str, loading: Loading, kind: str, time: Real) -> str:
     """What a test is taken to have done before its record (n,); nothing of most."""
     first = float(time[0])
-    if kind in ("relaxation", "creep") and is_late(time):
-        if loading.time[0] == first:
-            return f"{name} is held from its first sample at {first:.4g} s on: stepped to then"
+    if is_late(time) and first in loading.jumps[0]:
+        return f"{name} is held from its first sample at {first:.4g} s on: stepped to then"
+    if is_late(time) and kind in ("relaxation", "creep"):
         return (
             f"{name} is read {first - loading.time[0]:.4g} s after its step and later: if its clock"
             " began elsewhere, count the time from the step"
@@ -333,7 +348,9 @@ def without_noise(
 ) -> tuple[Real, dict[str, str]]:
     """A course (n,) for what was imposed, if nothing answers to what that has beside it."""
     left = imposed - course
-    if share_held(parts, len(course)) >= NEARLY_ALL and rms(left) > rms(rounding_step(imposed)):
+    # What swings by half of the whole from sample to sample is held nowhere, and no line.
+    told = rms(rounding_step(imposed)) < rms(left) < 0.5 * rms(course)
+    if told and share_held(parts, len(course)) >= NEARLY_ALL:
         rest = np.zeros(len(course))
         for part in parts:
             rest[part] = _beside_creep(response[part])

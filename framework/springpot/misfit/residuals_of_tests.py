@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 from springpot.identification.convex import (
     ConvexSpectrum,
     apparent,
+    instants_of,
     lines_of_record,
     lines_of_sweep,
 )
+from springpot.identification.leastsquares import Residual as Residual
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
@@ -53,13 +55,6 @@ ANSWERS = 2
 WITHIN = 3.0
 """Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
 """
-
-
-class Residual(NamedTuple):
-    """Differences over their noise (m,), and their derivatives by the parameters (m, p)."""
-
-    value: Real
-    by_theta: Real
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +147,11 @@ class TestPart(ABC):
         return None
 
     @property
+    def instants(self) -> Real:
+        """By how much the numbers (m, k) hang on when something happened that nobody knows."""
+        return np.zeros((len(self.measured), 0))
+
+    @property
     def judged(self) -> bool:
         """Whether they were measured; otherwise they are only asked for."""
         return True
@@ -198,23 +198,20 @@ class TestPart(ABC):
 
     def count(self, coarse: bool = False) -> int:
         """How many numbers it gives."""
-        if coarse:
-            return len(self.thin)
-        return len(self.measured)
+        return len(self.thin if coarse else self.measured)
 
     def residual(
         self, model: Model, theta: Real, reference: float, coarse: bool = False
     ) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
-        rows = np.arange(len(self.measured))
-        if coarse:
-            rows = self.thin
+        rows = self.thin if coarse else np.arange(len(self.measured))
         answer = self.answer(model, theta, reference, rows)
         weight = np.asarray(1.0 / (self.scale * self.sd[rows]), dtype=float)
         counted = self.counted[rows]
         missed = np.where(counted, answer.value - self.measured[rows], 0.0)
         by_theta = np.where(counted[:, None], answer.by_theta, 0.0)
-        return Residual(missed * weight, by_theta * weight[:, None])
+        found = Residual(missed * weight, by_theta * weight[:, None])
+        return found.freed(np.where(counted, weight, 0.0)[:, None] * self.instants[rows])
 
     def over_noise(self, model: Model, theta: Real, reference: float) -> Residual:
         """The same over its noise alone, whatever it weighs in a fit."""
@@ -386,6 +383,11 @@ class InTimePart(TestPart):
     def lines(self) -> ConvexSpectrum:
         """Of relaxation; under a force those of its retardation tell them."""
         return lines_of_record(self.test, self.sd)
+
+    @cached_property
+    def instants(self) -> Real:
+        """Of steps of the load between two samples."""
+        return instants_of(self.test, self.sd) if self.judged else super().instants
 
     @cached_property
     def apparent(self) -> Measurement | None:
@@ -654,9 +656,7 @@ def typical_stiffness(parts: Sequence[TestPart]) -> float:
 def part_of(test: Test, noise: Real | None = None) -> TestPart:
     """A test as an engine sees it, with the noise of each sample (n,) where it is known."""
     if isinstance(test, TimeTest):
-        if noise is None:
-            return _told_by_itself(test)
-        return InTimePart(test, noise=noise)
+        return _told_by_itself(test) if noise is None else InTimePart(test, noise=noise)
     if isinstance(test, OtherTest):
         return OtherPart(test, noise=noise)
     return SweepPart(test, noise=noise)

@@ -119,7 +119,8 @@ class Passive:
         value, slopes = float(own.ends[0]), own.end_slopes[0].copy()
         if log_omega > 0:
             # Far above all rates each mode is a spring of its weight, and a dashpot is rigid.
-            value, slopes = value + float(own.weights.sum()), slopes + own.weight_slopes.sum(axis=0)
+            lines = own.lines
+            value, slopes = value + lines.weights.sum(), slopes + lines.weight_slopes.sum(axis=0)
             if own.ends[1] > 0.0:
                 return np.inf, grown
         with np.errstate(all="ignore"):
@@ -174,7 +175,7 @@ class Passive:
     @property
     def inertial(self) -> bool:
         """Whether something has a mass, so that it can swing."""
-        return self.parts.mass > 0.0 or any(part.is_layer for part in self.parts.parts)
+        return self.parts.classical.ends[2] > 0.0 or any(part.is_layer for part in self.parts.parts)
 
     def respond(
         self, t: Any, displacement: Any, *, slopes: bool = True, motion: Between | None = None
@@ -243,24 +244,26 @@ class Passive:
     ) -> Traced:
         """Displacement for a force that was held at its first value before; see `respond`.
 
+        Under that a fluid would have flowed without end: it was put upon one with the first sample.
+
         Raises
         ------
         ModelError
-            If that force would have made the specimen flow without end.
+            If that is asked of complex times.
         """
         force = force.astype(t.dtype)
         steps, changes = np.diff(t, prepend=t[0]), np.diff(force, prepend=force[0])
         stiffness, stiffness_slopes = self.limit(-FAR)
-        if stiffness <= 0.0 and force[0] != 0.0:
-            raise ModelError(
-                f"a fluid under a force of {force[0].real:g} before the first sample flowed without"
-                " end: begin at 0"
-            )
         # A fluid that carried nothing before the first sample was at rest there, wherever that was.
-        start, start_slopes = 0.0, np.zeros(len(self.theta))
+        start, start_slopes = np.zeros(len(t)), np.zeros((len(t), len(self.theta)))
         if stiffness > 0.0:
-            start = force[0] / stiffness
-            start_slopes = -start / stiffness * stiffness_slopes
+            start = start + force[0] / stiffness
+            start_slopes = start_slopes - force[0] / stiffness**2 * stiffness_slopes
+        elif force[0] != 0.0:
+            if np.iscomplexobj(t):
+                raise ModelError("a fluid under a force at once has no clock: begin at 0")
+            put = self.creep(t - t[0])
+            start, start_slopes = force[0] * put.value, force[0] * put.by_theta
         # Its modes follow the force as those of K follow a displacement: one recursion serves both.
         modes = self.retardation(*_times(t.real))
         by = modes.by_theta
@@ -308,17 +311,9 @@ class Passive:
 def swinging(modes: Spectrum) -> Retardation:
     """The compliance of a network with a mass, by all zeros of K(s), one pair perhaps complex."""
     s, fluidity, fluidity_slopes = _motions(modes)
-    _, steep, bend, by_theta, steep_by_theta = _around(modes, s)
-    # K stays zero along the way of a zero, so that ds/dtheta = -(dK/dtheta) / (dK/ds).
-    moved = -by_theta / steep[:, None]
-    # Near a zero 1/K = 1 / (K' (s - zero)): there lies the weight of its motion.
-    residue = 1.0 / steep
-    residue_slopes = -(steep_by_theta + bend[:, None] * moved) * residue[:, None] ** 2
-    rates = -s
-    weights = residue / rates
-    weight_slopes = residue_slopes / rates[:, None] + (residue / rates**2)[:, None] * moved
-    nothing = np.zeros(by_theta.shape[1])
-    by = Slopes(nothing, fluidity_slopes, nothing, -moved, weight_slopes)  # type: ignore[arg-type]
+    rates, weights, rate_slopes, weight_slopes = modes.modes.compliance_at(s)
+    nothing = np.zeros(rate_slopes.shape[1])
+    by = Slopes(nothing, fluidity_slopes, nothing, rate_slopes, weight_slopes)
     return Retardation(0.0, fluidity, rates, weights, by)
 
 
@@ -333,7 +328,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     # A mode without weight makes K neither infinite nor change its sign: it separates no zeros.
     w, r = w[w != 0.0], r[w != 0.0]
     solid = modes.equilibrium > 0.0
-    _, steep, _, _, steep_by_theta = _around(modes, np.zeros(1))
+    steep, _, _, steep_by_theta = modes.modes.around(np.zeros(1))
     flow = float(1.0 / steep[0]), -steep_by_theta[0] / steep[0] ** 2
     # A mass on a dashpot alone: one zero, and no modes between which others could lie.
     if not solid and not len(r):
@@ -383,17 +378,9 @@ def _pair(modes: Spectrum, b: float, d: float) -> Modes:
     pair: Modes = -half + np.array([1.0, -1.0]) * root
     # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.
     for _ in range(8):
-        value, slope = _value(modes, pair)
+        value, slope = modes.modes.at(pair)
         pair = pair - np.nan_to_num(value / slope)
     return pair
-
-
-def _value(modes: Spectrum, s: Modes) -> tuple[Modes, Modes]:
-    """K and dK/ds at s (k,), real or complex."""
-    away = 1.0 / (s[:, None] + modes.rates)
-    value = modes.equilibrium + modes.viscosity * s + modes.mass * s**2 + s * (away @ modes.weights)
-    steep = modes.viscosity + 2.0 * modes.mass * s + away**2 @ (modes.weights * modes.rates)
-    return value, steep
 
 
 def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
@@ -406,16 +393,16 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
     if low[0] == -np.inf:
         low[0] = high[0] - 1.0
         # The outermost intervals have one end only: the other is looked for, factor e by factor e.
-        while np.sign(_value(modes, -np.exp(low[:1]))[0][0]) != sign[0]:
+        while np.sign(modes.modes.at(-np.exp(low[:1]))[0][0]) != sign[0]:
             low[0] -= 1.0
     if high[-1] == np.inf:
         high[-1] = low[-1] + 1.0
-        while np.sign(_value(modes, -np.exp(high[-1:]))[0][0]) == sign[-1]:
+        while np.sign(modes.modes.at(-np.exp(high[-1:]))[0][0]) == sign[-1]:
             high[-1] += 1.0
     # In u = ln r rates of any size are equally near, and none becomes negative.
     u = 0.5 * (low + high)
     for _ in range(HALVINGS):
-        value, slope = _value(modes, -np.exp(u))
+        value, slope = modes.modes.at(-np.exp(u))
         before = np.sign(value) == sign
         low, high = np.where(before, u, low), np.where(before, high, u)
         moved = inside(u + value / slope * np.exp(-u), u, low, high)
@@ -423,21 +410,6 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
             break
         u = moved
     return np.exp(u)
-
-
-def _around(modes: Spectrum, s: Modes) -> tuple[Modes, Modes, Modes, Modes, Modes]:
-    """K, dK/ds, d2K/ds2, dK/dtheta and d2K/ds dtheta at complex s (k,)."""
-    by, column = modes.by_theta, s[:, None]
-    away = 1.0 / (column + modes.rates)
-    kernel, fall = column * away, modes.rates * away**2
-    value = modes.equilibrium + modes.viscosity * s + modes.mass * s**2 + kernel @ modes.weights
-    steep = modes.viscosity + 2.0 * modes.mass * s + fall @ modes.weights
-    bend = 2.0 * modes.mass - 2.0 * (fall * away) @ modes.weights
-    by_theta = by.equilibrium + column * by.viscosity + column**2 * by.mass
-    by_theta = by_theta + kernel @ by.weights - (modes.weights * column * away**2) @ by.rates
-    steep_by_theta = by.viscosity + 2.0 * column * by.mass + fall @ by.weights
-    steep_by_theta = steep_by_theta + (modes.weights * (column - modes.rates) * away**3) @ by.rates
-    return value, steep, bend, by_theta, steep_by_theta
 
 
 def _times(t: Real) -> tuple[float, float]:

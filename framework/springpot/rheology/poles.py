@@ -38,7 +38,7 @@ from .nodes import (
     Shift,
 )
 from .points import HALF_PI, Complex, Points, Real
-from .rational import inside, settled
+from .rational import Lines, inside, settled
 
 Anywhere: TypeAlias = NDArray[np.inexact[Any]]
 """Real or complex logarithms of a frequency."""
@@ -196,23 +196,6 @@ Error 0.3^16, a third of the way to the next one.
 """
 
 
-class Lines(NamedTuple):
-    """Single relaxation rates with their weights, and the derivatives of both.
-
-    Attributes
-    ----------
-    rates, weights : ndarray, shape (l,)
-        In K = sum of weight s / (s + rate).
-    rate_slopes, weight_slopes : ndarray, shape (l, p)
-        Their derivatives by theta.
-    """
-
-    rates: Real
-    weights: Real
-    rate_slopes: Real
-    weight_slopes: Real
-
-
 class Edge(NamedTuple):
     """A branch read along the upper edge of the negative axis.
 
@@ -287,8 +270,7 @@ def lines_of(branch: Branch, edge: Edge) -> Lines:
     """
     u = _poles(branch, edge)
     if not len(u):
-        nothing = np.zeros((0, branch.chain.shape[1]))
-        return Lines(u, u, nothing, nothing)
+        return Lines.none(branch.chain.shape[1])
     # To the next line on either side; a single one has none.
     gap = np.diff(u, prepend=-np.inf, append=np.inf)
     circle = AROUND * np.minimum(np.minimum(gap[:-1], gap[1:]), 1.0)[:, None] * CIRCLE

@@ -8,8 +8,8 @@ two ends of different sign.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from .elements import Continuum, FixedPower
 from .grammar import Formula
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real
+from .terms import Modes
 
 
 def inside(newton: NDArray[np.inexact[Any]], u: Real, low: Real, high: Real) -> Real:
@@ -40,120 +41,146 @@ def settled(moved: Real, u: Real) -> bool:
     return bool(np.all(np.abs(moved - u) <= ROUNDING * (1.0 + np.abs(u))))
 
 
-@dataclass(frozen=True, eq=False)
-class Rational:
-    """K = spring + dashpot s + sum of weights s / (s + rates), with derivatives by theta of each.
+class Lines(NamedTuple):
+    """Single relaxation rates with their weights, and the derivatives of both.
 
     Attributes
     ----------
-    ends : ndarray, shape (2,)
-        Spring and dashpot.
     rates, weights : ndarray, shape (l,)
-        The modes.
-    end_slopes : ndarray, shape (2, p)
-        Derivatives of spring and dashpot.
+        In K = sum of weight s / (s + rate).
     rate_slopes, weight_slopes : ndarray, shape (l, p)
-        Derivatives of the modes.
+        Their derivatives by theta.
     """
 
-    ends: Real
     rates: Real
     weights: Real
-    end_slopes: Real
     rate_slopes: Real
     weight_slopes: Real
 
     @classmethod
+    def none(cls, count: int) -> Lines:
+        """Of so many parameters no line."""
+        return cls(np.zeros(0), np.zeros(0), np.zeros((0, count)), np.zeros((0, count)))
+
+    def beside(self, other: Lines) -> Lines:
+        """All of both."""
+        return Lines(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+
+    def some(self, which: NDArray[Any]) -> Lines:
+        """Some of them, or in another order."""
+        return Lines(*(field[which] for field in self))
+
+
+@dataclass(frozen=True, eq=False)
+class Rational:
+    """K = spring + dashpot s + mass s^2 + sum of weights s / (s + rates), with its derivatives.
+
+    Attributes
+    ----------
+    ends : ndarray, shape (3,)
+        Constants of spring, dashpot and mass.
+    end_slopes : ndarray, shape (3, p)
+        Their derivatives.
+    lines : Lines
+        The modes.
+    """
+
+    ends: Real
+    end_slopes: Real
+    lines: Lines
+
+    @classmethod
     def power(cls, exponent: int, factor: float, slope: Real) -> Rational:
-        """A spring (0) or a dashpot (1)."""
-        empty, end, end_slopes = np.zeros(0), np.zeros(2), np.zeros((2, len(slope)))
-        end[exponent], end_slopes[exponent] = factor, slope
-        none = np.zeros((0, len(slope)))
-        return cls(end, empty, empty, end_slopes, none, none)
+        """A spring (0), a dashpot (1) or a mass (2)."""
+        unit = np.eye(3)[exponent]
+        return cls(factor * unit, np.outer(unit, slope), Lines.none(len(slope)))
 
     def beside(self, other: Rational) -> Rational:
         """Both in parallel."""
-        return Rational(
-            self.ends + other.ends,
-            np.concatenate([self.rates, other.rates]),
-            np.concatenate([self.weights, other.weights]),
-            self.end_slopes + other.end_slopes,
-            np.concatenate([self.rate_slopes, other.rate_slopes]),
-            np.concatenate([self.weight_slopes, other.weight_slopes]),
-        )
+        ends, slopes = self.ends + other.ends, self.end_slopes + other.end_slopes
+        return Rational(ends, slopes, self.lines.beside(other.lines))
 
     def times(self, factor: float, slope: Real) -> Rational:
         """Its stiffness multiplied by a factor with the derivative `slope`."""
-        return replace(
-            self,
-            ends=factor * self.ends,
-            weights=factor * self.weights,
-            end_slopes=factor * self.end_slopes + self.ends[:, None] * slope,
-            weight_slopes=factor * self.weight_slopes + self.weights[:, None] * slope,
-        )
+        rates, weights, rate_slopes, weight_slopes = self.lines
+        weight_slopes = factor * weight_slopes + weights[:, None] * slope
+        end_slopes = factor * self.end_slopes + self.ends[:, None] * slope
+        lines = Lines(rates, factor * weights, rate_slopes, weight_slopes)
+        return Rational(factor * self.ends, end_slopes, lines)
 
     def slowed(self, log_shift: float, slope: Real) -> Rational:
         """Read at s exp(log_shift)."""
-        factor = float(np.exp(log_shift))
-        stretch = np.array([[1.0], [factor]])
-        # Only the dashpot, which is multiplied by s, feels a stretched clock; the spring does not.
-        viscosity = np.vstack([np.zeros_like(slope), self.ends[1] * factor * slope])
-        return replace(
-            self,
-            ends=self.ends * stretch[:, 0],
-            rates=self.rates / factor,
-            end_slopes=self.end_slopes * stretch + viscosity,
-            rate_slopes=(self.rate_slopes - self.rates[:, None] * slope) / factor,
-        )
+        factor, powers = float(np.exp(log_shift)), np.arange(3.0)
+        # A stretched clock is felt as often as s stands in a term; the spring does not feel it.
+        stretch, (rates, _, rate_slopes, _) = factor**powers, self.lines
+        ends = self.ends * stretch
+        end_slopes = self.end_slopes * stretch[:, None] + (powers * ends)[:, None] * slope
+        rate_slopes = (rate_slopes - rates[:, None] * slope) / factor
+        lines = self.lines._replace(rates=rates / factor, rate_slopes=rate_slopes)
+        return Rational(ends, end_slopes, lines)
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it has no stiffness at all, and so no compliance."""
+        return not (self.ends.any() or self.lines.weights.any())
+
+    def at(self, s: Modes) -> tuple[Modes, Modes]:
+        """K and dK/ds at s (k,), real or complex."""
+        (rates, weights, _, _), away = self.lines, 1.0 / (s[:, None] + self.lines.rates)
+        value = self.ends[0] + self.ends[1] * s + self.ends[2] * s**2 + s * (away @ weights)
+        return value, self.ends[1] + 2.0 * self.ends[2] * s + away**2 @ (weights * rates)
+
+    def around(self, s: Modes) -> tuple[Modes, Modes, Modes, Modes]:
+        """dK/ds, d2K/ds2, dK/dtheta and d2K/ds dtheta at s (k,), real or complex."""
+        (rates, weights, rate_slopes, weight_slopes), column = self.lines, s[:, None]
+        away = 1.0 / (column + rates)
+        kernel, fall = column * away, rates * away**2
+        steep = self.ends[1] + 2.0 * self.ends[2] * s + fall @ weights
+        bend = 2.0 * self.ends[2] - 2.0 * (fall * away) @ weights
+        by_theta = column ** np.arange(3) @ self.end_slopes + kernel @ weight_slopes
+        steep_by_theta = self.end_slopes[1] + 2.0 * column * self.end_slopes[2]
+        steep_by_theta = steep_by_theta + fall @ weight_slopes
+        # Given rates move with no parameter, shifted ones with those of the law alone.
+        moving = rate_slopes.any(axis=0)
+        moved = rate_slopes[:, moving]
+        by_theta[:, moving] -= (weights * column * away**2) @ moved
+        steep_by_theta[:, moving] += (weights * (column - rates) * away**3) @ moved
+        return steep, bend, by_theta, steep_by_theta
+
+    def compliance_at(self, zeros: Modes) -> Lines:
+        """The terms of 1/K, weights rates / (s + rates), of zeros s (k,) of K."""
+        steep, bend, by_theta, steep_by_theta = self.around(zeros)
+        # K stays zero along the way of a zero, so that ds/dtheta = -(dK/dtheta) / (dK/ds).
+        moved = -by_theta / steep[:, None]
+        # Near a zero 1/K = 1 / (K' (s - zero)): there lies the weight of its motion.
+        residue, rates = 1.0 / steep, -zeros
+        slopes = -(steep_by_theta + bend[:, None] * moved) * residue[:, None] ** 2
+        slopes = slopes / rates[:, None] + (residue / rates**2)[:, None] * moved
+        return Lines(rates, residue / rates, -moved, slopes)  # type: ignore[arg-type]
 
     def inverse(self) -> Rational:
-        """The compliance 1/K as a function of p = 1/s."""
-        # Rates of the compliance: 1/K has a line where K is zero.
-        zeros = self._zeros()
-        ends, end_slopes = self._inverse_ends()
-        away = 1.0 / (self.rates - zeros[:, None])
-        squares = away * away
-        pull = self.weights * self.rates * squares
-        steep = self.ends[1] + pull.sum(axis=1)
-        bend = -2.0 * (pull * away).sum(axis=1)
-        # Derivatives by theta of K and of dK/ds at s = -zeros.
-        by_theta = self.end_slopes[0] - zeros[:, None] * self.end_slopes[1]
-        by_theta = by_theta - (zeros[:, None] * away) @ self.weight_slopes
-        steep_slopes = self.end_slopes[1] + (self.rates * squares) @ self.weight_slopes
-        # Given rates move with no parameter, shifted ones with those of the law alone.
-        moving = self.rate_slopes.any(axis=0)
-        rate_slopes = self.rate_slopes[:, moving]
-        by_theta[:, moving] += (self.weights * zeros[:, None] * squares) @ rate_slopes
-        cubes = squares * away
-        steep_slopes[:, moving] -= (
-            self.weights * (zeros[:, None] + self.rates) * cubes
-        ) @ rate_slopes
-        # How a zero moves, along which K stays zero.
-        moved = by_theta / steep[:, None]
-        residue = 1.0 / steep
-        residue_slopes = -(steep_slopes - bend[:, None] * moved) * residue[:, None] ** 2
-        column = zeros[:, None]
-        weight_slopes = residue_slopes / column - residue[:, None] * moved / column**2
+        """The compliance 1/K, without a mass, as a function of p = 1/s."""
+        rates, weights, rate_slopes, weight_slopes = self.compliance_at(-self._zeros())
+        # A term r / (s + r) is p / (p + 1 / r).
+        rate_slopes = -rate_slopes / rates[:, None] ** 2
         return Rational(
-            ends, 1.0 / zeros, residue / zeros, end_slopes, -moved / column**2, weight_slopes
+            *self._inverse_ends(), Lines(1.0 / rates, weights, rate_slopes, weight_slopes)
         )
 
     def _inverse_ends(self) -> tuple[Real, Real]:
         """Instantaneous compliance and fluidity, where there are any."""
-        ends, slopes = np.zeros(2), np.zeros_like(self.end_slopes)
-        spring, dashpot = self.ends
+        ends, slopes = np.zeros(3), np.zeros_like(self.end_slopes)
+        (spring, dashpot, _), (rates, weights, rate_slopes, weight_slopes) = self.ends, self.lines
         # Beside a dashpot nothing gives way at once, beside a spring nothing flows.
         if dashpot == 0.0:
-            glass = spring + self.weights.sum()
+            glass = spring + weights.sum()
             ends[0] = 1.0 / glass
-            slopes[0] = -(self.end_slopes[0] + self.weight_slopes.sum(axis=0)) / glass**2
+            slopes[0] = -(self.end_slopes[0] + weight_slopes.sum(axis=0)) / glass**2
         if spring == 0.0:
-            flow = dashpot + (self.weights / self.rates).sum()
+            flow = dashpot + (weights / rates).sum()
             ends[1] = 1.0 / flow
-            change = (self.weight_slopes / self.rates[:, None]).sum(axis=0)
-            change = change - ((self.weights / self.rates**2)[:, None] * self.rate_slopes).sum(
-                axis=0
-            )
+            change = (weight_slopes / rates[:, None]).sum(axis=0)
+            change = change - ((weights / rates**2)[:, None] * rate_slopes).sum(axis=0)
             slopes[1] = -(self.end_slopes[1] + change) / flow**2
         return ends, slopes
 
@@ -162,9 +189,9 @@ class Rational:
 
         One between two rates, and where a spring or a dashpot is, beyond.
         """
-        spring, dashpot = self.ends
-        order = np.argsort(self.rates)
-        poles, pulls = self.rates[order], self.weights[order]
+        spring, dashpot, _ = self.ends
+        order = np.argsort(self.lines.rates)
+        poles, pulls = self.lines.rates[order], self.lines.weights[order]
         # K(-r) / r is infinite at each rate, and where there is a spring at r = 0.
         if spring > 0.0:
             poles, pulls = np.append(0.0, poles), np.append(spring, pulls)
@@ -254,14 +281,9 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
     if isinstance(node, Continuum):
         # Its rates are given and not fitted: they move with no parameter.
         rates = np.array(node.rates, dtype=float)
-        return Rational(
-            theta[:2],
-            rates,
-            theta[2:],
-            chain[:2],
-            np.zeros((len(rates), chain.shape[1])),
-            chain[2:],
-        )
+        lines = Lines(rates, theta[2:], np.zeros((len(rates), chain.shape[1])), chain[2:])
+        massless = np.zeros((1, chain.shape[1]))
+        return Rational(np.append(theta[:2], 0.0), np.concatenate([chain[:2], massless]), lines)
     if isinstance(node, Parallel | Series):
         parts = zip(node.children, node.cuts, strict=True)
         modes = [rational_of(child, theta[cut], chain[cut], conditions) for child, cut in parts]
@@ -294,7 +316,7 @@ def _together(parts: list[Rational], count: int, in_series: bool) -> Rational | 
         return None
     if in_series:
         # What has no stiffness at all has no compliance that could be added.
-        if any(not part.ends.any() and not part.weights.any() for part in parts):
+        if any(part.is_nothing for part in parts):
             return None
         parts = [part.inverse() for part in parts]
     whole = parts[0]

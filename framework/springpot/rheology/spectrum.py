@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import log
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -26,7 +27,6 @@ from .poles import (
     Anywhere,
     Branch,
     Edge,
-    Lines,
     all_peaks_of,
     branches,
     edge_of,
@@ -36,7 +36,7 @@ from .poles import (
     peaks_of,
     resolved,
 )
-from .rational import Rational, rational_of
+from .rational import Lines, Rational, rational_of
 
 if TYPE_CHECKING:
     from .named import NamedNetwork
@@ -120,19 +120,21 @@ class Spectrum:
     error: float
     by_theta: Slopes
 
+    @cached_property
+    def modes(self) -> Rational:
+        """The same, ready to be asked at any s."""
+        by = self.by_theta
+        ends = np.array([self.equilibrium, self.viscosity, self.mass])
+        lines = Lines(self.rates, self.weights, by.rates, by.weights)
+        return Rational(ends, np.array([by.equilibrium, by.viscosity, by.mass]), lines)
+
     def stiffness(self, omega: Real | float) -> Complex:
         """Complex stiffness at omega in rad/s, shape (n,)."""
-        s = 1j * np.atleast_1d(np.asarray(omega, dtype=float))
-        modes: Complex = (s[:, None] / (s[:, None] + self.rates)) @ self.weights
-        return self.equilibrium + self.viscosity * s + self.mass * s**2 + modes
+        return np.asarray(self.modes.at(1j * np.atleast_1d(np.asarray(omega, dtype=float)))[0])
 
     def jacobian(self, omega: Real | float) -> Complex:
         """Derivative of `stiffness` by the model's parameters, shape (n, p)."""
-        s = 1j * np.atleast_1d(np.asarray(omega, dtype=float))[:, None]
-        kernel = s / (s + self.rates)
-        by = self.by_theta
-        modes: Complex = kernel @ by.weights - (self.weights * kernel / (s + self.rates)) @ by.rates
-        return by.equilibrium + s * by.viscosity + s**2 * by.mass + modes
+        return np.asarray(self.modes.around(1j * np.atleast_1d(np.asarray(omega, dtype=float)))[2])
 
 
 def spectrum_of(
@@ -318,52 +320,51 @@ PeakFinder: TypeAlias = Callable[[Branch, Edge], Complex]
 class Sum:
     """A network taken apart.
 
-    Its mass, all of its springs and dashpots, and branches that hold more than these.
+    Its masses, springs and dashpots, and branches that hold more than these.
 
     Attributes
     ----------
-    mass : float
-        Zero where there is none.
-    mass_slopes : ndarray, shape (p,)
-        Its derivative by theta.
     classical : Rational
-        Branches of nothing but springs and dashpots.
+        Branches of nothing but springs and dashpots, and those that are a mass.
     parts : sequence of Branch
         The others.
     """
 
-    mass: float
-    mass_slopes: Real
     classical: Rational
     parts: Sequence[Branch]
 
     @classmethod
     def of(cls, network: Node, theta: Real, conditions: Points, *, compliance: bool = False) -> Sum:
         """The network's parts, in parallel or, for its compliance, in series."""
-        nothing = np.zeros(len(theta))
-        mass, slopes, parts = 0.0, nothing, []
-        classical = Rational.power(0, 0.0, nothing)
+        parts, classical = [], Rational.power(0, 0.0, np.zeros(len(theta)))
         for branch in branches(network, theta, conditions, compliance=compliance):
             # Asked first: what is made of springs and dashpots has a spectrum in closed form,
             # without any rule.
             modes = rational_of(branch.node, branch.theta, branch.chain, conditions)
             # What has no stiffness at all has no compliance that could be inverted.
-            if modes is not None and not (
-                compliance and not modes.ends.any() and not modes.weights.any()
-            ):
+            if modes is not None and not (compliance and modes.is_nothing):
                 if compliance:
                     modes = modes.inverse()
                 classical = classical.beside(modes)
             elif branch.is_mass and not compliance:
-                value, by_theta = branch.mass()
-                mass, slopes = mass + value, slopes + by_theta
+                classical = classical.beside(Rational.power(2, *branch.mass()))
             else:
                 parts.append(branch)
-        return cls(mass, slopes, classical, parts)
+        return cls(classical, parts)
+
+    @property
+    def count(self) -> int:
+        """How many parameters there are."""
+        return int(self.classical.end_slopes.shape[1])
+
+    @cached_property
+    def _massless(self) -> Rational:
+        """The classical branches without their mass, beside which nothing else would be seen."""
+        return replace(self.classical, ends=self.classical.ends * (1.0, 1.0, 0.0))
 
     def respond(self, log_omega: Anywhere, depth: int) -> tuple[Complex, Complex]:
         """What relaxes: value (n,) and derivative (p, n)."""
-        nothing = np.zeros((len(self.mass_slopes), len(log_omega)), dtype=complex)
+        nothing = np.zeros((self.count, len(log_omega)), dtype=complex)
         if not self.parts:
             return np.zeros(len(log_omega), dtype=complex), nothing
         responses = [part.respond(log_omega, depth) for part in self.parts]
@@ -375,17 +376,10 @@ class Sum:
     def own_band(self) -> tuple[float, float]:
         """Band in ln omega that reaches two decades beyond the times of the network itself."""
         s = 1j * np.exp(SCALES)
-        own = self.classical
-        kernel = s[:, None] / (s[:, None] + own.rates)
+        value, slope = self._massless.at(s)
         responses = [part.respond(SCALES, FULL) for part in self.parts]
-        value = (
-            own.ends[0]
-            + own.ends[1] * s
-            + kernel @ own.weights
-            + sum(each.value for each in responses)
-        )
-        slope = own.ends[1] * s + (kernel * (1.0 - kernel)) @ own.weights
-        slope = slope + sum(each.by_log_omega for each in responses)
+        value = value + sum(each.value for each in responses)
+        slope = slope * s + sum(each.by_log_omega for each in responses)
         # The power of omega as which |K| grows: a relaxation time is where it changes most.
         power = (slope / value).real
         change = np.abs(np.diff(power))
@@ -414,26 +408,19 @@ class Sum:
         The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2
         from the axis.
         """
-        own = self.classical
-        ends = np.array([*own.ends, self.mass])
-        slopes = np.vstack([own.end_slopes, self.mass_slopes])
-        modes = Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)
+        modes = self.classical
         if self.parts:
             others = self._modes(low, high, tolerance, find_peaks, signed)
-            more, more_slopes = self._ends(low, high, others)
-            ends, slopes = ends + more, slopes + more_slopes
-            modes = Lines(*(np.concatenate(pair) for pair in zip(modes, others, strict=True)))
+            modes = modes.beside(Rational(*self._ends(low, high, others), others))
         # Lines and nodes come one after the other: rising, as `Spectrum` promises, they are mixed.
-        modes = Lines(*(field[np.argsort(modes.rates)] for field in modes))
-        by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
+        lines = modes.lines.some(np.argsort(modes.lines.rates))
+        slopes, (spring, dashpot, mass) = modes.end_slopes, modes.ends.tolist()
+        by = Slopes(slopes[0], slopes[1], slopes[2], lines.rate_slopes, lines.weight_slopes)
         band = (float(np.exp(low)), float(np.exp(high)))
-        spring, dashpot, mass = ends.tolist()
-        spectrum = Spectrum(
-            spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta
-        )
+        spectrum = Spectrum(spring, dashpot, mass, lines.rates, lines.weights, band, np.inf, by)
         if not self.parts:
             # Springs and dashpots are their modes: no rule is there to err.
-            if not (np.all(np.isfinite(ends)) and np.all(np.isfinite(modes.weights))):
+            if not (np.all(np.isfinite(modes.ends)) and np.all(np.isfinite(lines.weights))):
                 raise _NoSpectrumError("is not finite on the band")
             return replace(spectrum, error=0.0)
         # What the rule promises holds for smooth spectra only: the error is measured against the
@@ -442,13 +429,8 @@ class Sum:
 
     def _whole(self, log_omega: Anywhere) -> Complex:
         """K (n,) without the mass."""
-        s = np.exp(log_omega + HALF_PI)
-        own = self.classical
-        kernel = s[:, None] / (s[:, None] + own.rates)
-        value: Complex = (
-            own.ends[0] + own.ends[1] * s + kernel @ own.weights + self.respond(log_omega, VALUE)[0]
-        )
-        return value
+        own, _ = self._massless.at(np.exp(log_omega + HALF_PI))
+        return np.asarray(own + self.respond(log_omega, VALUE)[0])
 
     def _sizes(self, low: float, high: float) -> tuple[float, float]:
         """|K| without its mass at the ends of the band."""
@@ -463,15 +445,13 @@ class Sum:
         As many of them as the band needs.
         """
         margin = np.log(2.0 / tolerance)
-        # An empty one first, so that a network of springs and dashpots alone has something to be
-        # joined.
-        lines = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
+        lines = Lines.none(self.count)
         spread, peaks = [], [np.zeros(0, dtype=complex)]
         for part in self.parts:
             edge = edge_of(part, low - margin, high + margin)
             # Lines are sharper than any step: no rule of evenly spread nodes would meet them.
             if edge.discrete:
-                lines.append(lines_of(part, resolved(part, edge, high)))
+                lines = lines.beside(lines_of(part, resolved(part, edge, high)))
             else:
                 spread.append(part)
                 peaks.append(find_peaks(part, edge))
@@ -492,7 +472,7 @@ class Sum:
                 # What is left below zero is rounding: a passive material has no such weights.
                 height = np.maximum(height, 0.0)
             # The nodes belong to the rule and not to the model: only their weights move with theta.
-            fixed = np.zeros((len(u), len(self.mass_slopes)))
+            fixed = np.zeros((len(u), self.count))
             modes = Lines(np.exp(u), share * height, fixed, (share * by_theta.imag / np.pi).T)
             # A layer of fluid also leaves a mass beside the dashpot, which takes up one power of
             # the frequency more.
@@ -500,8 +480,8 @@ class Sum:
             if any(part.is_layer for part in spread):
                 order = 3
             needed = needed_on(modes, sizes, (low, high), tolerance, order)
-            lines.append(Lines(*(field[needed] for field in modes)))
-        return Lines(*(np.concatenate(fields) for fields in zip(*lines, strict=True)))
+            lines = lines.beside(modes.some(needed))
+        return lines
 
     def _ends(self, low: float, high: float, modes: Lines) -> tuple[Real, Real]:
         """Spring, dashpot and mass for all modes slower and faster than `modes`.
@@ -536,7 +516,7 @@ class Sum:
         # What rounding leaves of a spring or dashpot that is not there is none.
         least = ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers
         there = layered | (unknowns > least)
-        ends, end_slopes = np.zeros(3), np.zeros((3, len(self.mass_slopes)))
+        ends, end_slopes = np.zeros(3), np.zeros((3, self.count))
         ends[: len(powers)] = np.where(there, unknowns, 0.0)
         end_slopes[: len(powers)] = np.where(
             there[:, None], inverse @ (by_theta.real.T - slopes), 0.0
@@ -550,6 +530,6 @@ class Sum:
             raise _NoSpectrumError("is not finite on the band")
         # Without the mass, which is exact, and far up so large that it would hide any error of the
         # rest.
-        own = spectrum.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
+        own = spectrum.stiffness(np.exp(grid)) + self.classical.ends[2] * np.exp(2.0 * grid)
         size = np.abs(exact)
         return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))

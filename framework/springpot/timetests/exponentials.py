@@ -299,7 +299,8 @@ class QuickPart(InTimePart):
         # At the instant of a step, of weight nothing, an exact answer may be endless.
         missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
         by_theta = np.where(self.seen[:, None], answer.by_theta, 0.0)
-        return Residual(missed * self.weight, by_theta * self.weight[:, None])
+        found = Residual(missed * self.weight, by_theta * self.weight[:, None])
+        return found.freed(self.weight[:, None] * self.instants[self.rows])
 
     def recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """What the test records of a model, nearly.

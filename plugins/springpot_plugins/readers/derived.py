@@ -163,21 +163,14 @@ def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str
     # What has to be asked anyway is asked at once.
     if bare and {each.role for each in bare} != moduli:
         raise ask_units(bare)
-    require_known(roles)
+    _require_known(roles)
     if not bare:
         return dict(roles), {}
     taken = {role: replace(roles[role], unit=FILE_UNITS) for role in moduli}
     return {**roles, **taken}, {"note units": in_units_of_file(bare)}
 
 
-def require_known(roles: Mapping[str, Column]) -> None:
-    """Refuse columns in a unit that nobody knows, with what to type for it.
-
-    Raises
-    ------
-    DataError
-        Of the first such unit, for all columns that are in it.
-    """
+def _require_known(roles: Mapping[str, Column]) -> None:
     for role, column in roles.items():
         if column.unit is None or role not in UNITS:
             continue

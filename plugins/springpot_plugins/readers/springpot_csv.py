@@ -34,7 +34,6 @@ from springpot.measurement.replicates import NOTE, stands_again
 
 from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of, sign_note
-from .derived import require_known
 from .generic import read as read_any
 from .grid import MISSING, shortest
 from .proposals import offers
@@ -99,7 +98,6 @@ def parse(text: str, name: str) -> Measurement:
     provenance = {
         key: value for key, value in comments.items() if key not in ("name", _TWICE, _TOLD)
     }
-    require_known(roles)
     measurement = measurement_of(roles, others, comments.get("name", name), {**provenance, **notes})
     told = {**measurement.provenance, **sign_note(measurement, roles)}
     measurement = replace(measurement, provenance=told)
