@@ -501,9 +501,11 @@ def beside_limits(fit: Identification, parts: Sequence[TestPart]) -> Identificat
 
 @dataclass(frozen=True, eq=False)
 class _Valley:
-    """The objective about a minimum, each test's residuals over what they scatter by.
+    """The objective about a minimum of tests that the model there foretells.
 
-    As in the covariance: samples whose misses are alike count once.
+    Exponentials, or some samples of a long record, have their own minimum a little aside. Each
+    test's residuals are over what they scatter by, as in the covariance: samples whose misses are
+    alike count once.
     """
 
     search: TimeSearch
@@ -526,28 +528,25 @@ class _Valley:
 
     @cached_property
     def weighed(self) -> tuple[Real, Real]:
-        """Weights (m,) of the residuals, and what is taken off these (m,) before."""
-        weight, aside = [], []
+        """Residuals (m,) over the noise at the minimum, and their weights (m,)."""
+        left, weight = [], []
         for part, whole in zip(self.parts, self.whole, strict=True):
             (value, _), (known, _) = (
                 self.search.residual([each], self.u) for each in (part, whole)
             )
+            left.append(value)
             weight.append(np.full(len(value), whole.beside(known, len(self.u)) ** -0.5))
-            # Some samples of a long record know where they would be best, not where all are; one
-            # that is taken to have gone on for longer, neither.
-            other = len(value) < len(known) or _after_many_cycles(whole) is not whole
-            aside.append(value if other else np.zeros(len(value)))
-        return np.concatenate(weight), np.concatenate(aside)
+        return np.concatenate(left), np.concatenate(weight)
 
     def plainly(self, u: Real) -> tuple[Real, Real]:
         """Residuals (m,) over the noise and their slopes (p, m) at u (p,)."""
         return self.search.guarded(self.parts, u, False)
 
     def at(self, u: Real) -> tuple[Real, Real]:
-        """The same of unit variance."""
+        """Distances (m,) from the minimum, of unit variance, and the same slopes."""
         value, slopes = self.plainly(u)
-        weight, aside = self.weighed
-        return (value - aside) * weight, slopes * weight
+        left, weight = self.weighed
+        return (value - left) * weight, slopes * weight
 
     @property
     def evaluate(self) -> Evaluate:
@@ -559,9 +558,10 @@ class _Valley:
         """Standard deviations to the end of an interval."""
         return student(INTERVAL, max(len(self.weighed[0]) - len(self.u), 1))
 
-    def paths(self, u: Real) -> list[Path]:
-        """One along each parameter from a best fit u (p,) on."""
-        return [Path(self.search.coordinates, u, i, self.evaluate) for i in range(len(u))]
+    def paths(self) -> list[Path]:
+        """One along each parameter."""
+        count = len(self.u)
+        return [Path(self.search.coordinates, self.u, i, self.evaluate) for i in range(count)]
 
     def where_slopes_tell(self, result: Identification) -> tuple[Real, Real]:
         """Intervals by the slopes, by profiles where the valley is bent.
@@ -575,7 +575,7 @@ class _Valley:
             low, high = _ends_of(self.profiled(result))
         if not np.any(high > LOST * np.maximum(low, 0.0)):
             return low, high
-        return beside_endless(self.paths(self.u), self.quantile**2, low, high)
+        return beside_endless(self.paths(), self.quantile**2, low, high)
 
     def _bent(self, result: Identification) -> bool:
         """Whether to the ends of an interval the objective rises otherwise than by its slopes."""
@@ -592,12 +592,9 @@ class _Valley:
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
         quantile = self.quantile
-        # By fixed exponentials the bottom lies a little aside.
-        best = levenberg_marquardt(self.evaluate, self.u[None], *self.search.coordinates.bounds)
-        u, cost = best.u[0], float(best.cost[0])
         return [
-            path.profile(self._step(result, path.i, quantile), cost, quantile**2)
-            for path in self.paths(u)
+            path.profile(self._step(result, path.i, quantile), 0.0, quantile**2)
+            for path in self.paths()
         ]
 
     def _step(self, result: Identification, i: int, quantile: float) -> float:
@@ -609,13 +606,11 @@ class _Valley:
 
     def simulated(self, rng: np.random.Generator) -> Real:
         """Quantiles (2, p) of fits to tests that the model has given, with their noise."""
-        whole, _ = self.at(self.u)
-        # Of a test that the model foretells, the residual is that of its noise alone.
-        drawn = rng.standard_normal((RESAMPLES, len(whole)))
+        drawn = rng.standard_normal((RESAMPLES, len(self.weighed[0])))
 
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             value, slopes = self.evaluate(u, rows)
-            return value - whole - drawn[rows], slopes
+            return value - drawn[rows], slopes
 
         starts = np.tile(self.u, (RESAMPLES, 1))
         fits = levenberg_marquardt(evaluate, starts, *self.search.coordinates.bounds)
