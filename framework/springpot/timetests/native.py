@@ -6,7 +6,7 @@ open: by slopes, profiles and simulated tests.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -26,7 +26,6 @@ from springpot.identification.intervals import (
     off_their_slopes,
 )
 from springpot.identification.leastsquares import (
-    Evaluate,
     Rows,
     Solution,
     levenberg_marquardt,
@@ -46,6 +45,7 @@ from springpot.measurement.timenoise import said_of_strays
 from springpot.measurement.units import Units, one_modulus
 from springpot.misfit.residuals_of_tests import (
     InTimePart,
+    Residual,
     SweepPart,
     TestPart,
     reach_of,
@@ -57,7 +57,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, MOST_STEPS, rms
-from .exponentials import UnfollowedError, quick_parts
+from .exponentials import QuickPart, UnfollowedError, quick_parts
 from .specimen import Scales, tries_of, words_of
 
 QUICK = 20
@@ -501,11 +501,10 @@ def beside_limits(fit: Identification, parts: Sequence[TestPart]) -> Identificat
 
 @dataclass(frozen=True, eq=False)
 class _Valley:
-    """The objective about a minimum of tests that the model there foretells.
+    """The objective about a minimum, each test's residuals over what they scatter by.
 
-    Exponentials, or some samples of a long record, have their own minimum a little aside. Each
-    test's residuals are over what they scatter by, as in the covariance: samples whose misses are
-    alike count once.
+    As in the covariance: samples whose misses are alike count once. What exponentials miss at the
+    minimum they miss about it too.
     """
 
     search: TimeSearch
@@ -528,30 +527,54 @@ class _Valley:
 
     @cached_property
     def weighed(self) -> tuple[Real, Real]:
-        """Residuals (m,) over the noise at the minimum, and their weights (m,)."""
-        left, weight = [], []
+        """What is taken off the residuals (m,) over the noise, and their weights (m,)."""
+        aside, weight = [], []
         for part, whole in zip(self.parts, self.whole, strict=True):
             (value, _), (known, _) = (
                 self.search.residual([each], self.u) for each in (part, whole)
             )
-            left.append(value)
+            # Some samples of a long record know how far others reach, not where all are best; one
+            # that is taken to have gone on for longer, neither.
+            other = len(value) < len(known) or _after_many_cycles(whole) is not whole
+            aside.append(value if other else value - known)
             weight.append(np.full(len(value), whole.beside(known, len(self.u)) ** -0.5))
-        return np.concatenate(left), np.concatenate(weight)
+        return np.concatenate(aside), np.concatenate(weight)
 
-    def plainly(self, u: Real) -> tuple[Real, Real]:
-        """Residuals (m,) over the noise and their slopes (p, m) at u (p,)."""
-        return self.search.guarded(self.parts, u, False)
+    def plainly(self, u: Real, _: Rows) -> tuple[Real, Real]:
+        """Residuals (g, m) over the noise and their slopes (g, p, m) at each u (g, p)."""
+        theta = np.array([self.search.theta(one) for one in u])
+        found = zip(*(self._answers(part, theta) for part in self.parts), strict=True)
+        values, slopes = [], []
+        with np.errstate(all="ignore"):
+            for at, each in zip(theta, found, strict=True):
+                values.append(np.concatenate([one.value for one in each]))
+                by_theta = np.concatenate([one.by_theta for one in each]).T.copy()
+                slopes.append(self.search.coordinates.carry(by_theta, at, self.search.size))
+        # What cannot be followed is endless, so that a step there is taken back.
+        return np.nan_to_num(np.stack(values), nan=np.inf), np.nan_to_num(np.stack(slopes))
 
-    def at(self, u: Real) -> tuple[Real, Real]:
-        """Distances (m,) from the minimum, of unit variance, and the same slopes."""
-        value, slopes = self.plainly(u)
-        left, weight = self.weighed
-        return (value - left) * weight, slopes * weight
+    def _answers(self, part: TestPart, theta: Real) -> Iterator[Residual]:
+        model, reference = self.search.model, self.search.reference
+        if isinstance(part, QuickPart):
+            yield from part.nearly(model, theta, reference, range(theta.shape[1]))
+            return
+        count = part.count()
+        for one in theta:
+            try:
+                yield part.residual(model, one, reference)
+            except SpringpotError:
+                yield Residual(np.full(count, np.nan), np.zeros((count, len(one))))
+
+    def evaluate(self, u: Real, rows: Rows) -> tuple[Real, Real]:
+        """The same of unit variance, without what exponentials miss."""
+        value, slopes = self.plainly(u, rows)
+        aside, weight = self.weighed
+        return (value - aside) * weight, slopes * weight
 
     @property
-    def evaluate(self) -> Evaluate:
-        """The same at many places."""
-        return one_by_one(self.at)
+    def left(self) -> Real:
+        """Residuals (m,) at the minimum."""
+        return self.evaluate(self.u[None], np.arange(1))[0][0]
 
     @property
     def quantile(self) -> float:
@@ -583,17 +606,16 @@ class _Valley:
         low, high = result.low, result.high
         rows = np.flatnonzero(np.isfinite(high - low) & ~(log & (high > LOST * low)))
         reach = np.diff(at.u(np.array([low, high]), self.search.size), axis=0)[0, rows] / 2.0
-        _, slopes = self.plainly(self.u)
+        _, [slopes] = self.plainly(self.u[None], np.arange(1))
         covariance = inverse_of(slopes @ slopes.T)
         steps = covariance[rows] * (reach / np.diag(covariance)[rows])[:, None]
-        evaluate = one_by_one(self.plainly)
-        return bool(off_their_slopes(evaluate, self.u, steps, at.bounds).any())
+        return bool(off_their_slopes(self.plainly, self.u, steps, at.bounds).any())
 
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
-        quantile = self.quantile
+        quantile, cost = self.quantile, float(np.sum(self.left**2))
         return [
-            path.profile(self._step(result, path.i, quantile), 0.0, quantile**2)
+            path.profile(self._step(result, path.i, quantile), cost, quantile**2)
             for path in self.paths()
         ]
 
@@ -606,11 +628,13 @@ class _Valley:
 
     def simulated(self, rng: np.random.Generator) -> Real:
         """Quantiles (2, p) of fits to tests that the model has given, with their noise."""
-        drawn = rng.standard_normal((RESAMPLES, len(self.weighed[0])))
+        whole = self.left
+        # Of a test that the model foretells, the residual is that of its noise alone.
+        drawn = rng.standard_normal((RESAMPLES, len(whole)))
 
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             value, slopes = self.evaluate(u, rows)
-            return value - drawn[rows], slopes
+            return value - whole - drawn[rows], slopes
 
         starts = np.tile(self.u, (RESAMPLES, 1))
         fits = levenberg_marquardt(evaluate, starts, *self.search.coordinates.bounds)
