@@ -6,6 +6,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError
 from springpot.identification import Uncertainty, fit, intervals_beside_material
+from springpot.identification.held_material import ends_of_amount
 
 MASS = 1.8e-3
 """In N s^2/mm, as K is in N/mm: 1.8 kg."""
@@ -123,3 +124,26 @@ def test_what_still_falls_at_the_slowest_point_is_counted_as_its_spring(expressi
     found = springpot.identify(springpot.Measurement(omega, stiffness), "material")
     says = "K_e counts all that relaxes more slowly than 0.0477 Hz: storage still falls there"
     assert any(note.startswith(says) for note in found.notes) is told
+
+
+def test_a_held_weight_may_rise_as_far_as_others_make_up_for_it():
+    """Of two columns 30 degrees apart, the other one stays above zero."""
+    columns = np.array([[1.0, np.sqrt(0.75)], [0.0, 0.5]])
+    low, high = ends_of_amount(columns, columns @ [1.0, 2.0], 0, 0.01)
+    # While the second weight is above zero, the first alone costs the square of its part beside it.
+    assert (low, high) == pytest.approx((0.8, 1.2), rel=1e-5)
+    low, high = ends_of_amount(columns, columns @ [0.0, 2.0], 0, 0.01)
+    assert (low, high) == pytest.approx((0.0, 0.2), rel=1e-5)
+
+
+@pytest.mark.parametrize("slow", [0.0, 50.0])
+def test_a_slow_line_leaves_the_spring_of_a_sweep_open(slow):
+    omega = 2 * np.pi * np.geomspace(0.1, 30.0, 20)
+    s = 1j * omega
+    stiffness = 100.0 + 100.0 * 0.1 * s / (1.0 + 0.1 * s) + slow * 5.0 * s / (1.0 + 5.0 * s)
+    for seed in range(4):
+        noise = np.random.default_rng(seed).normal(size=(2, 20))
+        data = springpot.Measurement(omega, stiffness * (1.0 + 0.01 * (noise[0] + 1j * noise[1])))
+        found = springpot.identify(data, "material").parameters
+        assert found["K_e"].low <= 100.0 <= found["K_e"].high < 101.5 + slow / 2.0
+        assert found["c"].low == 0.0, "there is no dashpot"

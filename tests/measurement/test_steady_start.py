@@ -135,12 +135,24 @@ def test_what_does_not_repeat_has_no_cycles_before(moved):
 def test_a_period_need_not_be_a_whole_number_of_samples():
     x = np.sin(2.0 * np.pi * T / 0.773)
     noise = np.random.default_rng(4).normal(size=len(T))
-    loading = gone_on(Loading(T, x, sampled=True), x + 0.01 * noise)
+    lagging = np.sin(2.0 * np.pi * T / 0.773 - 0.3)
+    loading = gone_on(Loading(T, x, sampled=True), lagging + 0.01 * noise)
     late = loading.time > -2.0
     assert loading.before
     assert loading.value[late] == pytest.approx(
         np.sin(2.0 * np.pi * loading.time[late] / 0.773), abs=0.02
     )
+
+
+def test_a_fluid_that_swings_from_nothing_began_with_its_record():
+    """It repeats from its first cycle on, about where it began and not where it had always been."""
+    force, noise = np.sin(2.0 * np.pi * T), 0.002 * np.random.default_rng(4).normal(size=len(T))
+    moved = 2.0 * force + 1.0 - np.cos(2.0 * np.pi * T) + noise
+    test = TimeTest.of_history(T, moved, force, "mm", "N", control="force")
+    assert test.loading.before == 0
+    fit = identify(test, springpot.parse_model("maxwell"))
+    assert fit.parts[0].over_floor < 1.1
+    assert fit.parameters["k"].value == pytest.approx(0.5, rel=0.01)
 
 
 def test_uneven_samples_and_what_was_not_measured_stay():

@@ -595,9 +595,14 @@ def test_times_before_the_step_are_refused():
         MODELS["zener"].relaxation([1.0, 2.0, 3.0], [-1.0, 1.0])
 
 
-def test_a_fluid_that_was_under_force_is_refused():
+def test_a_fluid_is_put_under_force_with_the_first_sample():
+    """Before it would have flowed without end."""
+    model = MODELS["maxwell"]
+    found = model.respond_force([1.0, 2.0], [3.0, 4.0], [1.0, 1.0])
+    assert found == pytest.approx([1.0, 1.5])
+    inside = model.in_time(np.array([1.0, 2.0]))
     with pytest.raises(ModelError, match="begin at 0"):
-        MODELS["maxwell"].respond_force([1.0, 2.0], [0.0, 1.0], [1.0, 1.0])
+        inside.by_clock(np.array([3.0, 4.0]), np.ones(2), "force", np.ones((2, 1)))
 
 
 @pytest.mark.parametrize("turned", [1.0, 1.0 + 0.3j])

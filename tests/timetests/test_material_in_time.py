@@ -134,3 +134,14 @@ def test_a_start_beside_a_spectrum_of_other_lines_has_the_effect_where_it_was_se
     assert start["inertia.m"] == 2.5
     assert [start[name] for name in ("K_e", "c")] == [1.0, 1.0]
     assert all(value in (0.0, 1.0) for name, value in start.items() if name.startswith("g"))
+
+
+@pytest.mark.parametrize("plateau", [0.0, 100.0])
+def test_what_still_relaxes_at_the_end_leaves_the_spring_open(plateau):
+    """By the slopes of the chosen lines alone, 2 of 5 such intervals held the plateau."""
+    t = np.geomspace(0.01, 10.0, 60)
+    modulus = plateau + 100.0 * np.exp(-t / 0.1) + 50.0 * np.exp(-t / 5.0)
+    for seed in (1, 2):
+        told = identify(TimeTest.of_relaxation(t, scattered(modulus, seed), "Pa"), ANY)
+        spring = told.parameters["K_e"]
+        assert spring.low <= plateau < spring.high < plateau + 10.0

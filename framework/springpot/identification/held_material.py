@@ -15,18 +15,29 @@ import numpy as np
 from springpot.distributions import f_sf, student
 from springpot.measurement.independence import at_one_frequency
 from springpot.memory import Links, autocorrelation_time
-from springpot.numerics import MOST_STEPS, PRINTED, ROUNDING, Tangent, non_negative, orthonormal
+from springpot.numerics import (
+    BEYOND,
+    DECADE,
+    MOST_STEPS,
+    PRINTED,
+    ROUNDING,
+    Tangent,
+    non_negative,
+    orthonormal,
+)
 from springpot.rheology.effect import Effect, Layer
-from springpot.rheology.elements import asked_as_measured
+from springpot.rheology.elements import Continuum, asked_as_measured
 from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real, real_form
 from springpot.rheology.spectrum import REFUSED
 from springpot.thresholds import VERDICT
 
+from .convex import FASTER, SLOWER
 from .fitted import Fit
 from .intervals import Path, allowed_cost, bent, beside_endless, profiled
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
+from .leastsquares import Trial
 from .material import SpectrumSearch, is_material, own_parameters, shifted_by
 from .normal import RANK
 from .problem import weighted
@@ -308,6 +319,8 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
         for i in bent(known):
             low[i], high[i], _ = profiled(known, i)
         return beside_endless((Path.of(fit, i) for i in range(len(low))), rise, low, high)
+    for i, each in enumerate(_ends_beside_lines(known)):
+        low[i], high[i] = each
     own = own_parameters(fit.model)
     if len(own) > MOST_PROFILED:
         return low, high
@@ -317,6 +330,34 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
             wider = rise * known.widening(i)
             low[i], high[i] = profile_beside_material(fit, i, wider, (low[i], high[i]))
     return low, high
+
+
+def _ends_beside_lines(known: Uncertainty) -> list[tuple[float, float]]:
+    """Intervals of K_e and c of a material, as wide as other lines leave them.
+
+    None where K is not linear in them, or what was expected of effects would have to be held too.
+    """
+    fit = known.fit
+    search = SpectrumSearch.of(fit.model, fit.measurement, fit.objective)
+    if not search.linear or fit.expected is not None:
+        return []
+    own, material = own_parameters(fit.model), fit.model.material
+    assert isinstance(material, Continuum), "no other material is any"
+    lines = np.log(material.rates)
+    others = search.lattice(fit.theta[own])
+    # What relaxes more slowly than that is a spring, and what does so sooner a dashpot.
+    slower, faster = np.log(BEYOND) - DECADE * np.array([SLOWER, FASTER])
+    others = others[(others > others[0] + slower) & (others < others[-1] - faster)]
+    lines = np.concatenate([lines, [each for each in others if not np.any(lines == each)]])
+    weights = np.zeros(2 + len(lines))
+    weights[: 2 + len(material.rates)] = np.delete(fit.theta, own)
+    answer = search.respond(Trial(search.u_of(fit.theta[own]), lines, weights, fit.cost))
+    columns, by_own = np.split(search.weigh(answer.by_theta).T, [len(weights)], axis=1)
+    target = columns @ weights + search.weigh(fit.measurement.stiffness - answer.value)
+    around = Tangent.of(by_own, RANK)
+    columns, target = around.left(columns), around.left(target)
+    rise = allowed_cost(known) - fit.cost
+    return [ends_of_amount(columns, target, i, known.widening(i) * rise) for i in (0, 1)]
 
 
 def profile_beside_material(
@@ -375,6 +416,51 @@ def profile_beside_material(
         u[place] = end
         ends.append(float(search.theta_of(u)[place]))
     return ends[0], ends[1]
+
+
+def ends_of_amount(columns: Real, target: Real, i: int, rise: float) -> tuple[float, float]:
+    """Interval of the weight of one column, all others solved anew without any below zero.
+
+    The least sum of squares is convex in what is held.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (m, q)
+        What spring, dashpot and lines make of one unit each, in standard deviations.
+    target : ndarray, shape (m,)
+        What they should make together.
+    i : int
+        Number of the column.
+    rise : float
+        Of the sum of squares, at the ends of the interval.
+
+    Returns
+    -------
+    low, high : float
+        Zero, or infinity, where it never rises so far.
+    """
+    from scipy.optimize import brentq  # loading the plugins must not take its time
+
+    whole: Real = np.array(np.linalg.qr(np.column_stack([columns, target]), mode="r"))
+    columns, target = whole[:, :-1], whole[:, -1]
+    weights, least = non_negative(columns, target)
+    others, size = np.delete(columns, i, axis=1), float(np.linalg.norm(columns[:, i]))
+    if not size > 0.0:
+        return 0.0, float("inf")
+
+    def above(amount: float) -> float:
+        return non_negative(others, target - columns[:, i] * amount)[1] - least - rise
+
+    def end(outer: float) -> float:
+        return float(brentq(above, weights[i], outer, xtol=PRINTED * max(weights[i], outer)))
+
+    low = end(0.0) if weights[i] > 0.0 and above(0.0) > 0.0 else 0.0
+    outer = float(weights[i]) + np.sqrt(rise) / size
+    for _ in range(MOST_STEPS):
+        if above(outer) > 0.0:
+            return low, end(outer)
+        outer += outer
+    return low, float("inf")
 
 
 def _crossing(

@@ -16,9 +16,18 @@ import numpy as np
 from springpot.distributions import f_sf
 from springpot.rheology.points import STEADY, Real
 
-from ..numerics import NEGLIGIBLE, SMALLEST, rms, vertex
+from ..numerics import DEVIATIONS, NEGLIGIBLE, SMALLEST, rms, vertex
 from ..thresholds import SIGNALS
-from .imposed import NEARLY_ALL, SHORTEST, Loading, is_late, is_white, levels, share_held
+from .imposed import (
+    NEARLY_ALL,
+    SHORTEST,
+    Loading,
+    imposed_noise,
+    is_late,
+    is_white,
+    levels,
+    share_held,
+)
 from .rounding import is_even, rounding_step
 
 PERIODS_AFTER = 2
@@ -60,6 +69,11 @@ def gone_on(loading: Loading, response: Real) -> Loading:
     samples = len(loading.time)
     periods, lag = cycles_of(loading, samples)
     if not lag or not _repeats(response[lag:] - response[:-lag], lag // periods):
+        return loading
+    # What lags answers already where its load passes nothing; at rest it does not.
+    size = NEGLIGIBLE * float(np.abs(response).max())
+    quiet_yet = abs(float(response[0])) <= max(DEVIATIONS * imposed_noise(response), size)
+    if quiet_yet and abs(float(loading.value[0])) <= STEADY * float(np.abs(loading.value).max()):
         return loading
     # What flows on has no place that it had always been at, and what never moves was not measured.
     if abs(float(np.mean(response[lag:] - response[:-lag]))) >= REPEATS * float(np.std(response)):

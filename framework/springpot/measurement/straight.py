@@ -102,7 +102,8 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
         return loading, {}
     course, parts = lines(loading.time, value)
     course, said = without_noise(value, response, course, parts, "along straight lines")
-    if not said:
+    # What scatters by more than all lines together go along none.
+    if not said or rms(value - course) > float(np.std(course)):
         return loading, {}
     return replace(loading, value=course), said
 

@@ -14,6 +14,7 @@ from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
 from springpot.writing import LISTED, number
 
+from ..numerics import ALIKE
 from ..thresholds import SUPERPOSITION
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
 from .text import Listing, Passage, Prose, TextTable, percent, seconds, with_interval
@@ -159,6 +160,9 @@ def _laws(master: MasterCurve) -> TextTable:
         most = level_text(master.factors.column, law.worst)
         # A departure is a difference of logarithms.
         off = percent(float(np.expm1(law.departure)), 2)
+        if law.departure < ALIKE:
+            # Of factors of one, rounding is left.
+            off, most = percent(0.0), "-"
         if law.verdict == "cannot-tell":
             # As many constants as factors: what is left is rounding, and no quality of the law.
             off, most = EXACT, "-"

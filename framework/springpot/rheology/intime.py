@@ -244,24 +244,26 @@ class Passive:
     ) -> Traced:
         """Displacement for a force that was held at its first value before; see `respond`.
 
+        Under that a fluid would have flowed without end: it was put upon one with the first sample.
+
         Raises
         ------
         ModelError
-            If that force would have made the specimen flow without end.
+            If that is asked of complex times.
         """
         force = force.astype(t.dtype)
         steps, changes = np.diff(t, prepend=t[0]), np.diff(force, prepend=force[0])
         stiffness, stiffness_slopes = self.limit(-FAR)
-        if stiffness <= 0.0 and force[0] != 0.0:
-            raise ModelError(
-                f"a fluid under a force of {force[0].real:g} before the first sample flowed without"
-                " end: begin at 0"
-            )
         # A fluid that carried nothing before the first sample was at rest there, wherever that was.
-        start, start_slopes = 0.0, np.zeros(len(self.theta))
+        start, start_slopes = np.zeros(len(t)), np.zeros((len(t), len(self.theta)))
         if stiffness > 0.0:
-            start = force[0] / stiffness
-            start_slopes = -start / stiffness * stiffness_slopes
+            start = start + force[0] / stiffness
+            start_slopes = start_slopes - force[0] / stiffness**2 * stiffness_slopes
+        elif force[0] != 0.0:
+            if np.iscomplexobj(t):
+                raise ModelError("a fluid under a force at once has no clock: begin at 0")
+            put = self.creep(t - t[0])
+            start, start_slopes = force[0] * put.value, force[0] * put.by_theta
         # Its modes follow the force as those of K follow a displacement: one recursion serves both.
         modes = self.retardation(*_times(t.real))
         by = modes.by_theta

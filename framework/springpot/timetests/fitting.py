@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.convex import ConvexSpectrum
 from springpot.identification.fitting import refuse_search, require_robust, start_at
@@ -37,12 +38,12 @@ from springpot.misfit.residuals_of_tests import (
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
 from springpot.rheology.points import Real
-from springpot.thresholds import VERDICT
+from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .exponentials import quick_parts
 from .hypotheses import FitResiduals
-from .material import FoundLines, UntoldError, coordinates_around, spectral
+from .material import FoundLines, UntoldError, coordinates_around, ends_of_material, spectral
 from .native import STARTS, Minimum, TimeSearch, with_intervals
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
@@ -350,7 +351,7 @@ def _fitted(
     # Of any material the spectrum itself is sought, which is a problem of another kind.
     if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
-        result = search.result(found, perf_counter() - began)
+        result = _beside_lines(search.result(found, perf_counter() - began), found.parts)
         return with_intervals(result, search, found, intervals, effort[2] or 0)
     # Without a seed there is no other place to begin at.
     search = TimeSearch(model, parts, reference, seeds, thorough or not len(seeds))
@@ -359,6 +360,17 @@ def _fitted(
     if optimiser is not None and optimiser.name != NATIVE:
         result, found = _by_optimiser(search, found, optimiser, effort, began)
     return with_intervals(result, search, found, intervals, effort[2] or 0)
+
+
+def _beside_lines(result: Identification, parts: Sequence[TestPart]) -> Identification:
+    """A material with the intervals of K_e and c that other lines leave."""
+    quantile = student(INTERVAL, max(result.dof, 1.0))
+    ends = ends_of_material(result.model, result.theta, parts, result.reference, quantile)
+    if ends is None:
+        return result
+    low, high = result.low.copy(), result.high.copy()
+    low[:2], high[:2] = ends
+    return replace(result, low=low, high=high)
 
 
 def _told(fit: Identification) -> Identification:

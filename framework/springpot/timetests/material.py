@@ -21,6 +21,7 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.convex import SPACINGS, ConvexSpectrum, lattice, shown_by
+from springpot.identification.held_material import ends_of_amount
 from springpot.identification.leastsquares import REACH
 from springpot.identification.material import STILL, is_material
 from springpot.identification.material_fit import KEPT
@@ -161,6 +162,45 @@ def spectral(
     return _best(ends, parts)
 
 
+def ends_of_material(
+    model: Model, theta: Real, parts: Sequence[TestPart], reference: float, quantile: float
+) -> tuple[Real, Real] | None:
+    """Intervals of K_e and c of a material with lines, as wide as other lines leave them.
+
+    Parameters
+    ----------
+    model : Model
+        The material and what surrounds it.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    parts, reference
+        What it was fitted to, as for `spectral`.
+    quantile : float
+        Standard deviations to the end of an interval.
+
+    Returns
+    -------
+    low, high : ndarray, shape (2,)
+        The ends; None where a load was imposed, under which a test is not linear in them.
+    """
+    lines = spectrum_of(model, theta)
+    own = theta[2 + len(lines.rates) :]
+    parts = [
+        part.with_scale(part.scale * np.sqrt(part.beside(left, len(theta))))
+        for part in parts
+        for left in [part.residual(model, theta, reference).value]
+    ]
+    around = coordinates_around(model, TimeSearch(model, parts, reference, thorough=False))
+    search = _Search(model, parts, reference, around, lines, own)
+    if not search.linear:
+        return None
+    value, by_weights, by_u = search.slopes(search.weights, around.u(own.copy(), search.size))
+    columns = _beside(by_u, by_weights)
+    target = _beside(by_u, by_weights @ search.weights - value)
+    low, high = np.array([ends_of_amount(columns, target, i, quantile**2) for i in (0, 1)]).T
+    return low, high
+
+
 def descended_from(
     lines: ConvexSpectrum, model: Model, parts: Sequence[TestPart], reference: float, around: Around
 ) -> FoundLines:
@@ -184,10 +224,11 @@ def descended_from(
     if len(parts) > 1:
         # Each test by what a material leaves of it when it follows that test alone.
         alone = [descended_from(lines, model, [part], reference, around) for part in parts]
-        pairs = list(zip(parts, alone, strict=True))
-        parts = [
-            part.with_scale(max(_left_by(found, part, reference), ALIKE)) for part, found in pairs
+        left = [
+            rms(part.residual(found.model, found.theta, reference).value)
+            for part, found in zip(parts, alone, strict=True)
         ]
+        parts = [part.with_scale(max(each, ALIKE)) for part, each in zip(parts, left, strict=True)]
         known += [found.spectrum for found in alone]
     elif parts[0].lines is not None:
         # Of one test without effects the convex form is the answer.
@@ -203,11 +244,6 @@ def descended_from(
     nearest = sorted(starts, key=lambda each: each[1].cost)[: KEPT + 1]
     ends = [(each, each.descended(start, MOST_STEPS, PRINTED)) for each, start in nearest]
     return _best(ends, parts, spared=False)
-
-
-def _left_by(found: FoundLines, part: TestPart, reference: float) -> float:
-    """Root mean square of what lines leave of a test."""
-    return rms(part.residual(found.model, found.theta, reference).value)
 
 
 class Around(NamedTuple):
@@ -471,26 +507,20 @@ class _Search:
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
-            amount = 1.0
             # What may be of either sign has no logarithm, and may be nothing: it moves by what
             # could be seen.
-            if not self.coordinates.log[i]:
-                amount = (
-                    VISIBLE
-                    * float(np.linalg.norm(signal))
-                    / max(float(np.linalg.norm(effect)), SMALLEST)
+            seen = VISIBLE * rms(signal) / max(rms(effect), SMALLEST)
+            amount = 1.0 if self.coordinates.log[i] else seen
+            # By a step either way.
+            kept, *after = (
+                _left(by_weights, others, by_weights @ weights - value - step * amount * effect)
+                for step in (0.0, 1.0, -1.0)
+            )
+            if min(after) - kept < TWO_DEVIATIONS:
+                return (
+                    f"{names[i]}: another material could have done the same in these tests:"
+                    " name a model in place of 'material', or add a test of another kind"
                 )
-            change = effect * amount
-            least = _left(by_weights, others, by_weights @ weights - value)
-            for moved in (change, -change):
-                if (
-                    _left(by_weights, others, by_weights @ weights - value - moved) - least
-                    < TWO_DEVIATIONS
-                ):
-                    return (
-                        f"{names[i]}: another material could have done the same in these tests:"
-                        " name a model in place of 'material', or add a test of another kind"
-                    )
         return ""
 
     def step(

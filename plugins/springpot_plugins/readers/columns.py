@@ -31,7 +31,7 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.mixed_tests import runs_together
-from springpot.measurement.mixed_up import EXCHANGED, SIGN, exchange_note
+from springpot.measurement.mixed_up import EXCHANGED, FAR, SIGN, exchange_note
 from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
@@ -130,14 +130,14 @@ def measurement_of(
     return replace(measured, provenance={**provenance, **of_values})
 
 
-def _unit(column: Column, table: dict[str, float], advice: str) -> str:
-    """The column's unit as the table spells it."""
+def _unit(column: Column, table: dict[str, float], advice: str, alike: Sequence[str] = ()) -> str:
+    """The column's unit as the table spells it; columns of the roles `alike` have the same one."""
     if column.unit is None:
         raise column.error(f"there is no unit; {advice}")
     try:
         return known_unit(column.unit, table, column.name)
     except DataError as error:
-        proposed = unit_proposal([column.name], column.title, column.unit)
+        proposed = unit_proposal(alike or [column.name], column.title, column.unit)
         raise column.error(f"{error}; {proposed}") from None
 
 
@@ -186,9 +186,12 @@ def _letter_without_unit(titles: Sequence[str]) -> str:
     return "K"
 
 
-def _modulus(column: Column) -> tuple[Real, str]:
+def _modulus(roles: Mapping[str, Column], role: str) -> tuple[Real, str]:
+    column = roles[role]
     advice = f"write {column.name} [N/mm], [kN/m], [Pa] or any stiffness or pressure unit"
-    return column.numbers(), _unit(column, MODULUS_UNITS, advice)
+    moduli = ("storage", "loss", "magnitude")
+    alike = [each for each in moduli if each in roles and roles[each].unit == column.unit]
+    return column.numbers(), _unit(column, MODULUS_UNITS, advice, alike)
 
 
 def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
@@ -208,8 +211,8 @@ def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
 def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
     """K' + i K'' from storage and loss, or from one or the magnitude with phase or loss factor."""
     if "storage" in roles and "loss" in roles:
-        storage, unit = _modulus(roles["storage"])
-        loss, loss_unit = _modulus(roles["loss"])
+        storage, unit = _modulus(roles, "storage")
+        loss, loss_unit = _modulus(roles, "loss")
         return _complex(storage, _in_unit(loss, loss_unit, unit, roles["loss"])), unit
     tangent = _tangent(roles)
     if tangent is None or not roles.keys() & {"magnitude", "storage", "loss"}:
@@ -219,12 +222,12 @@ def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
             "or magnitude [unit] with phase [deg] or loss_factor [-]"
         )
     if "storage" in roles:
-        storage, unit = _modulus(roles["storage"])
+        storage, unit = _modulus(roles, "storage")
         return _complex(storage, storage * np.tan(tangent)), unit
     if "loss" in roles and "magnitude" not in roles:
-        loss, unit = _modulus(roles["loss"])
+        loss, unit = _modulus(roles, "loss")
         return _complex(_over_tangent(loss, tangent, roles["loss"]), loss), unit
-    size, unit = _modulus(roles["magnitude"])
+    size, unit = _modulus(roles, "magnitude")
     wrong = size <= 0
     if wrong.any():
         raise roles["magnitude"].error("the magnitude must be positive", int(np.argmax(wrong)))
@@ -329,16 +332,22 @@ def sign_note(measured: Measurement, own: Mapping[str, Column]) -> dict[str, str
     own : mapping of str to Column
         The file's own columns by role: only what it holds itself can be turned by a hint.
     """
-    # Either alone has other causes: a mass takes the storage away, a phase of the other sign the
-    # loss.
+    # Storage alone may be taken away by a mass.
     both = (measured.storage < 0.0) & (measured.loss < 0.0)
-    if not own.keys() >= {"storage", "loss"} or 2 * both.sum() <= len(measured):
+    if 2 * both.sum() > len(measured):
+        if not own.keys() >= {"storage", "loss"}:
+            return {}
+        hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+        why, what = "storage and loss are negative, as if the force had the wrong sign", "channel"
+        return {SIGN: f"{why}: if one {what} counts the other way, open 'FILE?{hint}'"}
+    told = next((role for role in ("loss", "phase") if role in own and own[role].unit), "")
+    if not told or not np.median(measured.loss / measured.magnitude) < -FAR:
         return {}
-    hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+    # No mass takes it away, and no rig lags by so much at most frequencies.
     return {
         SIGN: (
-            "storage and loss are negative, as if the force had the wrong sign: "
-            f"if one channel counts the other way, open 'FILE?{hint}'"
+            f"loss is negative, as if the phase had the wrong sign: if the {told} counts the other"
+            f" way, open 'FILE?{told}=-{own[told].unit}'"
         )
     }
 
