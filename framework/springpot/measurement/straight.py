@@ -68,7 +68,7 @@ def as_imposed(
 ) -> tuple[Loading, dict[str, str]]:
     """The loading that a recorded channel (n,) was, and a note on noise that it was not."""
     read = imposed
-    imposed, said = still(read, response)
+    imposed, said = still(clock, read, response)
     loading, noise = quiet(from_rest(clock, imposed, rise), response)
     if not noise:
         loading, noise = straightened(loading, response)
@@ -101,7 +101,9 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     if not loading.sampled or len(value) < FEWEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
-    course, said = without_noise(value, response, course, parts, "along straight lines")
+    course, said = without_noise(
+        loading.time, value, response, course, parts, "along straight lines"
+    )
     # What scatters by more than all lines together go along none.
     if not said or rms(value - course) > float(np.std(course)):
         return loading, {}
