@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -374,9 +374,13 @@ def _bridged(clock: Real, value: Real, course: Real, parts: Sequence[slice]) -> 
         gap, count = slice(one.stop, other.start), other.start - one.stop
         known = [_onwards(clock[part], course[part], clock[gap]) for part in (one, other)]
         ways = [np.where(np.arange(count) < k, *known) for k in range(count + 1)]
-        if count > 2:
-            basis = np.linalg.qr(np.column_stack([np.ones(count), clock[gap]]))[0]
-            ways.append(basis @ (basis.T @ value[gap]))
+        # The long ones may reach a little further than they were told to.
+        for first, last in product(range(3), range(count - 2, count + 1)):
+            if last - first > 2:
+                own, t = slice(first, last), clock[gap][first:last]
+                way, line = np.where(np.arange(count) < last, *known), np.vander(t, 2)
+                way[own] = line @ np.linalg.lstsq(line, value[gap][own], rcond=None)[0]
+                ways.append(way)
         left = [float(np.sum((value[gap] - way) ** 2)) for way in ways]
         best = int(np.nanargmin(left))
         ratio = left[best] / max(noise * count, SMALLEST)

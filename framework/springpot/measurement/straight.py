@@ -160,6 +160,9 @@ def _of_all(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
     """The same lines of all samples (n,), told by some of them; none if one is bent after all."""
     told = [slice(part.start, part.stop) for part in parts]
     for i, other in enumerate(parts[1:]):
+        # What is too short to be told lies between them.
+        if parts[i].stop < other.start:
+            continue
         both = slice(told[i].start, other.stop)
         at = both.start + _best_split(clock[both], value[both])
         told[i], told[i + 1] = slice(both.start, at), slice(at, other.stop)
