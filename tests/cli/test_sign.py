@@ -65,6 +65,50 @@ def test_a_step_that_is_answered_the_other_way_is_told(springpot, write):
     assert "force and displacement are opposed" in answer.out
 
 
+HERTZ = np.geomspace(0.5, 50.0, 12)
+SOFT = 100.0 * (1j * HERTZ) ** 0.3
+
+
+@pytest.mark.parametrize(
+    ("head", "columns", "way"),
+    [
+        ("K' [N/mm],K'' [N/mm]", (SOFT.real, -SOFT.imag), "loss=-N/mm"),
+        ("|K| [N/mm],phase [deg]", (abs(SOFT), -np.degrees(np.angle(SOFT))), "phase=-deg"),
+    ],
+)
+def test_a_phase_of_the_other_sign_is_told_with_what_turns_it(springpot, write, head, columns, way):
+    rows = [",".join(map(repr, row)) for row in np.column_stack([HERTZ, *columns]).tolist()]
+    path = write("\n".join([f"f [Hz],{head}", *rows]) + "\n")
+    answer = springpot("inspect", path)
+    assert f"the {way.partition('=')[0]} counts the other way, open '{path}?{way}'" in " ".join(
+        answer.out.split()
+    )
+    assert "wrong sign" not in springpot("inspect", f"{path}?{way}").out
+
+
+def test_a_loss_that_is_negative_by_a_little_is_no_wrong_sign(springpot, write):
+    late = 100.0 * np.exp(-0.05j) * np.ones(12)
+    rows = [f"{f},{k.real},{k.imag}" for f, k in zip(HERTZ, late, strict=True)]
+    path = write("\n".join(["f [Hz],K' [N/mm],K'' [N/mm]", *rows]) + "\n")
+    assert "as if" not in springpot("inspect", path).out
+
+
+@pytest.mark.soak
+def test_where_the_phase_counts_the_other_way_no_effect_is_named(springpot, write, rng):
+    noisy = np.conj(SOFT) * (1.0 + 0.005 * (rng.normal(size=12) + 1j * rng.normal(size=12)))
+    rows = [f"{f},{k.real},{k.imag}" for f, k in zip(HERTZ, noisy, strict=True)]
+    path = write("\n".join(["f [Hz],K' [N/mm],K'' [N/mm]", *rows]) + "\n")
+    answer = springpot("diagnose", path, "--model", "kelvin")
+    assert answer.out.splitlines()[1].startswith("the phase seems to count the other way")
+    command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
+    assert command == ["diagnose", f"{path}?loss=-N/mm", "--model", "kelvin"]
+    assert not json.loads(springpot("diagnose", path, "--model", "kelvin", "--json").out)["leading"]
+    climbed = springpot("discover", path, "--model", "kelvin", "--accept", "inertia")
+    assert climbed.code == 0
+    last = shlex.split(climbed.out.splitlines()[-1])
+    assert last == ["next:", "springpot", *command]
+
+
 # The best model of such data has no stiffness at all, and the warnings that makes are another
 # matter.
 @pytest.mark.soak

@@ -411,3 +411,16 @@ def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
     assert beside.parameters == {"m": False}
     alone = SimpleNamespace(refit=SimpleNamespace(log_evidence=-15.0))
     assert answer._beside(before, row, pair, "delay", alone).delta_bic == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize(
+    ("fitted", "score", "word"),
+    [(True, 50.0, "absent"), (False, 50.0, "cannot-tell"), (False, 1.0, "absent")],
+)
+def test_what_follows_the_misfit_is_not_absent_because_others_were_fitted(fitted, score, word):
+    """Only the likeliest are fitted: of the others the scan has the last word."""
+    base = SimpleNamespace(log_evidence=3.0)
+    search = SimpleNamespace(base=base, scan=SimpleNamespace(threshold=12.0))
+    seen = SimpleNamespace(score=score, bound=0.01)
+    best = SimpleNamespace(log_evidence=2.0) if fitted else None
+    assert answer._effect_verdict(search, seen, best, False) == word

@@ -17,7 +17,7 @@ from springpot.identification.held_material import parameters_of
 from springpot.identification.result import known_of_sweep
 from springpot.identification.value import PartResult, Quantities, Value, in_floors
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_up import turned
+from springpot.measurement.mixed_up import turned, turns_phase
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
 from springpot.misfit.error import Error, times
 from springpot.misfit.material import (
@@ -173,8 +173,10 @@ def _effect_verdict(
     # be clear too.
     if missing and gain >= VERDICT.clear_evidence:
         return "missing"
-    # Not seen is not absent: only where the data would have shown a small one.
-    if gain < 0.0 and score.bound < VERDICT.seen:
+    # Not seen is not absent: only where the data would have shown a small one. Nor is one that was
+    # not fitted as others leave less, but follows more of the misfit than it does of noise.
+    unasked = best is None and score.score > search.scan.threshold
+    if gain < 0.0 and score.bound < VERDICT.seen and not unasked:
         return "absent"
     return "cannot-tell"
 
@@ -354,7 +356,8 @@ def _steps(
 ) -> Iterator[ToDo]:
     """What can be done with the data themselves."""
     if spec := turned(measurement.provenance):
-        yield turning(spec)
+        what = "phase" if turns_phase(measurement.provenance) else "force"
+        yield turning(spec, what=what)
     error = search.base.error
     known = {**measurement.conditions, **measurement.labels}
     if isinstance(cause, Column) and cause.name in known:

@@ -20,6 +20,7 @@ from springpot.identification.searching import refound
 from springpot.identification.space import require_conditions
 from springpot.measurement.independence import steadied
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_up import turned
 from springpot.measurement.replicates import thinned
 from springpot.misfit.floor import (
     as_given,
@@ -348,7 +349,7 @@ def examine(
     """
     # Before any fit: a column that is missing is told at once.
     require_conditions(model, measurement)
-    data = prepared(measurement, model)
+    data, library = prepared(measurement, model), _asked_of(measurement, library)
     progress(f"fitting {model.name} and trying what may be missing from it")
     seek = partial(search_from, fitted=fitted)
     search, set_aside = search_data(data, model, library, rng, seeds, seek)
@@ -408,6 +409,11 @@ def prepared(measurement: Measurement, model: Model) -> Measurement:
     if "amplitude" in model.needs:
         return data
     return steadied(data)
+
+
+def _asked_of(measurement: Measurement, library: Sequence[Effect]) -> Sequence[Effect]:
+    """Effects that are looked for: none before a channel of the wrong sign is turned."""
+    return () if turned(measurement.provenance) else library
 
 
 def _naming_search(

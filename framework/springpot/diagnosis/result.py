@@ -26,7 +26,7 @@ DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
 
 
-TURN = "the force counts the other way: turn it"
+TURN = "counts the other way: turn it"
 """What is to be done before all else."""
 
 
@@ -82,12 +82,14 @@ def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
     return tuple(replace(step, command=step.command.replace(f" {DATA} ", given)) for step in steps)
 
 
-def turning(spec: str, test: str = "", error_after: float = float("nan")) -> ToDo:
-    """To turn one channel of a test; `spec` opens the data so.
+def turning(
+    spec: str, test: str = "", error_after: float = float("nan"), what: str = "force"
+) -> ToDo:
+    """To turn one channel of a test, or the phase; `spec` opens the data so.
 
     Of a force that counts the other way every other answer is wrong.
     """
-    return ToDo(TURN, suggested("diagnose", spec), error_after, turns=test)
+    return ToDo(f"the {what} {TURN}", suggested("diagnose", spec), error_after, turns=test)
 
 
 def splitting(
@@ -424,14 +426,15 @@ class Diagnosis(Drawn, Printed):
     @property
     def turns(self) -> list[ToDo]:
         """The steps that turn a channel, before which nothing else holds."""
-        return [step for step in self.steps if step.says == TURN]
+        return [step for step in self.steps if step.says.endswith(TURN)]
 
     def behind_a_sign(self) -> Diagnosis:
         """The same, which says first that a channel is to be turned, where one is."""
         turns = self.turns
         if self.verdict == "adequate" or not turns:
             return self
-        first = "the force seems to count the other way: until it is turned nothing else holds"
+        what = turns[0].says.removesuffix(f" {TURN}")
+        first = f"{what} seems to count the other way: until it is turned nothing else holds"
         if isnan(after := turns[0].error_after):
             return replace(self, says=f"{first}; {self.says}")
         # The noise is read from what this model leaves, and tells nothing of the other.

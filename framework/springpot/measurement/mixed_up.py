@@ -156,6 +156,11 @@ def turned(provenance: Mapping[str, str]) -> str:
     return "".join(split(provenance.get(SIGN, "").partition(", open ")[2]))
 
 
+def turns_phase(provenance: Mapping[str, str]) -> bool:
+    """Whether it is the phase alone that seems to count the other way."""
+    return "as if the phase" in provenance.get(SIGN, "")
+
+
 def turned_over(test: Turned) -> Turned:
     """The same test, what it answers counting the other way; one of frequencies stays."""
     if not isinstance(test, TimeTest):

@@ -31,7 +31,7 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.mixed_tests import runs_together
-from springpot.measurement.mixed_up import EXCHANGED, SIGN, exchange_note
+from springpot.measurement.mixed_up import EXCHANGED, FAR, SIGN, exchange_note
 from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
@@ -332,16 +332,22 @@ def sign_note(measured: Measurement, own: Mapping[str, Column]) -> dict[str, str
     own : mapping of str to Column
         The file's own columns by role: only what it holds itself can be turned by a hint.
     """
-    # Either alone has other causes: a mass takes the storage away, a phase of the other sign the
-    # loss.
+    # Storage alone may be taken away by a mass.
     both = (measured.storage < 0.0) & (measured.loss < 0.0)
-    if not own.keys() >= {"storage", "loss"} or 2 * both.sum() <= len(measured):
+    if 2 * both.sum() > len(measured):
+        if not own.keys() >= {"storage", "loss"}:
+            return {}
+        hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+        why, what = "storage and loss are negative, as if the force had the wrong sign", "channel"
+        return {SIGN: f"{why}: if one {what} counts the other way, open 'FILE?{hint}'"}
+    told = next((role for role in ("loss", "phase") if role in own and own[role].unit), "")
+    if not told or not np.median(measured.loss / measured.magnitude) < -FAR:
         return {}
-    hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+    # No mass takes it away, and no rig lags by so much at most frequencies.
     return {
         SIGN: (
-            "storage and loss are negative, as if the force had the wrong sign: "
-            f"if one channel counts the other way, open 'FILE?{hint}'"
+            f"loss is negative, as if the phase had the wrong sign: if the {told} counts the other"
+            f" way, open 'FILE?{told}=-{own[told].unit}'"
         )
     }
 
