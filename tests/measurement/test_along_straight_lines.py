@@ -63,3 +63,14 @@ def test_lines_of_a_long_record_are_told_by_some_of_its_samples_and_end_at_all()
     # But where a corner lies the noise hides to a few samples.
     assert np.sqrt(np.mean((found - course) ** 2)) < 0.002
     assert lines(t, 5.0 * np.sin(t) + noise)[1] == []
+
+
+def test_ramps_between_long_holds_stay_apart_where_only_some_samples_are_looked_at():
+    """Of 2,000 samples one in two is looked at, and of a ramp of 24 too few to be told."""
+    t = np.arange(2000.0)
+    steps = np.clip(t / 24.0, 0.0, 1.0) + np.clip((t - 1000.0) / 24.0, 0.0, 1.0)
+    noisy = steps + 0.01 * np.random.default_rng(5).normal(size=2000)
+    loading = Loading(t, noisy, sampled=True)
+    straight, _ = straightened(loading, np.random.default_rng(6).normal(size=2000))
+    assert np.abs(straight.value - steps).max() < 0.03
+    assert np.count_nonzero(np.abs(np.diff(straight.value, 2)) > 1e-9) <= 8

@@ -29,9 +29,20 @@ def test_what_is_held_was_imposed_and_stepped_to(steps, noise):
     assert ("white noise" in test.provenance.get("motion", "")) == (noise > 0.0)
 
 
+def test_a_ramp_of_few_samples_to_what_is_held_is_a_line_too():
+    t, noise = np.arange(200.0), 0.002 * np.random.default_rng(3).normal(size=(2, 200))
+    ramp = np.minimum(t / 8.5, 1.0)
+    moved, _ = still(t, ramp + noise[0], np.exp(-t / 50.0) + noise[1])
+    assert np.abs(np.diff(moved[:9], 2)).max() < 1e-12 < np.abs(np.diff(moved[7:11], 2)).max()
+    assert moved == pytest.approx(ramp, abs=0.004)
+    # What is bent more than the noise stays.
+    bent = ramp + 0.05 * np.sin(np.pi * ramp)
+    assert np.ptp(still(t, bent + noise[0], np.exp(-t / 50.0) + noise[1])[0][:8] - bent[:8]) > 0.0
+
+
 def test_noise_that_the_specimen_felt_stays():
-    _, strain, stress = _crept(1, 400, 0.02)
-    felt, _ = still(stress, strain + 0.5 * (stress - 1.0))
+    time, strain, stress = _crept(1, 400, 0.02)
+    felt, _ = still(time, stress, strain + 0.5 * (stress - 1.0))
     assert felt is stress
 
 
@@ -40,6 +51,6 @@ def test_a_ramp_in_coarse_digits_is_at_no_levels():
 
 
 def test_a_load_that_drifts_beyond_its_noise_is_held_at_no_level():
-    _, strain, stress = _crept(1, 400, 0.001)
+    time, strain, stress = _crept(1, 400, 0.001)
     drifting = stress + np.linspace(0.0, 0.01, 400)
-    assert still(drifting, strain)[0] is drifting
+    assert still(time, drifting, strain)[0] is drifting

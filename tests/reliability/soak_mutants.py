@@ -27,11 +27,6 @@ HARMLESS = {
         "True",
     ): "only a warning is at stake",
     (
-        "identification/measured_quantities.py",
-        "while size > 1e-6 and not cost(theta + size * step) <= before:",
-        "2e-06",
-    ): "a tolerance",
-    (
         "identification/fitted_quantities.py",
         "x = self.band[1] - 0.1 * DECADE * np.arange(10.0 * FARTHEST)",
         "0.2",
@@ -72,11 +67,6 @@ HARMLESS = {
         "distance(frame, law.grown.refit, other.grown.refit) <= INVENTION.same",
     ): "a distance that is a level to the last bit",
     (
-        "testreport/local.py",
-        "return len(channel.within(moment - half, moment + half)[0]) > SMOOTH + 1",
-        "1",
-    ): "times and values are as many",
-    (
         "invention/inventing.py",
         "return bool(spread < INVENTION.repeated * np.std(column))",
         "spread <= INVENTION.repeated * np.std(column)",
@@ -96,11 +86,6 @@ HARMLESS = {
         "basis, _ = material.basis(self.points.log_omega, False)",
         "True",
     ): "slopes that nobody asks for, beside the same values",
-    (
-        "solvers/prony.py",
-        "if soft < 0.0:",
-        "soft <= 0.0",
-    ): "of none the function has ended before",
     (
         "timetests/disturbances.py",
         "alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)",

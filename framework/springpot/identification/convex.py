@@ -19,12 +19,13 @@ from springpot.errors import SpringpotError
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.numerics import DECADE, ENOUGH, HALVINGS, PER_DECADE, SMALLEST, evenly, non_negative
+from springpot.numerics import DECADE, ENOUGH, PER_DECADE, SMALLEST, evenly, non_negative
 from springpot.rheology.effect import ALL
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.motion import acceleration, velocity
 from springpot.rheology.points import Complex, Real, real_form
+from springpot.rheology.rational import Rational
 from springpot.rheology.terms import Modes, driven
 
 from .material import CLOSER, REFINEMENTS
@@ -200,32 +201,17 @@ def relaxation_of(retardation: ConvexSpectrum) -> ConvexSpectrum:
     >>> found.equilibrium, found.viscosity, found.rates.round(6), found.weights.round(6)
     (1.0, 0.0, array([1.]), array([1.]))
     """
-    glass, fluidity = retardation.equilibrium, retardation.viscosity
+    kept = retardation.weights > 0.0
+    rates, weights = retardation.rates[kept], retardation.weights[kept]
+    # In p = 1/s it is a sum of the same kind, and its inverse the relaxation.
+    made = Rational.known((retardation.equilibrium, retardation.viscosity), 1.0 / rates, weights)
     # Of what goes against its force nothing is followed, and nothing relaxes.
-    if not (glass > 0.0 or fluidity > 0.0 or np.any(retardation.weights > 0.0)):
+    if made.is_nothing:
         return retardation
-    order, weights = np.argsort(retardation.rates), retardation.weights
-    poles, amounts = retardation.rates[order], (weights * retardation.rates)[order]
-    # A flow is a retardation without end.
-    if fluidity > 0.0:
-        poles, amounts = np.append(0.0, poles), np.append(fluidity, amounts)
-    equilibrium = viscosity = 0.0
-    if not fluidity > 0.0:
-        equilibrium = 1.0 / (glass + float(weights.sum()))
-    if not glass > 0.0 and len(poles):
-        viscosity = 1.0 / float(amounts.sum())
-    # J at s = -r rises from one of its poles to the next, and beyond the last towards J_g.
-    low = poles[: len(poles) - (not glass > 0.0)]
-    high = poles[1:]
-    if glass > 0.0 and len(poles):
-        high = np.append(high, poles[-1] + amounts.sum() / glass)
-    for _ in range(HALVINGS):
-        middle = np.where(low > 0.0, np.sqrt(low * high), 0.5 * high)
-        below = glass - np.sum(amounts / (middle[:, None] - poles), axis=1) < 0.0
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    rates = np.where(low > 0.0, np.sqrt(low * high), high)
-    slopes = np.sum(amounts / (rates[:, None] - poles) ** 2, axis=1)
-    return ConvexSpectrum(equilibrium, viscosity, rates, 1.0 / (rates * slopes))
+    relaxing = made.inverse()
+    equilibrium, viscosity, _ = relaxing.ends.tolist()
+    rates, weights, *_ = relaxing.lines
+    return ConvexSpectrum(equilibrium, viscosity, rates[::-1], weights[::-1])
 
 
 def _apart(logs: Real, amounts: Real) -> Real:

@@ -375,6 +375,17 @@ def lost_and_known(covariance: Real) -> tuple[Mask, Real]:
     return lost, np.where(lost[:, None] | lost[None, :], 0.0, covariance)
 
 
+def spread_of(turn: Real, covariance: Real, least: Real | float = ALIKE) -> Real:
+    """Standard deviations (n,) of what depends on coordinates by `turn` (n, p).
+
+    Infinite where it depends by more than the least on one that the data leave undetermined.
+    """
+    lost, known = lost_and_known(covariance)
+    spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
+    touched = np.any((np.abs(turn) > least) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
+    return np.where(touched, np.inf, spread)
+
+
 def carried(spread: Covariance, slopes: Real) -> Covariance:
     """Covariance of what depends on coordinates by slopes (p, q), or by those of each level."""
     if isinstance(spread, Bordered):

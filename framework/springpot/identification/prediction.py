@@ -28,7 +28,7 @@ from springpot.writing import LISTED, NAMED, listed, suggested, table, tag
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST, rows_of_levels
 from .kept import called
-from .normal import Bordered, Covariance, lost_and_known
+from .normal import Bordered, Covariance, spread_of
 
 SCHEMA = "springpot.prediction/2"
 AT_REST = (-80.0, -160.0, -320.0, -640.0)
@@ -531,7 +531,8 @@ def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[
         by_u = by_theta @ known.slopes
     parts = []
     for by, moved in ((by_u.real, by_theta.real), (by_u.imag, by_theta.imag)):
-        parts.append(known.ways(_band(by, known.spread, np.abs(value)), moved))
+        sd = spread_of(by, known.spread, NEGLIGIBLE * np.abs(value)[:, None])
+        parts.append(known.ways(sd, moved))
     return value, *(_of_parts(*both) for both in zip(*parts, strict=True))
 
 
@@ -546,11 +547,3 @@ def _at_levels(
             some = {name: column[rows] for name, column in conditions.items()}
             found[:, rows] = _at(known.of_level(level), log_omega[rows], some)
     return tuple(found)
-
-
-def _band(by_u: Real, covariance: Real, size: Real) -> Real:
-    """Standard deviations (n,) of what depends on the coordinates by `by_u` (n, q)."""
-    lost, known = lost_and_known(covariance)
-    variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
-    open_ended = np.any(np.abs(by_u[:, lost]) > NEGLIGIBLE * size[:, None], axis=1)
-    return np.where(open_ended, np.inf, np.sqrt(np.maximum(variance, 0.0)))

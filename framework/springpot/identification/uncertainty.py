@@ -29,8 +29,8 @@ from .normal import (
     Covariance,
     Eliminated,
     among,
-    lost_and_known,
     matrix_of,
+    spread_of,
 )
 from .population import Specimens, follows_specimens
 from .problem import weighted
@@ -397,14 +397,6 @@ def correlation_of(covariance: Real) -> Real:
         sd = np.sqrt(np.diag(covariance))
         correlation: Real = covariance / (sd[:, None] * sd[None, :])
     return correlation
-
-
-def spread_of(turn: Real, covariance: Real) -> Real:
-    """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite if undetermined."""
-    lost, known = lost_and_known(covariance)
-    spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
-    touched = np.any((np.abs(turn) > ALIKE) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
-    return np.where(touched, np.inf, spread)
 
 
 def ends(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -324,7 +325,7 @@ def quiet(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
     return replace(loading, value=smooth), {"motion": says}
 
 
-def still(imposed: Real, response: Real) -> tuple[Real, dict[str, str]]:
+def still(clock: Real, imposed: Real, response: Real) -> tuple[Real, dict[str, str]]:
     """What was held at levels (n,), without white noise that nothing answers to, and a note on it.
 
     As `quiet` does of what swings: a play or a bearing's friction would swallow that noise.
@@ -333,18 +334,18 @@ def still(imposed: Real, response: Real) -> tuple[Real, dict[str, str]]:
     --------
     >>> t, noise = np.arange(400) / 100.0, np.random.default_rng(1).normal(size=(2, 400))
     >>> read = 1.0 + 0.01 * noise[0]
-    >>> held, _ = still(read, 2.0 - np.exp(-t) + 0.01 * noise[1])
+    >>> held, _ = still(t, read, 2.0 - np.exp(-t) + 0.01 * noise[1])
     >>> float(np.ptp(held)), float(held[0].round(2))
     (0.0, 1.0)
-    >>> still(read, 2.0 * read - np.exp(-t))[0] is read
+    >>> still(t, read, 2.0 * read - np.exp(-t))[0] is read
     True
     """
     level, parts = levels(imposed)
-    return without_noise(imposed, response, level, parts, "held")
+    return without_noise(clock, imposed, response, level, parts, "held")
 
 
 def without_noise(
-    imposed: Real, response: Real, course: Real, parts: Sequence[slice], how: str
+    clock: Real, imposed: Real, response: Real, course: Real, parts: Sequence[slice], how: str
 ) -> tuple[Real, dict[str, str]]:
     """A course (n,) for what was imposed, if nothing answers to what that has beside it."""
     left = imposed - course
@@ -357,8 +358,43 @@ def without_noise(
         if not _goes_with(rest, left, rms(response) / rms(course)):
             share = 100.0 * rms(left) / rms(course)
             says = f"{how}, with {share:.2g} % of white noise that nothing answers to: taken off"
-            return course, {"motion": says}
+            return _bridged(clock, imposed, course, parts), {"motion": says}
     return imposed, {}
+
+
+def _bridged(clock: Real, value: Real, course: Real, parts: Sequence[slice]) -> Real:
+    """A course (n,) of lines with those too short to be told by themselves between them.
+
+    Where one neighbour goes on until the other begins, or a line of their own, leaves no more of
+    the few samples there than the noise that the long ones told.
+    """
+    noise = float(np.mean(np.concatenate([(value - course)[part] for part in parts]) ** 2))
+    course, nowhere = course.copy(), slice(0, 0)
+    for one, other in pairwise([nowhere, *parts, slice(len(value), len(value))]):
+        gap, count = slice(one.stop, other.start), other.start - one.stop
+        known = [_onwards(clock[part], course[part], clock[gap]) for part in (one, other)]
+        ways = [np.where(np.arange(count) < k, *known) for k in range(count + 1)]
+        # The long ones may reach a little further than they were told to.
+        for first, last in product(range(3), range(count - 2, count + 1)):
+            if last - first > 2:
+                own, t = slice(first, last), clock[gap][first:last]
+                way, line = np.where(np.arange(count) < last, *known), np.vander(t, 2)
+                way[own] = line @ np.linalg.lstsq(line, value[gap][own], rcond=None)[0]
+                ways.append(way)
+        left = [float(np.sum((value[gap] - way) ** 2)) for way in ways]
+        best = int(np.nanargmin(left))
+        ratio = left[best] / max(noise * count, SMALLEST)
+        if f_sf(ratio, max(count, 1), len(value)) >= SIGNALS.ruled_out:
+            course[gap] = ways[best]
+    return course
+
+
+def _onwards(clock: Real, line: Real, t: Real) -> Real:
+    """What a straight line (n,) comes to at other times (m,); of none no numbers."""
+    if not len(clock):
+        return np.full(len(t), np.nan)
+    rate = (line[-1] - line[0]) / (clock[-1] - clock[0])
+    return np.asarray(line[0] + rate * (t - clock[0]))
 
 
 def _beside_creep(answer: Real) -> Real:

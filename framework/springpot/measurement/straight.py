@@ -68,7 +68,7 @@ def as_imposed(
 ) -> tuple[Loading, dict[str, str]]:
     """The loading that a recorded channel (n,) was, and a note on noise that it was not."""
     read = imposed
-    imposed, said = still(read, response)
+    imposed, said = still(clock, read, response)
     loading, noise = quiet(from_rest(clock, imposed, rise), response)
     if not noise:
         loading, noise = straightened(loading, response)
@@ -101,7 +101,9 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     if not loading.sampled or len(value) < FEWEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
-    course, said = without_noise(value, response, course, parts, "along straight lines")
+    course, said = without_noise(
+        loading.time, value, response, course, parts, "along straight lines"
+    )
     # What scatters by more than all lines together go along none.
     if not said or rms(value - course) > float(np.std(course)):
         return loading, {}
@@ -158,6 +160,9 @@ def _of_all(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
     """The same lines of all samples (n,), told by some of them; none if one is bent after all."""
     told = [slice(part.start, part.stop) for part in parts]
     for i, other in enumerate(parts[1:]):
+        # What is too short to be told lies between them.
+        if parts[i].stop < other.start:
+            continue
         both = slice(told[i].start, other.stop)
         at = both.start + _best_split(clock[both], value[both])
         told[i], told[i + 1] = slice(both.start, at), slice(at, other.stop)

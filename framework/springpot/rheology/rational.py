@@ -95,6 +95,12 @@ class Rational:
         unit = np.eye(3)[exponent]
         return cls(factor * unit, np.outer(unit, slope), Lines.none(len(slope)))
 
+    @classmethod
+    def known(cls, ends: tuple[float, float], rates: Real, weights: Real) -> Rational:
+        """Of a spring, a dashpot and lines that no parameter moves."""
+        none = np.zeros((len(rates), 0))
+        return cls(np.array([*ends, 0.0]), np.zeros((3, 0)), Lines(rates, weights, none, none))
+
     def beside(self, other: Rational) -> Rational:
         """Both in parallel."""
         ends, slopes = self.ends + other.ends, self.end_slopes + other.end_slopes

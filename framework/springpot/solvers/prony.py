@@ -18,7 +18,7 @@ from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
 from springpot.numerics import REWEIGHTINGS, SMALLEST, non_negative
 from springpot.rheology.points import Complex, Real, real_form
-from springpot.rheology.rational import Lines, Rational
+from springpot.rheology.rational import Rational
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
 
 IN_VAIN = 6
@@ -464,9 +464,7 @@ def beside_a_spring(prony: Prony, own: float, soft: float) -> Prony:
             " relaxing"
         )
     # As a compliance the spring of the bulk is one term more.
-    none = np.zeros((len(prony.times), 0))
-    lines = Lines(1.0 / prony.times, prony.weights, none, none)
-    series = Rational(np.array([prony.equilibrium, 0.0, 0.0]), np.zeros((3, 0)), lines)
+    series = Rational.known((prony.equilibrium, 0.0), 1.0 / prony.times, prony.weights)
     compliance = series.inverse().times(own, np.zeros(0))
     there = compliance.beside(Rational.power(0, soft, np.zeros(0))).inverse()
     rates, weights, *_ = there.lines

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from springpot.diagnosis.experiment import POINTS, Action, actions, planned_swee
 from springpot.errors import ModelError
 from springpot.identification.prediction import Known
 from springpot.misfit.residuals_of_tests import SweepPart
+from springpot.plain_data import Plain
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -31,7 +31,7 @@ WIDE = student(INTERVAL, inf)
 
 
 @dataclass(frozen=True, eq=False)
-class FurtherTest:
+class FurtherTest(Plain):
     """A test of a damper, and what it would do to the drift.
 
     Attributes
@@ -56,7 +56,7 @@ class FurtherTest:
 
 
 @dataclass(frozen=True, eq=False)
-class FurtherTests:
+class FurtherTests(Plain):
     """What could be measured of the dampers, the most telling first.
 
     Attributes
@@ -72,11 +72,6 @@ class FurtherTests:
     storey: int
     half_width: float
     tests: list[FurtherTest]
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        tests = [vars(test) for test in self.tests]
-        return {"storey": self.storey, "half_width": self.half_width, "tests": tests}
 
 
 def further_tests(frame: Frame, records: Sequence[GroundMotion]) -> FurtherTests:

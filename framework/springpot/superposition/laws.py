@@ -32,7 +32,7 @@ from springpot.rheology.parameters import Parameter, box_of
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION, VERDICT
 
-from ..numerics import NEGLIGIBLE, SMALLEST, rms
+from ..numerics import NEGLIGIBLE, SMALLEST, level_means, rms
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12
@@ -524,9 +524,8 @@ def _shown(test: TimeTest, kind: str) -> tuple[Real, Real, Real]:
         )
     log_rates = -np.log(clock[seen] - 0.5 * test.rise)
     bins = np.unique(np.floor(log_rates * PER_DECADE / np.log(10.0)), return_inverse=True)[1]
-    count = np.bincount(bins)
-    rates = np.exp(np.bincount(bins, log_rates) / count)
-    return rates, np.bincount(bins, values) / count, np.full(len(count), test.temperature)
+    rates = np.exp(level_means(bins, log_rates))
+    return rates, level_means(bins, values), np.full(len(rates), test.temperature)
 
 
 def by_one_number(objective: Objective) -> Objective:

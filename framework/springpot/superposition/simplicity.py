@@ -7,7 +7,7 @@ is the failure of superposition.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +17,7 @@ from springpot.distributions import f_sf, f_sum_sf, normal_sf
 from springpot.identification.free_factors import FactorRows
 from springpot.identification.levels_alone import Alone, parts_of
 from springpot.identification.problem import weighted
+from springpot.plain_data import Plain
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
@@ -30,7 +31,7 @@ LEFT = 1e-8
 
 
 @dataclass(frozen=True)
-class Failure:
+class Failure(Plain):
     """One place where superposition fails.
 
     Attributes
@@ -58,10 +59,6 @@ class Failure:
     chance: float
     share: float
     says: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 
 from springpot.errors import OutputError
 from springpot.files import write_text
+from springpot.plain_data import Plain
 from springpot.registry import versions
 from springpot.report.page import page
 from springpot.report.residuals import framed
@@ -33,7 +34,7 @@ SHOWN = 40
 
 
 @dataclass(frozen=True)
-class Reason:
+class Reason(Plain):
     """Why a test fails.
 
     Parameters
@@ -49,10 +50,6 @@ class Reason:
     test: str
     says: tuple[str, ...]
     effects: tuple[str, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return {"test": self.test, "says": list(self.says), "effects": list(self.effects)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.plain_data import Plain
 from springpot.writing import counted
 
 from .budget import BudgetLine, ErrorBudget, combined
@@ -253,18 +254,13 @@ def _is(code: TestCode, asked: RequiredTest, test: EvaluatedTest) -> bool:
 
 
 @dataclass(frozen=True)
-class FoundFactor:
+class FoundFactor(Plain):
     """A property modification factor: its ends, stated or measured."""
 
     name: str
     low: ErrorBudget
     high: ErrorBudget
     source: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        ends = {"low": self.low.to_dict(), "high": self.high.to_dict()}
-        return {"name": self.name, **ends, "source": self.source}
 
 
 def factors_of(code: TestCode, tests: Sequence[EvaluatedTest]) -> list[FoundFactor]:

@@ -34,10 +34,11 @@ from springpot.identification.leastsquares import (
 )
 from springpot.identification.material import is_material
 from springpot.identification.native import NEAR
+from springpot.identification.normal import spread_of
 from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
 from springpot.identification.task import FLAT_SHAPES
-from springpot.identification.uncertainty import ends, spread_of
+from springpot.identification.uncertainty import ends
 from springpot.identification.value import LOST, PartResult, spare
 from springpot.measurement.covered import Covered
 from springpot.measurement.mixed_up import said_of_sign, sign_note

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
+from springpot.identification.normal import spread_of
 from springpot.identification.prediction import Known
-from springpot.identification.uncertainty import spread_of
 from springpot.lazy import Drawn
 from springpot.measurement.covered import Covered
 from springpot.measurement.opening import Test

@@ -8,6 +8,7 @@ What a baseline can see: the smallest change that its trials tell in most cases.
 from __future__ import annotations
 
 import json
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -313,13 +314,9 @@ def least_drop_seen(before: Successes, share: float) -> float | None:
 
     n = before.trials
     # The largest count that is still significant: the fewer, the surer.
-    low, high = -1, before.count
-    while high - low > 1:
-        middle = (low + high) // 2
-        if drop(before, Successes(middle, n)) < share:
-            low = middle
-        else:
-            high = middle
+    low = -1 + bisect_left(
+        range(before.count), True, key=lambda count: drop(before, Successes(count, n)) >= share
+    )
     if low < 0:
         return None
     # The rate at which so few or fewer come with that chance (the binomial sum as an incomplete
