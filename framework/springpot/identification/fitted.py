@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
-from springpot.numerics import ROUNDING, SMALLEST, projected_out
+from springpot.numerics import ROUNDING, Tangent
 from springpot.rheology.elements import Continuum
 from springpot.rheology.points import Real
 
@@ -85,8 +85,7 @@ def followed_by_places(search: SpectrumSearch, theta: Real, residual: Real, know
     slopes = weight * (after - before) / (2.0 * FINE)
     left = (weight * (2.0 * at - before - after) / FINE**2) @ -residual
     # What the weights and the effects' parameters follow is no gain of the places.
-    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), SMALLEST))
-    slopes = projected_out(slopes.T, basis)
+    slopes = Tangent.of(known).left(slopes.T)
     stiff = np.diag(np.sqrt(np.maximum(left, 0.0)))
     spread, sizes, _ = np.linalg.svd(np.concatenate([slopes, stiff]), full_matrices=False)
     # By their shares: of what is seen of one combination of places, how much the data move.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -337,35 +337,20 @@ def runs_of(data: TestRows) -> Iterator[ConditionRun]:
     # Names first, since they were given; levels of conditions are only read off the numbers.
     parts = [np.arange(len(data.omega))]
     for column in _named(data):
-        parts = _split(parts, partial(_by_value, column))
+        parts = [finer for rows in parts for finer in _by_value(column, rows)]
     for name in ("temperature", "amplitude"):
         if name in data.conditions:
-            parts = _split(parts, partial(_by_level, data, name))
+            parts = [finer for rows in parts for finer in _by_level(data, name, rows)]
     # Last: a repeat is one of a sweep, under conditions that are the same.
     if data.repeat is not None:
-        parts = _split(parts, partial(_by_repeat, data.repeat))
+        parts = [finer for rows in parts for finer in _parted(rows, [data.repeat])]
     for rows in parts:
         yield ConditionRun(_conditions(data, rows, len(parts)), rows)
-
-
-def _split(
-    parts: list[NDArray[np.int64]], divide: Callable[[NDArray[np.int64]], list[NDArray[np.int64]]]
-) -> list[NDArray[np.int64]]:
-    """The finer parts that each of some parts consists of."""
-    finer: list[NDArray[np.int64]] = []
-    for rows in parts:
-        finer += divide(rows)
-    return finer
 
 
 def _by_value(column: NDArray[np.str_] | Real, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     """The rows of each value, in the order of the file."""
     return [rows[column[rows] == value] for value in dict.fromkeys(column[rows].tolist())]
-
-
-def _by_repeat(repeat: NDArray[np.int64], rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The rows of each repeat, ascending."""
-    return [rows[repeat[rows] == value] for value in np.unique(repeat[rows])]
 
 
 def _named(data: TestRows) -> list[NDArray[np.str_] | Real]:

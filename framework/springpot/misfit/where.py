@@ -19,7 +19,7 @@ from springpot.rheology.points import HELD, Real
 from springpot.thresholds import WHERE
 from springpot.writing import SHOWN
 
-from ..numerics import SMALLEST
+from ..numerics import SMALLEST, level_means
 from .error import plain, with_unit
 from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
@@ -207,8 +207,8 @@ def _dependence(
     measurement: Measurement, name: str, part: PlaneOfFit, rows: Rows, level: Rows
 ) -> str:
     count = np.bincount(level)
-    relative = np.bincount(level, part.relative[rows]) / count
-    whitened = np.bincount(level, part.whitened[rows]) / count
+    relative = level_means(level, part.relative[rows])
+    whitened = level_means(level, part.whitened[rows])
     middle = float(np.average(whitened, weights=count))
     spread = np.sum(count * (whitened - middle) ** 2)
     uneven = float(chi2_sf(spread, len(count) - 1)) < WHERE.levels_differ
@@ -219,12 +219,12 @@ def _dependence(
         return f"the same at all {name}s"
     if not uneven:
         return ""
-    at = np.bincount(level, measurement.conditions[name][rows]) / count
+    at = level_means(level, measurement.conditions[name][rows])
     size = np.abs(relative)
     law = ""
     # A misfit that changes sign elsewhere is the difference of two laws and follows neither.
     if name == "amplitude" and not _some(measurement, name, rows):
-        law = _power(at, np.bincount(level, part.residual[rows]) / count)
+        law = _power(at, level_means(level, part.residual[rows]))
     rank = float(np.corrcoef(np.arange(len(size)), size)[0, 1])
     if not law and abs(rank) < STEADY:
         return f"varying with {name}"

@@ -365,13 +365,11 @@ class Sum:
     def respond(self, log_omega: Anywhere, depth: int) -> tuple[Complex, Complex]:
         """What relaxes: value (n,) and derivative (p, n)."""
         nothing = np.zeros((self.count, len(log_omega)), dtype=complex)
-        if not self.parts:
-            return np.zeros(len(log_omega), dtype=complex), nothing
         responses = [part.respond(log_omega, depth) for part in self.parts]
-        value = np.sum([each.value for each in responses], axis=0)
+        value = sum((each.value for each in responses), np.zeros(len(log_omega), dtype=complex))
         if depth < GRADIENT:
             return value, nothing
-        return value, np.sum([each.by_theta for each in responses], axis=0)
+        return value, sum((each.by_theta for each in responses), nothing)
 
     def own_band(self) -> tuple[float, float]:
         """Band in ln omega that reaches two decades beyond the times of the network itself."""
