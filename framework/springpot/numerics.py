@@ -1,4 +1,6 @@
-"""What is as good as nothing in floating point, how far a search goes, and weights >= 0.
+"""What is as good as nothing in floating point, how far a search goes, and a few sums of the house.
+
+Rows that are alike, at even places or of one level, what parameters can follow, weights >= 0.
 
 One level for each reason, for the whole house.  Shares are relative to the largest of what is
 added, compared or measured.

@@ -91,3 +91,21 @@ def test_what_is_no_coherence_tells_nothing(wrong):
     rows = np.arange(len(off))
     mine = scatter.robust_noise_shape(data, off, rows)[0]
     np.testing.assert_allclose(mine, scatter.robust_noise_shape(without, off, rows)[0])
+
+
+def test_given_noise_is_raised_where_the_data_scatter_otherwise():
+    rng, omega = np.random.default_rng(3), np.geomspace(1.0, 100.0, 40)
+    exact = 50.0 + 10.0 * (1j * omega) ** 0.5
+    given = 0.005 * np.abs(exact) * (1.0 + 1.0j)
+    uneven = given.real * (0.5 * rng.normal(size=40) + 1.5j * rng.normal(size=40))
+    even = given.real * (rng.normal(size=40) + 1j * rng.normal(size=40))
+    data = Measurement(omega, exact + uneven, sd=given)
+    noise = scatter.Noise(given, np.inf, "given")
+    assert scatter.beside_given(noise, data, even, 60.0) is noise
+    # What was given too large may hold what neighbours share.
+    assert scatter.beside_given(noise, data, 0.3 * even, 60.0) is noise
+    raised = scatter.beside_given(noise, data, uneven, 60.0)
+    np.testing.assert_array_equal(raised.sd.real, given.real)
+    assert np.median(raised.sd.imag / given.imag) == pytest.approx(1.5, rel=0.2)
+    assert raised.overruled
+    assert "go otherwise than the data's own scatter" in raised.doubt

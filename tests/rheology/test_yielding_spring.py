@@ -56,6 +56,11 @@ def test_a_stage_of_hardly_any_force_ends_too(force):
     assert 0.0 <= z <= 1e-200
 
 
+def test_a_force_of_hardly_any_digits_has_gone():
+    """What is left of one that relaxes to nothing, of 1.5e-323 three units in its last place."""
+    assert hysteresis._flowed(-1.5e-323, 0.0085, 0.00155, 1.0000000000000002) == 0.0
+
+
 def test_an_irregular_motion_far_beyond_yield_stays_near_the_force_of_its_flow():
     """Each way is so long that the spring adds nothing: |z| is F |v|^a of its own way."""
     rng = np.random.default_rng(1)

@@ -16,8 +16,9 @@ from typing import TypeAlias
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.measurement.imposed import Loading
+from springpot.measurement.imposed import Loading, noise_of_transducer
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.rounding import is_even
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import DECADE, ENOUGH, PER_DECADE, SMALLEST, evenly, non_negative
 from springpot.rheology.effect import ALL
@@ -149,30 +150,51 @@ def shown_lines(test: TimeTest, sd: Real) -> ConvexSpectrum:
     return nearest_lines(columns, test.seen)
 
 
-def instants_of(test: TimeTest, sd: Real) -> Real:
-    """By how much a response (n, k) hangs on when each step between two samples happened.
+def unknowns_of(test: TimeTest, sd: Real) -> Real:
+    """By how much a response with noise (n,) hangs on what nobody knows of its load, (n, k).
 
-    That may have been any instant between them, and the loading is straight there, its mean. What
-    the lines of the record with noise (n,) answer to the step at either sample and in the middle
-    tells how far off that is: in proportion to the instant and to its square, each in standard
-    deviations of an even chance. Just after it what else there may be is as large as the bend.
+    In standard deviations of that: when each step between two samples happened, and the noise of
+    the first sample, at which a model takes the load to have been held before.
     """
-    steps = test.loading.steps_between
-    if not steps:
+    steps, first = test.loading.steps_between, _noise_of_first(test)
+    if not steps and not first:
         return np.zeros((len(test), 0))
     lines = shown_lines(test, sd)
-    mix = np.concatenate([lines.amounts[:2], [0.0], lines.weights])[:, None]
-    times, columns = 1.0 / lines.rates, []
-    for before, after, size in steps:
-        step = Loading.step(size)
-        soon, middle, late = (
-            answers_of(replace(step, time=step.time + at), test.control, times, test.time, mix)
-            for at in (before, 0.5 * (before + after), after)
-        )
-        bent, just_then = late - 2.0 * middle + soon, (test.time == after)[:, None]
-        moved = np.hstack([(late - soon) / sqrt(12.0), bent / sqrt(45.0), bent * just_then])
-        columns.append(np.where(test.time[:, None] > before, moved, 0.0))
+    columns = [_instants(test, lines, *step) for step in steps]
+    if first:
+        faded = np.exp(-np.outer(test.time - test.time[0], lines.rates)) @ lines.weights
+        columns.append(first * faded[:, None])
     return np.hstack(columns)
+
+
+def _noise_of_first(test: TimeTest) -> float:
+    """Of what was imposed, where it was recorded from there on, and not put upon a fluid."""
+    loading = test.loading
+    sampled = loading.sampled and not loading.before and not len(loading.jumps[0])
+    if not sampled or test.control == "force" or not is_even(loading.time):
+        return 0.0
+    return noise_of_transducer(loading.value)
+
+
+def _instants(
+    test: TimeTest, lines: ConvexSpectrum, before: float, after: float, size: float
+) -> Real:
+    """The same of one step, (n, 3).
+
+    That may have been any instant between two samples, and the loading is straight there, its
+    mean. What the lines answer to the step at either sample and in the middle tells how far off
+    that is: in proportion to the instant and to its square, each in standard deviations of an even
+    chance. Just after it what else there may be is as large as the bend.
+    """
+    mix = np.concatenate([lines.amounts[:2], [0.0], lines.weights])[:, None]
+    step, times = Loading.step(size), 1.0 / lines.rates
+    soon, middle, late = (
+        answers_of(replace(step, time=step.time + at), test.control, times, test.time, mix)
+        for at in (before, 0.5 * (before + after), after)
+    )
+    bent, just_then = late - 2.0 * middle + soon, (test.time == after)[:, None]
+    moved = np.hstack([(late - soon) / sqrt(12.0), bent / sqrt(45.0), bent * just_then])
+    return np.where(test.time[:, None] > before, moved, 0.0)
 
 
 def lines_of_sweep(sweep: Measurement, sd: Real) -> ConvexSpectrum:

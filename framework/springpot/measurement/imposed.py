@@ -247,6 +247,18 @@ def is_command(clock: Real, value: Real, other: Real) -> bool:
     return noise > most and own <= digit and max(own, digit) * rms(other) < noise * rms(value)
 
 
+def noise_of_transducer(value: Real) -> float:
+    """The noise of a channel (n,) that was evenly sampled; nothing of what is smooth, or digits.
+
+    Examples
+    --------
+    >>> noise_of_transducer(np.sin(0.3 * np.arange(100)))
+    0.0
+    """
+    noise = imposed_noise(value)
+    return noise if noise > _of_what_is_smooth(value) else 0.0
+
+
 def _of_what_is_smooth(value: Real) -> float:
     """What differences leave at most of a channel (n,) without noise but that of its digits."""
     # Of a sine of three samples two thirds of what half the order leaves; of noise as much.

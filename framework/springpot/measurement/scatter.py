@@ -583,6 +583,45 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
     return replace(noise.scaled(factor), dof=dof, source="estimated", doubt=doubt)
 
 
+def beside_given(noise: Noise, measurement: Measurement, residual: Complex, dof: float) -> Noise:
+    """Given noise, raised where the data scatter decidedly otherwise than it goes.
+
+    As where one part scatters more than the other, though both were given the same. What was given
+    larger may hold errors that neighbouring points share, and stays.
+
+    Parameters
+    ----------
+    noise : Noise
+        As given, of the right size for all numbers together.
+    measurement : Measurement
+        The points, (n,).
+    residual : ndarray of complex, shape (n,)
+        Their scatter about the model and slow curves, in the unit of K.
+    dof : float
+        Its degrees of freedom.
+    """
+    if dof < SCATTER.fewest_to_doubt:
+        return noise
+    usual, *others = _shapes_of(measurement)
+    # Beyond what the best of so many reaches by chance; the usual one is as dear as the others.
+    ahead = 2.0 * float(np.log(1 + len(others)))
+    given = Shape(noise.sd.real, noise.sd.imag, True, -ahead)
+    shapes = [replace(usual, price=SEARCH.decisive), *others, given]
+    scales = _student_scales(shapes, residual)
+    costs = [_student_cost(*each, residual) for each in zip(shapes, scales, strict=True)]
+    best = int(np.argmin(costs))
+    own = shapes[best].sd(scales[best])
+    sd = np.maximum(noise.sd.real, own.real) + 1j * np.maximum(noise.sd.imag, own.imag)
+    if shapes[best] is given or np.array_equal(sd, noise.sd):
+        return noise
+    more = float(max(np.max(sd.real / noise.sd.real), np.max(sd.imag / noise.sd.imag)))
+    doubt = (
+        "the given standard deviations go otherwise than the data's own scatter, which is up to"
+        f" {more:.2g} times as large: where it is larger, it is used instead"
+    )
+    return replace(noise, sd=sd, dof=dof, source="estimated", doubt=doubt)
+
+
 def plausible_variance(dof: float) -> tuple[float, float]:
     """Least and largest variance of scatter whitened by standard deviations of the right size.
 

@@ -22,6 +22,7 @@ from springpot.measurement.replicates import Averaged, average_repeats, noise_of
 from springpot.measurement.scatter import (
     Noise,
     Scatter,
+    beside_given,
     checked_noise,
     noise_shape,
     plausible_variance,
@@ -148,7 +149,8 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     told = scatter_about(first.frame())
     noise = checked_noise(first.noise, told.variance, told.dof)
     if noise is first.noise:
-        return replace(first, noise=replace(noise, memory=told.memory))
+        noise = replace(_beside_given(first, told), memory=told.memory)
+        return replace(first, noise=noise) if noise.source == "given" else in_noise(first, noise)
     # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what was
     # given.
     free, _ = undragged(first)
@@ -157,6 +159,13 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     if noise.source == "given":
         return replace(first, noise=noise)
     return in_noise(first, noise)
+
+
+def _beside_given(fitted: Refit, told: ScatterAbout) -> Noise:
+    """The noise of a fit as given, or raised where its scatter is larger than what was given."""
+    frame, noise = fitted.frame(), fitted.noise
+    left = noise.of_whitened(trimmed(frame).left / np.sqrt(_left_over(frame)))
+    return beside_given(noise, fitted.data.mean, left, told.dof)
 
 
 def likelihood_of_all(fitted: Refit) -> float:
@@ -222,7 +231,9 @@ def as_given(base: Refit) -> Refit:
 def borne_out(best: Refit) -> bool:
     """Whether the scatter about a good model is as large as its noise says."""
     told = scatter_about(best.frame())
-    return told.variance < plausible_variance(told.dof)[1]
+    if told.variance >= plausible_variance(told.dof)[1]:
+        return False
+    return _beside_given(best, told) is best.noise
 
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from springpot.identification.convex import (
     ConvexSpectrum,
     apparent,
-    instants_of,
     lines_of_record,
     lines_of_sweep,
+    unknowns_of,
 )
 from springpot.identification.leastsquares import Residual as Residual
 from springpot.identification.problem import Objective
@@ -147,8 +147,8 @@ class TestPart(ABC):
         return None
 
     @property
-    def instants(self) -> Real:
-        """By how much the numbers (m, k) hang on when something happened that nobody knows."""
+    def unknowns(self) -> Real:
+        """By how much the numbers (m, k) hang on what nobody knows, in its deviations."""
         return np.zeros((len(self.measured), 0))
 
     @property
@@ -211,7 +211,7 @@ class TestPart(ABC):
         missed = np.where(counted, answer.value - self.measured[rows], 0.0)
         by_theta = np.where(counted[:, None], answer.by_theta, 0.0)
         found = Residual(missed * weight, by_theta * weight[:, None])
-        return found.freed(np.where(counted, weight, 0.0)[:, None] * self.instants[rows])
+        return found.freed(np.where(counted, weight, 0.0)[:, None] * self.unknowns[rows])
 
     def over_noise(self, model: Model, theta: Real, reference: float) -> Residual:
         """The same over its noise alone, whatever it weighs in a fit."""
@@ -385,9 +385,9 @@ class InTimePart(TestPart):
         return lines_of_record(self.test, self.sd)
 
     @cached_property
-    def instants(self) -> Real:
-        """Of steps of the load between two samples."""
-        return instants_of(self.test, self.sd) if self.judged else super().instants
+    def unknowns(self) -> Real:
+        """Of steps of the load between two samples, and of noise in the first one."""
+        return unknowns_of(self.test, self.sd) if self.judged else super().unknowns
 
     @cached_property
     def apparent(self) -> Measurement | None:

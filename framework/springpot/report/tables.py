@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, TypeAlias
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text, write_with
 from springpot.identification.value import Value
-from springpot.writing import DIGITS, guarded, number as digits, tag, wide_table
+from springpot.writing import DIGITS, Html, guarded, number as digits, tag, wide_table
 
 from .canvas import PLAIN
 from .page import page
@@ -216,14 +216,18 @@ def _latex_cell(cell: str) -> str:
     return escaped
 
 
-def to_html(table: Table) -> str:
-    """The table as a page of its own."""
+def element_of(table: Table) -> Html:
+    """Its columns and rows, as an element of a page."""
     pairs = zip(table.columns, _numeric(table), strict=True)
     numbers = [column for column, numeric in pairs if numeric]
-    rows = [[text(entry) for entry in row] for row in table.rows]
+    rows = ([text(entry) for entry in row] for row in table.rows)
+    return wide_table(table.columns, rows, numbers)
+
+
+def to_html(table: Table) -> str:
+    """The table as a page of its own."""
     above, below = (tag("p", words) if words else "" for words in (table.asks, table.note))
-    cells = wide_table(table.columns, rows, numbers)
-    return page(table.title, tag("h1", table.title), above, cells, below)
+    return page(table.title, tag("h1", table.title), above, element_of(table), below)
 
 
 def _numeric(table: Table) -> list[bool]:

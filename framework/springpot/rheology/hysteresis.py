@@ -622,8 +622,8 @@ def _flowed(free: float, share: float, force: float, power: float) -> float:
         return 0.0
     # Either term alone is at most all: the smaller of both ends is just beyond the solution.
     z: float = min(size, force * (size / share) ** (1.0 / power))
-    # Of forces smaller than any number none is left.
-    if z == 0.0:
+    # Of forces smaller than any number of full digits none is left.
+    if z < SMALLEST:
         return 0.0
     for _ in range(MOST_STEPS):
         flow = share * (z / force) ** power / size

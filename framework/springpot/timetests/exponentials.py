@@ -300,7 +300,7 @@ class QuickPart(InTimePart):
         missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
         by_theta = np.where(self.seen[:, None], answer.by_theta, 0.0)
         found = Residual(missed * self.weight, by_theta * self.weight[:, None])
-        return found.freed(self.weight[:, None] * self.instants[self.rows])
+        return found.freed(self.weight[:, None] * self.unknowns[self.rows])
 
     def recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """What the test records of a model, nearly.

@@ -19,13 +19,14 @@ from typing import Any
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.errors import DataError, StudyError
 from springpot.files import json_of, text_in, write_text
 from springpot.rheology.points import Real
 from springpot.writing import suggested
 
 from ...numerics import ROUNDING
-from ..statistics import hitting_time, holm, least_mann_whitney, target_value
+from ..statistics import hitting_time, holm, least_mann_whitney, pooled_ranks, target_value
 from ..store import Store
 from ..summary import CellRow, ProblemRow, TrialRow
 
@@ -174,10 +175,11 @@ def chance(before: Real, after: Real) -> float:
     Infinite values tie with one another above all others. Never below what so few values can tell,
     which the normal approximation of ties would be.
     """
-    from scipy.stats import mannwhitneyu, rankdata
+    # Here and above: it takes most of a second to import.
+    from scipy.stats import mannwhitneyu
 
     # Of ranks instead of values: an infinite cost has a rank as any other.
-    ranks = rankdata(np.concatenate([before, after]))
+    ranks = pooled_ranks(np.concatenate([before, after]))
     # All alike: the variance that the test divides by would be zero.
     if np.ptp(ranks) == 0:
         return 1.0
@@ -201,9 +203,6 @@ def interval(values: Real, level: float) -> tuple[float, float]:
     With infinite values it is bounded below only, by the finite ones; if all are infinite it is
     infinity itself.
     """
-    # Here and above: scipy.stats takes most of a second to import.
-    from scipy.stats import t
-
     finite = np.log(values[np.isfinite(values)])
     if len(finite) == 0:
         # All missed: of one trial alone that tells nothing yet.
@@ -212,9 +211,8 @@ def interval(values: Real, level: float) -> tuple[float, float]:
         return 0.0, inf
     if len(finite) < 2:
         return 0.0, inf
-    half = (
-        float(t.isf(level / 2, len(finite) - 1)) * float(np.std(finite, ddof=1)) / sqrt(len(finite))
-    )
+    deviation = float(np.std(finite, ddof=1)) / sqrt(len(finite))
+    half = student(1.0 - level, len(finite) - 1) * deviation
     centre = float(np.mean(finite))
     # A trial that missed costs more than any number, so that there is no upper end.
     if len(finite) < len(values):

@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from springpot.distributions import normal_quantile
 from springpot.errors import StudyError
 from springpot.rheology.points import Real
 from springpot.writing import number, suggested
@@ -279,12 +280,12 @@ def least_rise(before: Real, share: float, factor: float = FACTOR) -> float:
     factor : float
         Rise that does not count yet.
     """
-    from scipy.stats import norm
-
     n = len(before)
     # How often a cost after must exceed one before (Noether 1987,
     # doi:10.1080/01621459.1987.10478478).
-    often = 0.5 + float(norm.isf(share) + norm.ppf(POWER)) * sqrt((2 * n + 1) / (12 * n * n))
+    often = 0.5 + float(normal_quantile(POWER) - normal_quantile(share)) * sqrt(
+        (2 * n + 1) / (12 * n * n)
+    )
     if often >= 1.0:
         return inf
     ratios = np.ones((n, n))
@@ -310,7 +311,7 @@ def least_drop_seen(before: Successes, share: float) -> float | None:
     share : float
         Level of this one comparison.
     """
-    from scipy.stats import beta
+    from scipy.special import betaincinv
 
     n = before.trials
     # The largest count that is still significant: the fewer, the surer.
@@ -321,7 +322,7 @@ def least_drop_seen(before: Successes, share: float) -> float | None:
         return None
     # The rate at which so few or fewer come with that chance (the binomial sum as an incomplete
     # beta function).
-    return 1.0 - float(beta.ppf(POWER, n - low, low + 1))
+    return 1.0 - float(betaincinv(n - low, low + 1, POWER))
 
 
 def smallest_seen(

@@ -16,7 +16,7 @@ from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.files import write_text
 from springpot.report.page import page
-from springpot.report.tables import Table, text
+from springpot.report.tables import element_of
 from springpot.report.text import seconds
 from springpot.writing import NAMED, Html, counted, joined, number, table, tag, wide, wide_table
 
@@ -426,7 +426,7 @@ def _noise(findings: Findings) -> Iterator[Html]:
     made = COMPARING[NOISY](findings)
     yield tag("h2", "What does noise change?")
     yield tag("p", made.note, class_="quiet")
-    yield _whole(made)
+    yield element_of(made)
 
 
 def _tables(findings: Findings) -> Iterator[Html]:
@@ -440,17 +440,11 @@ def _tables(findings: Findings) -> Iterator[Html]:
         made = (PLAIN | COMPARING)[name](findings)
         if made.rows:
             yield tag(
-                "details", tag("summary", name), tag("p", made.note, class_="quiet"), _whole(made)
+                "details",
+                tag("summary", name),
+                tag("p", made.note, class_="quiet"),
+                element_of(made),
             )
-
-
-def _whole(made: Table) -> Html:
-    numeric = []
-    for i, column in enumerate(made.columns):
-        if not any(isinstance(row[i], str) for row in made.rows):
-            numeric.append(column)
-    rows = ([text(entry) for entry in row] for row in made.rows)
-    return wide_table(made.columns, rows, numeric)
 
 
 def _repeat(findings: Findings) -> Iterator[Html]:

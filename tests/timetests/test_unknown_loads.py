@@ -1,4 +1,6 @@
-"""A load that steps between two samples: at which instant, no sample tells."""
+"""What nobody knows of a load: when it stepped between two samples, its noise at the first one."""
+
+from itertools import accumulate
 
 import numpy as np
 import pytest
@@ -44,8 +46,26 @@ def test_what_is_recorded_of_a_ramp_is_no_step():
         test = springpot.TimeTest.of_history(
             t, moved, 2.0 * moved, "mm", "N", control="displacement"
         )
-        assert part_of(test).instants.shape == (60, 0)
+        assert part_of(test).unknowns.shape == (60, 0)
     # With a sample or two on the way both ends of it are unknown.
     short = np.clip((t - 20.3) / 1.8, 0.0, 1.0)
     test = springpot.TimeTest.of_history(t, short, 2.0 * short, "mm", "N", control="displacement")
     assert [before for before, _, _ in test.loading.steps_between] == [20.0, 21.0, 22.0]
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_noise_of_the_first_sample_is_no_earlier_motion(seed):
+    """A fluid remembers where it was held: `parallel-spring` and `earlier-motion` were named."""
+    draw = np.random.default_rng([5, seed])
+    t, period = 0.1 * np.arange(180), 1.5 * draw.uniform(0.8, 1.2)
+    fine = np.linspace(0.0, t[-1], 20 * (len(t) - 1) + 1)
+    strain = 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * fine / period))
+    tau, step = draw.uniform(0.8, 3.0), fine[1]
+    left, gain = np.exp(-step / tau), -tau * np.expm1(-step / tau) / step
+    grown = np.diff(strain) * gain
+    stress = np.array([*accumulate(grown, lambda q, more: left * q + more, initial=0.0)])
+    moved = strain[::20] + 0.008 * draw.normal(size=len(t))
+    pulled = stress[::20] + 0.003 * draw.normal(size=len(t))
+    test = springpot.TimeTest.of_history(t, moved, pulled, "mm", "N", control="displacement")
+    effects = [springpot.plugins().effect(n) for n in ("earlier-motion", "parallel-spring")]
+    assert diagnose(test, springpot.parse_model("maxwell"), effects).verdict == "adequate"
