@@ -51,7 +51,8 @@ def _power(axis: Any, strata: list[tuple[str, float, float, list[Figure]]]) -> N
         ylabel="share",
         ylim=(0, 1.02),
     )
-    axis.legend(fontsize=7)
+    # Long enough for its dashes to be seen.
+    axis.legend(fontsize=7, handlelength=4)
     axis.set_title("One hidden effect")
 
 

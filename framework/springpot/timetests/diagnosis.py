@@ -82,7 +82,6 @@ from .hypotheses import (
     sum_of_squares,
 )
 from .material import material_floor
-from .native import beside_limits
 from .score import TimeScan
 from .screening import (
     alone,
@@ -94,6 +93,7 @@ from .screening import (
     of_material,
 )
 from .specimen import at_rigs, at_tests
+from .valley import beside_limits
 from .verdict import TimeCase, answer_of, misfit_of, worst_of
 
 SAMPLES = 200

@@ -44,10 +44,11 @@ from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .exponentials import quick_parts
 from .hypotheses import FitResiduals
 from .material import FoundLines, UntoldError, coordinates_around, ends_of_material, spectral
-from .native import STARTS, Minimum, TimeSearch, with_intervals
+from .native import STARTS, Minimum, TimeSearch
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
 from .temperatures import is_material_alone
+from .valley import with_intervals
 
 FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured.

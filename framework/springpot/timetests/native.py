@@ -7,27 +7,18 @@ open: by slopes, profiles and simulated tests.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from springpot.distributions import ends_of_draws, student
+from springpot.distributions import student
 from springpot.errors import SpringpotError
 from springpot.identification.convex import start_of
-from springpot.identification.fitting import RESAMPLES
 from springpot.identification.intervals import (
     FAR,
-    Path,
-    Profile,
-    beside_endless,
     inverse_of,
-    off_their_slopes,
 )
 from springpot.identification.leastsquares import (
-    Evaluate,
-    Rows,
     Solution,
     levenberg_marquardt,
     one_by_one,
@@ -39,7 +30,7 @@ from springpot.identification.result import Identification
 from springpot.identification.searching import NATIVE
 from springpot.identification.task import FLAT_SHAPES
 from springpot.identification.uncertainty import ends
-from springpot.identification.value import LOST, PartResult, spare
+from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
 from springpot.measurement.mixed_up import said_of_sign, sign_note
 from springpot.measurement.steady_start import lasting
@@ -399,7 +390,7 @@ class TimeSearch:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            if (after := _after_many_cycles(part)) is not part:
+            if (after := after_many_cycles(part)) is not part:
                 _, slopes = self.residual([after], u)
             information += slopes @ slopes.T / part.beside(value, len(u))
         return inverse_of(information)
@@ -428,7 +419,7 @@ def part_result(
     return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
 
 
-def _after_many_cycles(part: TestPart) -> TestPart:
+def after_many_cycles(part: TestPart) -> TestPart:
     """A record of what had gone on, which had for much longer; any other part itself."""
     if not isinstance(part, InTimePart) or not part.test.loading.is_cycled:
         return part
@@ -451,178 +442,3 @@ def _units(parts: Sequence[TestPart]) -> Units:
     """Those of all parts; that of them which knows its modulus tells it."""
     letter = one_modulus((part.test.name, part.test.units) for part in parts)
     return replace(parts[0].test.units, letter=letter)
-
-
-def with_intervals(
-    result: Identification, search: TimeSearch, found: Minimum, kind: str, seed: int
-) -> Identification:
-    """The result with the ends of its intervals, where these are not those of the slopes alone.
-
-    Parameters
-    ----------
-    result : Identification
-        With those of the slopes.
-    search, found
-        Where it comes from.
-    kind : str
-        ``slopes`` leaves them as they are, and ``jacobian`` where all parameters have an end;
-        ``profile`` and ``bootstrap`` are those of `springpot.identify`.
-    seed : int
-        Of simulated noise.
-    """
-    detail = any(parameter.detail for parameter in result.model.parameters)
-    if kind == "slopes" or (kind == "jacobian" and detail):
-        return result
-    valley = _Valley.of(search, found)
-    if kind == "jacobian":
-        low, high = valley.where_slopes_tell(result)
-        return replace(result, low=low, high=high)
-    if kind == "profile":
-        told = valley.profiled(result)
-        low, high = _ends_of(told)
-        return replace(result, low=low, high=high, verdicts=tuple(each.verdict for each in told))
-    below, above = valley.simulated(np.random.default_rng([seed, 1]))
-    return replace(result, low=below, high=above)
-
-
-def beside_limits(fit: Identification, parts: Sequence[TestPart]) -> Identification:
-    """A fit whose intervals hold also where a parameter without an end is elsewhere.
-
-    Parameters
-    ----------
-    fit : Identification
-        With the intervals of the slopes.
-    parts : sequence of TestPart
-        To what it was fitted.
-    """
-    search = TimeSearch(fit.model, parts, fit.reference, [fit.theta], thorough=False)
-    at = search.coordinates.u(fit.theta, search.size)
-    return with_intervals(fit, search, Minimum(at, parts, (), 0, True), "jacobian", 0)
-
-
-@dataclass(frozen=True, eq=False)
-class _Valley:
-    """The objective about a minimum, each test's residuals over what they scatter by.
-
-    As in the covariance: samples whose misses are alike count once.
-    """
-
-    search: TimeSearch
-    parts: Sequence[TestPart]
-    whole: Sequence[TestPart]
-    u: Real
-
-    @classmethod
-    def of(cls, search: TimeSearch, found: Minimum) -> _Valley:
-        plain = copy(search)
-        plain.coordinates = replace(search.coordinates, pairs=())
-        u = plain.coordinates.u(search.theta(found.u).copy(), plain.size)
-        parts = quick_parts([_after_many_cycles(each) for each in search.quickly(found.parts)])
-        try:
-            plain.residual(parts, u)
-        # A mass that swings or a loss that is not causal is no sum of exponentials.
-        except UnfollowedError:
-            parts = [_after_many_cycles(each) for each in found.parts]
-        return cls(plain, parts, found.parts, u)
-
-    @cached_property
-    def weighed(self) -> tuple[Real, Real]:
-        """Weights (m,) of the residuals, and what is taken off these (m,) before."""
-        weight, aside = [], []
-        for part, whole in zip(self.parts, self.whole, strict=True):
-            (value, _), (known, _) = (
-                self.search.residual([each], self.u) for each in (part, whole)
-            )
-            weight.append(np.full(len(value), whole.beside(known, len(self.u)) ** -0.5))
-            # Some samples of a long record know where they would be best, not where all are; one
-            # that is taken to have gone on for longer, neither.
-            other = len(value) < len(known) or _after_many_cycles(whole) is not whole
-            aside.append(value if other else np.zeros(len(value)))
-        return np.concatenate(weight), np.concatenate(aside)
-
-    def plainly(self, u: Real) -> tuple[Real, Real]:
-        """Residuals (m,) over the noise and their slopes (p, m) at u (p,)."""
-        return self.search.guarded(self.parts, u, False)
-
-    def at(self, u: Real) -> tuple[Real, Real]:
-        """The same of unit variance."""
-        value, slopes = self.plainly(u)
-        weight, aside = self.weighed
-        return (value - aside) * weight, slopes * weight
-
-    @property
-    def evaluate(self) -> Evaluate:
-        """The same at many places."""
-        return one_by_one(self.at)
-
-    @property
-    def quantile(self) -> float:
-        """Standard deviations to the end of an interval."""
-        return student(INTERVAL, max(len(self.weighed[0]) - len(self.u), 1))
-
-    def paths(self, u: Real) -> list[Path]:
-        """One along each parameter from a best fit u (p,) on."""
-        return [Path(self.search.coordinates, u, i, self.evaluate) for i in range(len(u))]
-
-    def where_slopes_tell(self, result: Identification) -> tuple[Real, Real]:
-        """Intervals by the slopes, by profiles where the valley is bent.
-
-        Also where a parameter without an end is elsewhere.
-        """
-        low, high = result.low, result.high
-        # What a wrong model leaves is no scatter that a rise of the objective could be told by.
-        at_noise = all(row.over_floor <= VERDICT.agrees for row in result.parts)
-        if at_noise and self._bent(result):
-            low, high = _ends_of(self.profiled(result))
-        if not np.any(high > LOST * np.maximum(low, 0.0)):
-            return low, high
-        return beside_endless(self.paths(self.u), self.quantile**2, low, high)
-
-    def _bent(self, result: Identification) -> bool:
-        """Whether to the ends of an interval the objective rises otherwise than by its slopes."""
-        at, log = self.search.coordinates, self.search.coordinates.log
-        low, high = result.low, result.high
-        rows = np.flatnonzero(np.isfinite(high - low) & ~(log & (high > LOST * low)))
-        reach = np.diff(at.u(np.array([low, high]), self.search.size), axis=0)[0, rows] / 2.0
-        _, slopes = self.plainly(self.u)
-        covariance = inverse_of(slopes @ slopes.T)
-        steps = covariance[rows] * (reach / np.diag(covariance)[rows])[:, None]
-        evaluate = one_by_one(self.plainly)
-        return bool(off_their_slopes(evaluate, self.u, steps, at.bounds).any())
-
-    def profiled(self, result: Identification) -> list[Profile]:
-        """Of each parameter: ends where the objective has risen by the quantile's square."""
-        quantile = self.quantile
-        # By fixed exponentials the bottom lies a little aside.
-        best = levenberg_marquardt(self.evaluate, self.u[None], *self.search.coordinates.bounds)
-        u, cost = best.u[0], float(best.cost[0])
-        return [
-            path.profile(self._step(result, path.i, quantile), cost, quantile**2)
-            for path in self.paths(u)
-        ]
-
-    def _step(self, result: Identification, i: int, quantile: float) -> float:
-        """A standard deviation of coordinate i by the slopes."""
-        low, high = self.search.coordinates.u(
-            np.array([result.low, result.high]), self.search.size
-        )[:, i]
-        return float(0.5 * (high - low) / quantile)
-
-    def simulated(self, rng: np.random.Generator) -> Real:
-        """Quantiles (2, p) of fits to tests that the model has given, with their noise."""
-        whole, _ = self.at(self.u)
-        # Of a test that the model foretells, the residual is that of its noise alone.
-        drawn = rng.standard_normal((RESAMPLES, len(whole)))
-
-        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
-            value, slopes = self.evaluate(u, rows)
-            return value - whole - drawn[rows], slopes
-
-        starts = np.tile(self.u, (RESAMPLES, 1))
-        fits = levenberg_marquardt(evaluate, starts, *self.search.coordinates.bounds)
-        return ends_of_draws(np.array([self.search.theta(u) for u in fits.u]), INTERVAL)
-
-
-def _ends_of(told: Sequence[Profile]) -> tuple[Real, Real]:
-    low, high = np.array([(each.low, each.high) for each in told]).T
-    return low, high
