@@ -134,9 +134,7 @@ def _beside_a_spring(test: TimeTest) -> bool:
 def _level(test: TimeTest) -> bool:
     """Whether the largest responses are alike: several samples lie near the largest."""
     size = _sizes(test)
-    return test.kind in ("history", "recovery", "startup") and bool(
-        np.count_nonzero(size > NEAR_TOP * size.max()) >= SEVERAL
-    )
+    return bool(np.count_nonzero(size > NEAR_TOP * size.max()) >= SEVERAL)
 
 
 QUICKEST = 1.0
