@@ -496,22 +496,18 @@ def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
     rope : float
         Half of the region's width.
     """
-    counts = np.zeros((len(gaps), 3))
-    for weights in _weights(gaps.shape[1]):
-        for row, count in zip(gaps, counts, strict=True):
-            # Beside the differences the prior's, which is none.
-            values = np.append(0.0, row)
-            order = np.argsort(values, kind="stable")
-            ordered, means = weights[order], 0.5 * np.add.outer(values[order], values[order])
-            # The mean of two rises with either: below an end lie a few of the lowest with each.
-            lowest = np.zeros((len(order) + 1, weights.shape[1]))
-            np.cumsum(ordered, axis=0, out=lowest[1:])
-            below, up_to = (
-                np.einsum("ij,ij->j", ordered, lowest[np.count_nonzero(lower, axis=1)])
-                for lower in (means < -rope, means <= rope)
+    pairs, n = gaps.shape
+    # What lies below is above where all signs are turned.
+    sides = [_sorted_partners(sign * gaps, rope) for sign in (-1.0, 1.0)]
+    counts = np.zeros((pairs, 3))
+    for weights in _weights(n):
+        room = np.empty((3, n + 2, weights.shape[1]))
+        for pair in range(pairs):
+            below, above = (
+                _chance_above(weights, order[pair], up_to[pair], room) for order, up_to in sides
             )
-            most = np.argmax([below, up_to - below, 1.0 - up_to], axis=0)
-            count += np.bincount(most, minlength=3)
+            chances = np.stack([below, 1.0 - below - above, above])
+            counts[pair] += np.bincount(chances.argmax(axis=0), minlength=3)
     return counts / DRAWS
 
 
@@ -519,8 +515,66 @@ def _weights(n: int) -> Iterator[Real]:
     """Draws from the posterior weights of the prior and n differences, (n + 1, d) some at once."""
     # The same for all pairs, and from the number of problems only: no table hangs on another.
     rng = np.random.default_rng(stream_of(0, "signed rank", n))
-    # Beside them stand those in the order of a pair, their sums and what is picked of these.
+    # Beside them stand their sums in the order of a pair, and two rooms for what is picked.
     step = max(1, AT_ONCE // (4 * (n + 2)))
     for first in range(0, DRAWS, step):
         drawn = rng.dirichlet([PRIOR, *[1.0] * n], min(step, DRAWS - first))
         yield np.ascontiguousarray(drawn.T)
+
+
+def _sorted_partners(gaps: Real, end: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Order (m, n + 1) of the prior's zero and n differences, rising, and partners (m, n + 1).
+
+    With how many of its row, the first in that order, each has a mean of up to `end`: no table of
+    all means of two is made. By halving what is left to look at, as the mean rises with the
+    partner.
+    """
+    rows = np.column_stack([np.zeros(len(gaps)), gaps])
+    order = np.argsort(rows, axis=1, kind="stable")
+    rows = np.take_along_axis(rows, order, axis=1)
+    first, last = np.zeros(rows.shape, np.int64), np.full(rows.shape, rows.shape[1])
+    for _ in range(rows.shape[1].bit_length()):
+        middle = (first + last) // 2
+        partners = np.take_along_axis(rows, np.minimum(middle, rows.shape[1] - 1), axis=1)
+        found = (0.5 * (rows + partners) <= end) & (middle < last)
+        first, last = np.where(found, middle + 1, first), np.where(found, last, middle)
+    return order, first
+
+
+def _chance_above(
+    weights: Real, order: NDArray[np.int64], up_to: NDArray[np.int64], room: Real
+) -> Real:
+    """Chances (d,) that a mean of two differences lies above an end.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (n, d)
+        Of each difference, in d draws.
+    order : ndarray of int, shape (n,)
+        Of the differences, rising.
+    up_to : ndarray of int, shape (n,)
+        With how many of them each makes a mean that does not; falling.
+    room : ndarray, shape (3, n + 1, d)
+        Written over: taken anew for each pair it would cost more than what is done in it.
+    """
+    # Those from `first` on do with one another, and with some of those from `least` on.
+    first, least = np.count_nonzero(up_to > np.arange(len(order))), up_to[-1]
+    ordered, sums, picked = room
+    high, low = ordered[first : len(order)], ordered[least:first]
+    np.take(weights, order[first:], axis=0, out=high, mode="clip")
+    total = high.sum(axis=0)
+    chances: Real = total * total
+    if not (len(high) and len(low)):
+        return chances
+    np.take(weights, order[least:first], axis=0, out=low, mode="clip")
+    # Sums of the fewer, of which the others pick theirs: to make them takes longer.
+    few, many, begin = low, high, np.minimum(up_to[first:], first) - least
+    if len(high) < len(low):
+        few, many, begin = high, low, up_to[least:first] - first
+    # From the last on, row by row: numpy's running sum along columns takes several times as long.
+    sums[len(few)] = 0.0
+    for row in range(len(few) - 1, -1, -1):
+        np.add(sums[row + 1], few[row], out=sums[row])
+    np.take(sums, begin, axis=0, out=picked[: len(many)], mode="clip")
+    chances += 2.0 * np.einsum("ij,ij->j", many, picked[: len(many)])
+    return chances
