@@ -235,7 +235,7 @@ def test_a_cell_shows_a_page_where_a_kernel_runs_and_has_the_extra(
 
 
 def test_a_column_of_words_that_was_split_is_drawn_by_its_levels():
-    """What the answer offers, to give each bush a factor of its own, is accepted on the page too."""
+    """What the answer offers, a factor for each bush of its own, is drawn once it is accepted."""
     omega = np.tile(np.geomspace(1.0, 50.0, 6), 2)
     stiff = np.repeat([1.0, 1.3], 6) * (40.0 + 3j * omega)
     data = Measurement(omega, stiff, labels={"bush": np.repeat(["left", "right"], 6)})
