@@ -243,10 +243,12 @@ def table(
     )
     # Each cell repeats its header, for screens too narrow for columns.
     named = [{**kind, "data_label": header} for header, kind in zip(headers, kinds, strict=True)]
+    # Written once for a column: tables may have many thousand rows.
+    ends = [tag("td", **kind).partition("</") for kind in named]
     body = []
     for row in rows:
-        cells = [tag("td", cell, **kind) for cell, kind in zip(row, named, strict=True)]
-        body.append(tag("tr", *cells))
+        cells = zip(row, ends, strict=True)
+        body.append(tag("tr", Html("".join(f"{a}{html(cell)}{b}{c}" for cell, (a, b, c) in cells))))
     return tag("table", tag("thead", head), tag("tbody", *body))
 
 

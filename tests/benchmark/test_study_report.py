@@ -13,6 +13,7 @@ import pytest
 from benchmark_fakes import Moody, Walk, artificial, small_study
 
 from springpot.benchmark import Findings, Store, run_study
+from springpot.benchmark.report import study as study_report
 from springpot.benchmark.report.plot import (
     Dot,
     Pen,
@@ -112,6 +113,19 @@ def test_the_first_sentence_says_who_takes_derivatives(tmp_path):
     graded = [replace(summary, gradients=1.0) for summary in found.summaries]
     for findings, told in ((found, ""), (replace(found, summaries=graded), ", which takes deriv")):
         assert f"use <b>walk</b>{told}" in str(joined(verdict(findings, pools(findings)[-1])))
+
+
+def test_who_is_to_be_used_over_all_problems_is_worked_out_once(tmp_path, monkeypatch):
+    one = small_study(
+        datasets=[artificial()], models=["own"], optimisers=[Walk(), Lazy()], budget=50
+    )
+    outcome = run_study(one, engine="serial", out=tmp_path, quiet=True, tables=False)
+    with Store(outcome.store) as store:
+        found = Findings.of(store)
+    asked = []
+    monkeypatch.setattr(study_report, "pools", lambda *_: asked.append(1) or pools(found))
+    study_html(found)
+    assert len(asked) == 1
 
 
 def test_who_has_no_time_is_named_below_those_who_have(tmp_path):

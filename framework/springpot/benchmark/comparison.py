@@ -365,6 +365,11 @@ class ProblemRace:
         each = zip(self.cells, self.shared, strict=True)
         return np.stack([getattr(cell, name)[(which, *at)] for cell, which in each])
 
+    def of_one(self, entrant: int, name: str) -> Real:
+        """A property of one entrant's trials, (n, ...)."""
+        found: Real = getattr(self.cells[entrant], name)[self.shared[entrant]]
+        return found
+
     @property
     def dimension(self) -> int:
         """Number of parameters."""
@@ -490,7 +495,7 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
         best_name,
         success,
         float(times[first]),
-        float(bands(race.cells[first].values[race.shared[first], mark], (0.5,))[0]),
+        float(bands(race.of_one(first, "values")[:, mark], (0.5,))[0]),
         tuple(labels[i] for i in alike[1:]),
         next_name,
         advantage,

@@ -212,13 +212,14 @@ def _rows(
 ) -> list[tuple[Entry, ...]]:
     ranks = [_ranks(races, measure, scale) for measure in MEASURES]
     rows: list[tuple[Entry, ...]] = []
+    lost = [_regret(race) for race in races]
     for i, label in enumerate(races[0].labels):
-        regrets = np.concatenate([_regret(race)[i] for race in races])
+        regrets = np.concatenate([regret[i] for regret in lost])
         cells = [race.cells[i] for race in races]
         rows.append(
             (
                 *(100.0 * level, label, len(races)),
-                wilson_over([race.hits[i] for race in races]),
+                wilson_over([race.of_one(i, "hits") for race in races]),
                 _median(regrets),
                 _median(_joined(cells, "errors")),
                 _mean(_joined(cells, "covered")),

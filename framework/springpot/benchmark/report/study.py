@@ -23,6 +23,7 @@ from springpot.writing import NAMED, Html, counted, joined, number, table, tag, 
 from ..robustness import OF_ITS_OWN, fairness
 from .study_plots import (
     Pens,
+    Pool,
     accuracy_against_time,
     attained,
     diagram,
@@ -93,13 +94,15 @@ def study_html(findings: Findings) -> Html:
     """The report as text."""
     # Before one problem is done by all optimisers there is nothing to compare, but failures show
     # already.
-    body = [*_head(findings), *_failures(findings)]
+    by_budget = pools(findings)
+    head = [*_head(findings, by_budget)]
+    body = [*head, *_failures(findings)]
     if findings.races:
         # By what they reach: the best get the lines that are told apart most easily.
         pens = Pens([label for label, _ in attained(findings.races)])
         body = [
-            *_head(findings),
-            *_choices(findings),
+            *head,
+            *_choices(findings, by_budget),
             *_rankings(findings),
             *_profiles(findings, pens),
             *_progress(findings, pens),
@@ -118,7 +121,7 @@ def study_html(findings: Findings) -> Html:
     )
 
 
-def _head(findings: Findings) -> Iterator[Html]:
+def _head(findings: Findings, by_budget: Sequence[Pool]) -> Iterator[Html]:
     cells = [summary.cell for summary in findings.summaries]
     problems = {cell.problem.id: cell.problem for cell in cells}
     trials = sum(summary.trials for summary in findings.summaries)
@@ -142,7 +145,6 @@ def _head(findings: Findings) -> Iterator[Html]:
         told = [(key, findings.facts[key]) for key in ASKED if key in findings.facts]
         lines = (tag("li", tag("b", key.capitalize()), f": {text}") for key, text in told)
         yield tag("ul", *lines)
-    by_budget = pools(findings)
     if by_budget:
         # The last is that of the whole budget.
         yield tag("div", *verdict(findings, by_budget[-1]), class_="verdict")
@@ -150,7 +152,7 @@ def _head(findings: Findings) -> Iterator[Html]:
             yield tag("p", OF_ITS_OWN[INSIDER], class_="quiet")
 
 
-def _choices(findings: Findings) -> Iterator[Html]:
+def _choices(findings: Findings, by_budget: Sequence[Pool]) -> Iterator[Html]:
     marks = findings.scale.marks
     headers = ("model", "data", *(f"{mark} evaluations" for mark in marks))
     by_problem: dict[int, list[OptimiserChoice]] = {}
@@ -158,8 +160,8 @@ def _choices(findings: Findings) -> Iterator[Html]:
         by_problem.setdefault(choice.race.problem.id, []).append(choice)
     rows = []
     # A ranking takes two optimisers.
-    if findings.rankings:
-        rows.append(_all_problems(findings))
+    if by_budget:
+        rows.append(_all_problems(findings, by_budget))
     # Marked in every cell: an optimiser with gradients needs a model that has them.
     graded = with_gradients(findings)
     for choices in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
@@ -192,10 +194,10 @@ def _data(findings: Findings, problem: ProblemRow) -> str:
     return problem.dataset
 
 
-def _all_problems(findings: Findings) -> tuple[str, ...]:
+def _all_problems(findings: Findings, by_budget: Sequence[Pool]) -> tuple[str, ...]:
     graded = with_gradients(findings)
     cells = []
-    for pool in pools(findings):
+    for pool in by_budget:
         certainty = pool.ranking.doubt or _alike(pool.alike)
         cells.append(
             _cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded)

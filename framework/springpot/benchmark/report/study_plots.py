@@ -281,11 +281,13 @@ def _pool(findings: Findings, ranking: MeanRanks) -> Pool:
     for name in names:
         i = ranking.labels.index(name)
         # A target reached after this budget is not reached for one who can afford no more.
-        hits = [np.where(race.hits[i] <= budget, race.hits[i], np.inf) for race in findings.races]
-        spent = np.minimum(np.concatenate([race.spent[i] for race in findings.races]), budget)
+        each = [race.of_one(i, "hits") for race in findings.races]
+        hits = [np.where(own <= budget, own, np.inf) for own in each]
+        spent = np.concatenate([race.of_one(i, "spent") for race in findings.races])
         share = wilson_over(hits)
         assert share is not None
-        costs[name], shares[name] = expected_running_time(np.concatenate(hits), spent), share
+        paid = np.minimum(spent, budget)
+        costs[name], shares[name] = expected_running_time(np.concatenate(hits), paid), share
     # Among those that are alike the cost decides.
     first, *others = sorted(names, key=lambda name: costs[name])
     return Pool(ranking, first, shares[first], costs[first], tuple(others))
