@@ -120,6 +120,16 @@ def test_median_counts_misses_as_the_largest():
     assert s.median(np.array([])) is None
 
 
+def test_medians_of_rows_are_those_of_what_is_known_in_each(rng):
+    rows = rng.random((40, 9))
+    rows[rng.random(rows.shape) < 0.4] = np.nan
+    rows[rng.random(rows.shape) < 0.3] = INF
+    rows[0] = np.nan
+    assert s.medians(rows) == [s.median(row[~np.isnan(row)]) for row in rows]
+    assert s.medians(rows)[0] is None
+    assert s.medians(np.empty((2, 0))) == [None, None]
+
+
 def test_ecdf_never_counts_a_miss():
     times = np.array([[1.0, INF], [2.0, 3.0]])
     assert s.ecdf(times, np.array([0.5, 1, 2.5, 1e300])).tolist() == [0, 0.25, 0.5, 0.75]

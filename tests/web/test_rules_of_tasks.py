@@ -232,3 +232,16 @@ def test_a_cell_shows_a_page_where_a_kernel_runs_and_has_the_extra(
     imported = SimpleNamespace(running_in_notebook=lambda: False)
     monkeypatch.setitem(sys.modules, "marimo", imported)
     assert launch._in_notebook() is (kernel == "ipykernel" and extra)
+
+
+def test_a_column_of_words_that_was_split_is_drawn_by_its_levels():
+    """What the answer offers, a factor for each bush of its own, is drawn once it is accepted."""
+    omega = np.tile(np.geomspace(1.0, 50.0, 6), 2)
+    stiff = np.repeat([1.0, 1.3], 6) * (40.0 + 3j * omega)
+    data = Measurement(omega, stiff, labels={"bush": np.repeat(["left", "right"], 6)})
+    state = State("0" * 64, "kelvin", ("free-vertical-shift:bush",))
+    (seen,) = trying.leveled(state, [data])
+    assert seen.conditions["bush"].tolist() == 6 * [1.0] + 6 * [2.0]
+    assert trying.bound(state, data).names[-1] == "free-vertical-shift:bush.b_2"
+    drawn = trying.scene_of(state, data).points.need("bush")
+    assert set(drawn.tolist()) == {1.0, 2.0}

@@ -33,7 +33,7 @@ from .statistics import (
     a12_table,
     bands,
     data_profile,
-    expected_running_time,
+    expected_running_times,
     friedman,
     least_mann_whitney,
     least_signed_rank,
@@ -232,7 +232,7 @@ def score_cell(
         attained=reached / len(trials) / len(scale.targets),
         curve=bands(along),
         clean=_clean(trials, scale),
-        dimension=next((len(trials[int(i)].theta) for i in np.flatnonzero(~dead)), 0),
+        dimension=trials.parameters(np.flatnonzero(~dead)),
         area=area,
     )
 
@@ -461,12 +461,7 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
     # As if the race had ended at this budget: what was reached later did not happen yet.
     hits = race.hits
     hits[hits > budget] = np.inf
-    times = np.array(
-        [
-            expected_running_time(*pair)
-            for pair in zip(hits, np.minimum(race.spent, budget), strict=True)
-        ]
-    )
+    times = expected_running_times(hits, np.minimum(race.spent, budget))
     best = int(np.argmin(ranks))
     others = [i for i in range(len(ranks)) if i != best]
     p = mann_whitney_holm(reached)[best]

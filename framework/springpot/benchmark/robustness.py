@@ -234,7 +234,7 @@ def _joined(cells: Sequence[CellScores], name: str) -> Real:
 
 def _median(values: Real) -> float | None:
     """Of those that are known; a failed trial counts as infinite."""
-    return median(values[~np.isnan(values)])
+    return median(values)
 
 
 def _mean(values: Real) -> float | None:

@@ -113,9 +113,9 @@ def expected_running_time(hits: Real, spent: Real) -> float:
 
     Parameters
     ----------
-    hits : ndarray, shape (..., n)
+    hits : ndarray, shape (n,)
         Hitting times, infinite where missed.
-    spent : ndarray, shape (..., n)
+    spent : ndarray, shape (n,)
         Evaluations of each trial.
 
     Returns
@@ -123,11 +123,15 @@ def expected_running_time(hits: Real, spent: Real) -> float:
     float
         Infinite without a success (Hansen et al. 2021, doi:10.1080/10556788.2020.1808977).
     """
+    return float(expected_running_times(hits, spent))
+
+
+def expected_running_times(hits: Real, spent: Real) -> Real:
+    """`expected_running_time` of each row of hits (..., n) and evaluations (..., n)."""
     success = np.isfinite(hits)
-    count = int(success.sum())
-    if not count:
-        return inf
-    return float(np.where(success, hits, spent).sum() / count)
+    total, counts = np.where(success, hits, spent).sum(axis=-1), success.sum(axis=-1)
+    times: Real = np.divide(total, counts, out=np.full(counts.shape, inf), where=counts > 0)
+    return times
 
 
 def running_time_interval(
@@ -158,14 +162,25 @@ def running_time_interval(
 
 def median(values: Real) -> float | None:
     """Median in which infinite values count as the largest; None of nothing."""
-    if len(values) == 0:
-        return None
-    ordered = np.sort(values)
-    low, high = ordered[(len(values) - 1) // 2], ordered[len(values) // 2]
-    # Two infinities have no mean.
-    if low == high:
-        return float(low)
-    return float(0.5 * (low + high))
+    return medians(values[None])[0]
+
+
+def medians(rows: Real) -> list[float | None]:
+    """Median of what is known of each row (k, n); NaN is not.
+
+    Infinite values count as the largest; None where nothing is known.
+    """
+    # NaN is sorted behind infinity: what is known comes first.
+    ordered, known = np.sort(rows, axis=1), (~np.isnan(rows)).sum(axis=1)
+    found: list[float | None] = []
+    for row, count in zip(ordered, known.tolist(), strict=True):
+        if not count:
+            found.append(None)
+            continue
+        low, high = row[(count - 1) // 2], row[count // 2]
+        # Two infinities have no mean.
+        found.append(float(low) if low == high else float(0.5 * (low + high)))
+    return found
 
 
 def ecdf(times: Real, grid: Real) -> Real:

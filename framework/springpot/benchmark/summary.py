@@ -29,7 +29,7 @@ from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 
 from .plan import stream_of
-from .statistics import Interval, median, running_time_interval, wilson
+from .statistics import Interval, median, medians, running_time_interval, wilson
 from .study import Study
 from .traces import unpack, unpack_values
 from .trial import Status, TrialResult
@@ -245,6 +245,11 @@ class CellTrials(Sequence[TrialRow]):
             self._numbers[name] = np.array(self.column(name), dtype=float)
         return self._numbers[name]
 
+    def parameters(self, which: NDArray[np.int64]) -> int:
+        """How many parameters the first of some trials has, zero without one."""
+        texts = self.column("theta")
+        return next((len(json.loads(texts[i] or "{}")) for i in which.tolist()), 0)
+
     @cached_property
     def failed(self) -> NDArray[np.bool_]:
         """Which trials came to nothing (n,)."""
@@ -311,19 +316,16 @@ def summarise_cell(cell: CellRow, trials: CellTrials, hits: Real, accuracy: floa
     rng = np.random.default_rng(
         stream_of(0, "bootstrap", problem.dataset, problem.model, problem.objective, cell.label)
     )
-
-    def of_sound(name: str) -> Real:
-        """Those known of trials that came to something.
-
-        What failed is in the rates and running times, where it counts in full.
-        """
-        return _known(trials.numbers(name)[~trials.failed])
-
     reasons = zip(trials.column("status"), trials.column("reason"), strict=True)
-    errors, accurate = of_sound("parameter_error"), None
+    sound = ~trials.failed
+    # What failed is in the rates and running times, where it counts in full.
+    columns = [*(trials.numbers(name) for name in _TYPICAL), _each(trials)]
+    typical = dict(zip((*_TYPICAL, "each"), medians(np.array(columns)[:, sound]), strict=True))
+    accurate = None
     # Without true parameters nothing can be said of those that were found.
     if problem.known is not None:
-        accurate = wilson(int((errors <= accuracy).sum()), len(trials))
+        within = trials.numbers("parameter_error")[sound] <= accuracy
+        accurate = wilson(int(within.sum()), len(trials))
     return CellSummary(
         cell,
         trials=len(trials),
@@ -332,26 +334,21 @@ def summarise_cell(cell: CellRow, trials: CellTrials, hits: Real, accuracy: floa
         to_target=median(hits),
         running_time=running_time_interval(hits, spent, rng),
         accurate=accurate,
-        parameter_error=median(errors),
-        best=median(of_sound("best")),
-        oracle=median(of_sound("oracle")),
-        evaluations=median(of_sound("evaluations")),
-        gradients=median(of_sound("gradients")),
-        processor=median(of_sound("processor")),
-        each=median(_known(_each(trials)[~trials.failed])),
-        processor_batched=median(of_sound("processor_batched")),
         reasons=Counter(compress(reasons, trials.failed)),
+        **typical,
     )
 
 
-def _known(values: Real) -> Real:
-    """Those of `values` (n,) that are numbers."""
-    return values[~np.isnan(values)]
+_TYPICAL = (
+    *("parameter_error", "best", "oracle", "evaluations", "gradients"),
+    *("processor", "processor_batched"),
+)
+"""Columns of whose numbers a summary has the median."""
 
 
 def median_of(values: Sequence[float | None]) -> float | None:
     """Median of those that are known; None where none is."""
-    return median(_known(np.array(values, dtype=float)))
+    return median(np.array(values, dtype=float))
 
 
 _WHO = ("data set", "model", "objective", "optimiser")

@@ -60,7 +60,12 @@ def model_and_tests(state: State, tests: Sequence[Test]) -> tuple[Model, list[Te
 
 def leveled(state: State, tests: Sequence[Test]) -> Sequence[Test]:
     """The tests as the model of a state sees them."""
-    return model_and_tests(state, tests)[1] if state.options else tests
+    return model_and_tests(state, tests)[1] if _has_levels(state) else tests
+
+
+def _has_levels(state: State) -> bool:
+    """Whether a model may have levels of a column, as of a parameter or of ``EFFECT:COLUMN``."""
+    return bool(state.options) or ":" in state.expression
 
 
 def scene_of(state: State, data: Opened) -> DrawnTests:
@@ -72,7 +77,7 @@ def scene_of(state: State, data: Opened) -> DrawnTests:
         order = sorted(range(len(data.tests)), key=lambda i: data.tests[i].name not in there)
         first = leveled(state, [data.tests[i] for i in order])
         return TimeScene([first[order.index(i)] for i in range(len(order))], used)
-    if not state.options:
+    if not _has_levels(state):
         return PageScene(data)
     [few], [seen] = leveled(state, [kept(data, state.excluded)]), leveled(state, [data])
     assert isinstance(seen, Measurement)

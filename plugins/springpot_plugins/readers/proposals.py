@@ -49,6 +49,8 @@ _STIFF = re.compile(
     r"\A(?-i:[Kkc])(?:dyn|[a-z]?(?![a-z]))|stiff|steif|raideur|rigid|spring|feder", re.IGNORECASE
 )
 """Names of a stiffness; a modulus is nearly always in Pa."""
+_MOVED = re.compile(r"disp|weg|deflect|stroke|deplac|déplac|desplaz|spost|verschieb", re.IGNORECASE)
+"""Names of an amplitude that is a length, and no strain."""
 _MODULUS = re.compile(
     rf"{_STIFF.pattern}|\A(?-i:[GEM])[a-z]?(?![a-z])|modul|storage|loss|speicher|verlust",
     re.IGNORECASE,
@@ -287,6 +289,8 @@ def usual_unit(role: str, title: str) -> str:
     """The unit to write in an example for a column of that title."""
     if role in ("storage", "loss", "magnitude") and _STIFF.search(title):
         return "N/mm"
+    if role == "amplitude" and _MOVED.search(title):
+        return "mm"
     return USUAL.get(role, next(iter(UNITS.get(role, {"UNIT": 1.0}))))
 
 

@@ -166,8 +166,13 @@ def test_of_volts_a_newton_is_offered_to_the_force_alone(tmp_path):
     head = "f [Hz],force amplitude [V],displacement amplitude [V],phase [rad]"
     one = np.ones(len(OMEGA))
     path = table(tmp_path, head, OMEGA, np.abs(K), one, np.angle(K))
-    with pytest.raises(DataError, match=r"if it is N, open '.*[?]force_amplitude=N'$"):
+    with pytest.raises(DataError, match=r"if it is N, open '.*[?]force_amplitude=N'$") as told:
         springpot.read(path)
+    way = str(told.value).rpartition("open '")[2].rstrip("'")
+    with pytest.raises(DataError, match=r"if it is mm, open '") as told:
+        springpot.read(way)
+    data = springpot.read(str(told.value).rpartition("open '")[2].rstrip("'"))
+    assert (data.units.stiffness, data.units.amplitude) == ("N/mm", "mm")
 
 
 def test_a_torque_over_an_angle_is_a_stiffness(tmp_path):
