@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from springpot.errors import ModelError
 from springpot.identification.result import Identification
 from springpot.registry import parse_model
 from springpot.timetests import diagnosis, screening
@@ -117,3 +118,14 @@ def test_what_helps_less_than_an_explanation_is_sought_from_the_data(
     assert [next(name for name in one if name.endswith(".size")) for one in asked] == [
         f"{name}.size" for name in sought
     ]
+
+
+def test_an_effect_to_which_the_exact_response_is_no_number_does_not_lead(monkeypatch):
+    """It stood first of all, and none of the others was fitted exactly."""
+    search = SimpleNamespace(
+        near=lambda parts, begun: (CAUGHT, 1), theta=np.copy, model=MODEL, reference=1.0
+    )
+    left = SimpleNamespace(residuals=[np.array([0.0, np.nan])])
+    monkeypatch.setattr(screening.FitResiduals, "by", lambda *_: left)
+    with pytest.raises(ModelError, match="maxwell cannot be followed"):
+        screening._near_fit(TESTS, tried("basset", 1.0).effect, search, [], [])
