@@ -257,6 +257,18 @@ def test_trials_are_kept_once(drawn):
     assert not each.oracles.size
 
 
+def test_trials_of_a_problem_are_ranked_once_at_each_budget(drawn, monkeypatch):
+    """Though its choice, every ranking that holds it and its sensitivity ask for their ranks."""
+    with Store(drawn) as store:
+        findings = Findings.of(store)
+    made, ranks = [], comparison.pooled_ranks
+    monkeypatch.setattr(comparison, "pooled_ranks", lambda v: made.append(1) or ranks(v))
+    for _ in tables_of(findings, TABLES):
+        pass
+    assert len(findings.races) > 1
+    assert len(made) == len(findings.races) * len(findings.scale.marks)
+
+
 def test_a_problem_that_somebody_has_not_tried_is_left_out():
     full = race(0, {"a": np.zeros(3), "b": np.ones(3)})
     half = race(1, {"a": np.zeros(3), "b": np.ones(3)})

@@ -324,6 +324,15 @@ class ProblemRace:
 
     problem: ProblemRow
     cells: tuple[CellScores, ...]
+    _ranks: dict[tuple[int, float], Real] = field(default_factory=dict, init=False, repr=False)
+
+    def mean_ranks(self, mark: int, target: float) -> Real:
+        """Mean ranks (entrants,) of what the trials had reached at a mark, all of them together."""
+        # The choice asks for them, each ranking that holds the problem, and its sensitivity.
+        if (mark, target) not in self._ranks:
+            ranks = pooled_ranks(quality(self, mark, target)).mean(axis=1)
+            self._ranks[mark, target] = ranks
+        return self._ranks[mark, target]
 
     @cached_property
     def shared(self) -> list[NDArray[np.bool_] | slice]:
@@ -462,7 +471,7 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
     """The choice for one problem at one mark."""
     budget, reached = scale.marks[mark], quality(race, mark, scale.target)
     # By ranks, not means: a single failed trial has an infinite excess, which would decide alone.
-    ranks = pooled_ranks(reached).mean(axis=1)
+    ranks = race.mean_ranks(mark, scale.target)
     # As if the race had ended at this budget: what was reached later did not happen yet.
     hits = race.hits
     hits[hits > budget] = np.inf
@@ -642,7 +651,7 @@ def rankings(races: Sequence[ProblemRace], scale: JudgingScale) -> list[MeanRank
 
 def rank_blocks(races: Sequence[ProblemRace], mark: int, target: float) -> Real:
     """Mean ranks of each problem's trials at a mark, (problems, entrants)."""
-    return np.stack([pooled_ranks(quality(race, mark, target)).mean(axis=1) for race in races])
+    return np.stack([race.mean_ranks(mark, target) for race in races])
 
 
 def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScale) -> MeanRanks:

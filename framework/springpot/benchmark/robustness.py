@@ -120,7 +120,7 @@ class WithoutSome:
 def without_each(races: Sequence[ProblemRace], scale: JudgingScale) -> Iterator[WithoutSome]:
     """The ranking at the whole budget: of all, then without each problem and without each model."""
     # What another problem ranks moves no rank within this one.
-    ranks = ranked(rank_blocks(races, -1, scale.target))
+    ranks = ranked(rank_blocks(races, len(scale.marks) - 1, scale.target))
     yield WithoutSome("", ranks.mean(axis=0))
     if len(races) < 2:
         return

@@ -363,7 +363,8 @@ def mann_whitney_holm(values: Real) -> Real:
     counts, wins = _wins(values)
     ahead = np.abs((wins - 0.5 * n * n)[first, second])
     # Of t tied values t^3 - t is lost, t being the sum of two counts.
-    cubes, squares = (counts**3).sum(axis=1), counts**2 @ counts.T
+    squares = counts * counts
+    cubes, squares = (squares * counts).sum(axis=1), squares @ counts.T
     tied = cubes[first] + cubes[second] + 3.0 * (squares + squares.T)[first, second] - 2.0 * n
     variance = n * n / 12.0 * (2 * n + 1 - tied / (2 * n * (2 * n - 1)))
     # Where all values are one nothing differs.
@@ -483,8 +484,10 @@ def _wins(values: Real) -> tuple[Real, Real]:
     """
     # Infinity is a value like others.
     ranks = np.unique(values, return_inverse=True)[1].reshape(values.shape)
-    levels = int(ranks.max()) + 1
-    counts = np.stack([np.bincount(row, minlength=levels) for row in ranks]).astype(float)
+    rows, levels = np.arange(len(ranks))[:, None], int(ranks.max()) + 1
+    # Each row's levels behind those of the row before: all are counted at once.
+    cells = (ranks + levels * rows).ravel()
+    counts = np.bincount(cells, minlength=rows.size * levels).reshape(-1, levels).astype(float)
     below = np.cumsum(counts, axis=1) - 0.5 * counts
     return counts, below @ counts.T
 
