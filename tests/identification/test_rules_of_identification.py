@@ -66,3 +66,13 @@ def test_a_line_is_tried_where_one_would_explain_most():
     slopes = (columns @ left.conj()).real / np.sqrt((np.abs(columns) ** 2).sum(1))
     assert np.abs(tops - tried[np.argmax(slopes)]).min() < 0.2 * FINE
     assert np.abs(tops - np.log(rate)).min() < FINE
+
+
+def test_where_no_lattice_can_stand_no_line_is_tried(monkeypatch):
+    """A search ended in an IndexError there, of given lines at a setting too far for others."""
+    data = springpot.Measurement(OMEGA, 2.0 + 0.5j * OMEGA)
+    search = SpectrumSearch.of(springpot.parse_model("material"), data, relative_objective())
+    monkeypatch.setattr(search, "lattice", lambda own: np.zeros(0))
+    trial = Trial(np.zeros(0), np.zeros(1), np.array([2.0, 0.5, 0.1]), 1.0)
+    assert len(search._promising(trial)) == 0
+    assert search.nearest(trial).cost < 1e-9

@@ -480,8 +480,11 @@ class SpectrumSearch:
 
     def _promising(self, trial: Trial) -> Real:
         """Logarithms of rates, between those of a fine grid, where a line would explain most."""
-        ends = self.lattice(self.theta_of(trial.u))[[0, -1]]
-        grid = np.arange(ends[0], ends[1], FINE)
+        lattice = self.lattice(self.theta_of(trial.u))
+        # Lines that were given may stand where settings are too far for any to be asked.
+        if not len(lattice):
+            return lattice
+        grid = np.arange(lattice[0], lattice[-1], FINE)
         rates = np.concatenate([trial.log_rates, grid])
         weights = np.concatenate([trial.weights, np.zeros(len(grid))])
         response = self.respond(replace(trial, log_rates=rates, weights=weights))

@@ -95,11 +95,13 @@ def left_by_screening(
     is said of those alone that were fitted.
     """
     best = min([before, *(each.left for each in nearly)], key=bic_of)
-    # By few samples several times the noise is no plain misfit yet, and explained it is not either.
-    if not best.doubtful:
-        return []
     fitted = {each.effect.name for each in nearly}
-    return [each for each in _by_rig(entries) if each[0].effect.name not in fitted]
+    others = [each for each in _by_rig(entries) if each[0].effect.name not in fitted]
+    # By few samples several times the noise is no plain misfit yet, and explained it is not either.
+    if best.doubtful:
+        return others
+    # What explains them by more parameters may be a simpler effect at an end of its range.
+    return [each for each in others if before.count + len(each[0].values) < best.count]
 
 
 def _by_rig(entries: dict[str, list[ScanEntry]]) -> list[list[ScanEntry]]:
