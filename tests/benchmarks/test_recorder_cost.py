@@ -56,7 +56,8 @@ def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
         return 1.0
 
     # With a free objective, so that no small difference of two long times has to be taken.
-    nothing = SimpleNamespace(space=problem.space, evaluate=free)
+    box = {"lower": problem.lower, "upper": problem.upper, "space": problem.space}
+    nothing = SimpleNamespace(**box, evaluate=free)
     recorders = [Recorder(one, 10**9) for one in (nothing, problem)]
     calls = [free, *recorders, lambda y: np.minimum(np.maximum(y, low), high), problem.evaluate]
     chunk = 50
