@@ -13,7 +13,7 @@ from patience import patient
 
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model
-from springpot.rheology.rational import Rational
+from springpot.rheology.rational import Lines, Rational
 from springpot.rheology.terms import driven
 from springpot.timetests import identify
 
@@ -111,7 +111,8 @@ def test_the_compliance_of_forty_lines_costs_a_few_eigenvalue_problems():
     rng = np.random.default_rng(3)
     rates, weights = np.geomspace(1e-6, 1e6, 40), rng.uniform(0.5, 1.5, 40)
     slopes = np.zeros((40, 1))
-    of = Rational(np.ones(2), rates, weights, np.zeros((2, 1)), slopes, slopes)
+    lines = Lines(rates, weights, slopes, slopes)
+    of = Rational(np.array([1.0, 1.0, 0.0]), np.zeros((3, 1)), lines)
     matrix = rng.normal(size=(40, 40))
     matrix = matrix @ matrix.T
 

@@ -6,7 +6,7 @@ carry something beside another size of the effect. Neither shows in the slopes a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -357,7 +357,7 @@ def _ends_beside_lines(known: Uncertainty) -> list[tuple[float, float]]:
     around = Tangent.of(by_own, RANK)
     columns, target = around.left(columns), around.left(target)
     rise = allowed_cost(known) - fit.cost
-    return [ends_of_amount(columns, target, i, known.widening(i) * rise) for i in (0, 1)]
+    return ends_of_amounts(columns, target, [known.widening(i) * rise for i in (0, 1)])
 
 
 def profile_beside_material(
@@ -418,8 +418,10 @@ def profile_beside_material(
     return ends[0], ends[1]
 
 
-def ends_of_amount(columns: Real, target: Real, i: int, rise: float) -> tuple[float, float]:
-    """Interval of the weight of one column, all others solved anew without any below zero.
+def ends_of_amounts(
+    columns: Real, target: Real, rises: Sequence[float]
+) -> list[tuple[float, float]]:
+    """Intervals of the weights of the first columns, all others solved anew, none below zero.
 
     The least sum of squares is convex in what is held.
 
@@ -429,33 +431,45 @@ def ends_of_amount(columns: Real, target: Real, i: int, rise: float) -> tuple[fl
         What spring, dashpot and lines make of one unit each, in standard deviations.
     target : ndarray, shape (m,)
         What they should make together.
-    i : int
-        Number of the column.
-    rise : float
-        Of the sum of squares, at the ends of the interval.
+    rises : sequence of float
+        Of the sum of squares, at the ends of each interval.
 
     Returns
     -------
-    low, high : float
+    list of tuple of float
         Zero, or infinity, where it never rises so far.
     """
-    from scipy.optimize import brentq  # loading the plugins must not take its time
-
     whole: Real = np.array(np.linalg.qr(np.column_stack([columns, target]), mode="r"))
     columns, target = whole[:, :-1], whole[:, -1]
     weights, least = non_negative(columns, target)
+    return [
+        _ends_of_amount(columns, target, i, float(weights[i]), (least, rise))
+        for i, rise in enumerate(rises)
+    ]
+
+
+def _ends_of_amount(
+    columns: Real, target: Real, i: int, best: float, squares: tuple[float, float]
+) -> tuple[float, float]:
+    """That of weight i; `squares`: what is left at its best, and by how much it may rise."""
+    from scipy.optimize import brentq  # loading the plugins must not take its time
+
     others, size = np.delete(columns, i, axis=1), float(np.linalg.norm(columns[:, i]))
     if not size > 0.0:
         return 0.0, float("inf")
+    least, reach = squares[0], float(np.sqrt(squares[1]))
 
     def above(amount: float) -> float:
-        return non_negative(others, target - columns[:, i] * amount)[1] - least - rise
+        """Deviations beyond the end, nearly a straight line along the way."""
+        left = non_negative(others, target - columns[:, i] * amount)[1]
+        return float(np.sqrt(max(left - least, 0.0))) - reach
 
     def end(outer: float) -> float:
-        return float(brentq(above, weights[i], outer, xtol=PRINTED * max(weights[i], outer)))
+        # Of an end two digits of its distance are printed.
+        return float(brentq(above, best, outer, xtol=np.sqrt(PRINTED) * abs(outer - best)))
 
-    low = end(0.0) if weights[i] > 0.0 and above(0.0) > 0.0 else 0.0
-    outer = float(weights[i]) + np.sqrt(rise) / size
+    low = end(0.0) if best > 0.0 and above(0.0) > 0.0 else 0.0
+    outer = best + reach / size
     for _ in range(MOST_STEPS):
         if above(outer) > 0.0:
             return low, end(outer)

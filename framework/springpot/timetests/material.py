@@ -21,7 +21,7 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.convex import SPACINGS, ConvexSpectrum, lattice, shown_by
-from springpot.identification.held_material import ends_of_amount
+from springpot.identification.held_material import ends_of_amounts
 from springpot.identification.leastsquares import REACH
 from springpot.identification.material import STILL, is_material
 from springpot.identification.material_fit import KEPT
@@ -197,7 +197,7 @@ def ends_of_material(
     value, by_weights, by_u = search.slopes(search.weights, around.u(own.copy(), search.size))
     columns = _beside(by_u, by_weights)
     target = _beside(by_u, by_weights @ search.weights - value)
-    low, high = np.array([ends_of_amount(columns, target, i, quantile**2) for i in (0, 1)]).T
+    low, high = np.array(ends_of_amounts(columns, target, 2 * [quantile**2])).T
     return low, high
 
 
