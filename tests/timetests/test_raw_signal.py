@@ -182,13 +182,3 @@ def test_a_limit_that_nothing_reaches_has_no_size():
         [found] = diagnose(record(seed=seed), MODEL, clipping).candidates
         assert found.verdict == "absent"
         assert found.parameters == {}
-
-
-def test_the_peak_of_a_relaxation_may_have_been_beyond_a_limit():
-    """`thermal-force` was named, as limits were sought in motions alone."""
-    t, noise = np.linspace(0.0, 100.0, 150), np.random.default_rng(3).normal(size=150)
-    force = np.minimum(1.0 + 1.5 * np.exp(-t / 20.0), 2.1)
-    record = TimeTest.of_history(t, np.ones(150), force + 0.005 * noise, "mm", "N")
-    effects = [plugins().effect(name) for name in ("force-clipping", "thermal-force")]
-    found = diagnose(record, parse_model("zener"), effects)
-    assert (found.verdict, found.leading) == ("effect-missing", ("force-clipping",))

@@ -134,7 +134,9 @@ def _beside_a_spring(test: TimeTest) -> bool:
 def _level(test: TimeTest) -> bool:
     """Whether the largest responses are alike: several samples lie near the largest."""
     size = _sizes(test)
-    return bool(np.count_nonzero(size > NEAR_TOP * size.max()) >= SEVERAL)
+    return test.kind in ("history", "recovery", "startup") and bool(
+        np.count_nonzero(size > NEAR_TOP * size.max()) >= SEVERAL
+    )
 
 
 QUICKEST = 1.0
