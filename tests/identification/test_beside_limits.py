@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.errors import ModelError
+from springpot.timetests.exponentials import QuickPart
 
 MODEL = springpot.parse_model("zener")
 TRUE = MODEL.theta(k1=200.0, k2=300.0, c=30.0)
@@ -52,3 +54,14 @@ def test_in_time_what_the_tests_tell_keeps_its_interval():
     """That of its slopes: by the same factor either way."""
     fit = springpot.identify(half_a_swing(1), "kelvin")
     assert fit.low * fit.high == pytest.approx(fit.theta**2, rel=1e-9)
+
+
+def test_in_time_where_many_cannot_be_answered_at_once_each_is_asked(monkeypatch):
+    def refused(*_):
+        raise ModelError("one of them is out of reach")
+        yield
+
+    fit = springpot.identify(half_a_swing(1), "kelvin")
+    monkeypatch.setattr(QuickPart, "nearly", refused)
+    again = springpot.identify(half_a_swing(1), "kelvin")
+    assert np.array_equal([fit.low, fit.high], [again.low, again.high])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -134,8 +135,10 @@ class _Valley:
     def _answers(self, part: TestPart, theta: Real) -> Iterator[Residual]:
         model, reference = self.search.model, self.search.reference
         if isinstance(part, QuickPart):
-            yield from part.nearly(model, theta, reference, range(theta.shape[1]))
-            return
+            # Where one of them cannot be answered at all, each is asked by itself.
+            with suppress(SpringpotError):
+                yield from list(part.nearly(model, theta, reference, range(theta.shape[1])))
+                return
         count = part.count()
         for one in theta:
             try:
