@@ -104,8 +104,7 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     course, said = without_noise(
         loading.time, value, response, course, parts, "along straight lines"
     )
-    # What scatters by more than all lines together go along none.
-    if not said or rms(value - course) > float(np.std(course)):
+    if not said:
         return loading, {}
     return replace(loading, value=course), said
 

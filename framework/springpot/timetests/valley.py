@@ -184,10 +184,9 @@ class _Valley:
 
     def _bent(self, result: Identification) -> bool:
         """Whether to the ends of an interval the objective rises otherwise than by its slopes."""
-        at, log = self.search.coordinates, self.search.coordinates.log
-        low, high = result.low, result.high
-        rows = np.flatnonzero(np.isfinite(high - low) & ~(log & (high > LOST * low)))
-        reach = np.diff(at.u(np.array([low, high]), self.search.size), axis=0)[0, rows] / 2.0
+        at, low, high = self.search.coordinates, result.low, result.high
+        rows = np.flatnonzero(np.isfinite(high - low) & ~(at.log & (high > LOST * low)))
+        reach = self._reach(result)[rows]
         _, [slopes] = self.plainly(self.u[None], np.arange(1))
         covariance = inverse_of(slopes @ slopes.T)
         steps = covariance[rows] * (reach / np.diag(covariance)[rows])[:, None]
@@ -196,17 +195,17 @@ class _Valley:
     def profiled(self, result: Identification) -> list[Profile]:
         """Of each parameter: ends where the objective has risen by the quantile's square."""
         quantile, cost = self.quantile, float(np.sum(self.left**2))
+        steps = (self._reach(result) / quantile).tolist()
         return [
-            path.profile(self._step(result, path.i, quantile), cost, quantile**2)
-            for path in self.paths()
+            path.profile(step, cost, quantile**2)
+            for path, step in zip(self.paths(), steps, strict=True)
         ]
 
-    def _step(self, result: Identification, i: int, quantile: float) -> float:
-        """A standard deviation of coordinate i by the slopes."""
-        low, high = self.search.coordinates.u(
-            np.array([result.low, result.high]), self.search.size
-        )[:, i]
-        return float(0.5 * (high - low) / quantile)
+    def _reach(self, result: Identification) -> Real:
+        """Half of each interval by the slopes, in coordinates (p,)."""
+        ends = self.search.coordinates.u(np.array([result.low, result.high]), self.search.size)
+        half: Real = 0.5 * (ends[1] - ends[0])
+        return half
 
     def simulated(self, rng: np.random.Generator) -> Real:
         """Quantiles (2, p) of fits to tests that the model has given, with their noise."""
