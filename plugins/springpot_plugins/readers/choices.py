@@ -246,12 +246,13 @@ def as_said(heading_: Heading, meaning: str, words: Vocabulary) -> Heading:
     require_word(meaning)
     role = _role(name, words)
     if role is None and name not in ("ignore", "none"):
-        roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, amplitude, repeat"
+        roles = (
+            "omega, frequency, storage, loss, magnitude, phase, loss_factor, amplitude, repeat,"
+            " temperature"
+        )
         if words is not SWEEPS:
             roles = ", ".join(words.units)
-        raise DataError(
-            f"'{meaning:.40}' is neither a unit nor one of {roles}, temperature, ignore"
-        )
+        raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
     if role is None:
         # Without a name it is no further condition either.
         name = ""
