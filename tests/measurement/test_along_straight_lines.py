@@ -94,6 +94,6 @@ def test_of_short_lines_the_force_was_imposed_too(side):
 
 
 def test_a_triangle_without_noise_was_a_command_however_short_its_lines():
-    time, line, answer = triangle_and_answer(10.6)
+    time, line, answer = triangle_and_answer(10.87312)
     noise = 0.005 * np.random.default_rng(1).normal(size=150)
     assert controlled(time, answer + noise, np.round(line, 6))[0] == "force"
