@@ -264,7 +264,9 @@ def test_where_few_samples_are_small_noise_is_not_told_to_vanish():
 
 def test_what_dies_away_behind_each_step_of_a_load_is_no_noise_with_a_memory():
     noise = np.random.default_rng(3).normal(size=60)
-    missed = noise + np.outer([-200.0, 300.0, 400.0, -250.0], 1.0 / np.arange(1.0, 16.0)).ravel()
+    missed = (
+        noise + np.outer([-1000.0, 1500.0, 2000.0, -1200.0], 1.0 / np.arange(1.0, 16.0)).ravel()
+    )
     steps = Imposed((0, 0), False, 0.0, None, (0, 15, 30, 45))
     nothing = np.zeros((0, 60))
     assert not scatter_of_record(missed, nothing, steps._replace(steps=()), 0.0).misfit

@@ -764,9 +764,11 @@ def step_test(residual: Real, steps: Sequence[int]) -> tuple[float, Real]:
     # Bends of neighbours share two samples: of white noise their sizes are correlated by 0.41.
     alike = 1.0 + 2.0 * 0.41 * (1.0 - 1.0 / LEVEL)
     score = (float(above.sum()) - 0.5 * k * m) / np.sqrt(alike * k * m * (k + m + 1.0) / 12.0)
-    for first, last in pairwise(sorted({0, *steps, *(row + 1 for row in steps if row), n})):
+    for row, last in pairwise([*steps, n]):
+        first = min(row + 1, last) if row else row
+        calm[row:first] = 0.0
         if last - first >= LEVEL:
-            since = np.arange(1.0, last - first + 1.0)
+            since = np.arange(first, last) - row + 1.0
             dying = np.linalg.qr(np.column_stack([np.ones_like(since), since, 1.0 / since]))[0]
             calm[first:last] = projected_out(residual[first:last], dying)
     return float(normal_sf(score)), calm
