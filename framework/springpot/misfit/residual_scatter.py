@@ -12,7 +12,6 @@ misfit. But noise of the imposed channel is answered by a model and was never fe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -22,7 +21,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view as windows
 from numpy.typing import NDArray
 
-from springpot.distributions import chi2_sf, f_sf, normal_score, normal_sf
+from springpot.distributions import chi2_sf, normal_score, normal_sf
 from springpot.measurement.hum import WIDE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
@@ -39,19 +38,21 @@ from ..numerics import (
     MEDIAN_WORTH,
     NORMAL,
     SMALLEST,
-    non_negative,
     projected_out,
     rms,
 )
 from .coloured_noise import (
     FEWEST as FEWEST_OF_COLOUR,
+    LEVEL,
     SLOWEST,
     UPPER,
     Colour,
     colour_of,
     fisher_test,
     frequencies,
+    motion_test,
     period_test,
+    step_test,
     transformed,
 )
 from .frame import chance_of_squares
@@ -85,8 +86,6 @@ TAILS = 3.0
 further off, and not in the middle of others, is an outlier."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
-LEVEL = 4
-"""Samples on either side of a jump at least: two that are off by chance are none yet."""
 WORTH = 0.15
 """Share of the samples that the median of their differences is worth: by 600 simulated channels of
 100 to 3,000."""
@@ -726,86 +725,3 @@ def powers_of(value: Real, noisy: bool) -> tuple[Real, Real]:
     if noisy:
         return np.stack([place, speed, turning], axis=1), products
     return np.zeros((len(value), 0)), np.column_stack([place, speed, products])
-
-
-def step_test(residual: Real, steps: Sequence[int]) -> tuple[float, Real]:
-    """Chance that noise bends as much behind each step of a load, and what does not (n,).
-
-    Noise does not know when the load stepped. What a model misses of the answers to it, which begin
-    at another height and die away, has the spectrum of noise with a memory. Told by ranks (Mann &
-    Whitney 1947, doi:10.1214/aoms/1177730491), whatever the tails of the noise.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of a record.
-    steps : sequence of int
-        As of `Imposed`.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).normal(size=60)
-    >>> died_away = np.tile(900.0 / np.arange(1.0, 16.0), 4)
-    >>> [round(step_test(each, (0, 15, 30, 45))[0], 4) for each in (noise, noise + died_away)]
-    [0.8791, 0.0]
-    """
-    n, calm = len(residual), residual.copy()
-    behind, others = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
-    for row in steps:
-        # The first sample behind a step tells of its instant alone.
-        others[max(row - 1, 0) : row + 2 + LEVEL] = False
-        behind[row + 2 : row + 2 + LEVEL] = True
-    behind[[0, -1]] = others[[0, -1]] = False
-    bends = np.abs(np.diff(residual, 2, prepend=0.0, append=0.0))
-    k, m = np.count_nonzero(behind), np.count_nonzero(others)
-    if not min(k, m):
-        return 1.0, residual
-    above = np.searchsorted(np.sort(bends[others]), bends[behind])
-    # Bends of neighbours share two samples: of white noise their sizes are correlated by 0.41.
-    alike = 1.0 + 2.0 * 0.41 * (1.0 - 1.0 / LEVEL)
-    score = (float(above.sum()) - 0.5 * k * m) / np.sqrt(alike * k * m * (k + m + 1.0) / 12.0)
-    for row, last in pairwise([*steps, n]):
-        first = min(row + 1, last) if row else row
-        calm[row:first] = 0.0
-        if last - first >= LEVEL:
-            since = np.arange(first, last) - row + 1.0
-            dying = np.linalg.qr(np.column_stack([np.ones_like(since), since, 1.0 / since]))[0]
-            calm[first:last] = projected_out(residual[first:last], dying)
-    return float(normal_sf(score)), calm
-
-
-def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) -> tuple[float, Real]:
-    """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
-
-    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
-    speed is known by them where it varies as quickly as noise.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of a record.
-    spectrum : ndarray, shape (n,)
-        Variance of each number of the noise's cosine transform.
-    of_motion : tuple of ndarray
-        As of `powers_of`.
-    """
-    linear, powers = of_motion[0].shape[1], np.hstack(of_motion)
-    every = np.column_stack([residual, powers])
-    white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
-    basis = np.linalg.qr(white[1:].T)[0]
-    left = projected_out(white[0], basis)
-    # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
-    # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
-    # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of
-    # simulated noise that grows with place or speed four records in a hundred at most are below
-    # .01, and one below .001.
-    squares = np.column_stack([np.ones(len(left)), powers**2])
-    variance = squares @ non_negative(squares, left**2)[0]
-    uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
-    basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
-    followed = (basis.T @ value) ** 2
-    n, count = basis.shape
-    explained = float(np.sum(followed[linear:])) / (count - linear)
-    left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
-    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(f_sf(explained / left, count - linear, n - count)), rest
