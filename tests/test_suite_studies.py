@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import csv
+import html
 import importlib
+import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -219,6 +221,14 @@ def test_a_table_of_a_study_says_first_what_that_asks(script, table):
 
     study = importlib.import_module(script).study
     assert first_of(table) == asked(study, Table("", (), ())).asks
+
+
+@pytest.mark.parametrize("script", ["suite_race", "optimiser_comparison"])
+def test_a_report_of_a_study_says_first_what_that_asks(script):
+    asks = importlib.import_module(script).study.asks
+    report = (Path(STUDIES).parent / "results" / script / "report.html").read_text("utf-8")
+    head = html.unescape(re.sub(r"<[^>]+>", "", report.partition('class="verdict"')[0]))
+    assert all(sentence in head for sentence in asks)
 
 
 def first_of(table):
