@@ -44,6 +44,21 @@ def test_who_overtakes_whom_is_said_at_the_budget_where_it_happens():
     assert found == [(50, 200, "b", "a"), (200, 1000, "c", "a")]
 
 
+@pytest.mark.parametrize(
+    ("places", "spread"),
+    [
+        ([1, 1, 5], [0.5, 1.5, 5]),
+        # What is moved apart may touch the next.
+        ([1, 1, 1.9, 2.6], [0.125, 1.125, 2.125, 3.125]),
+        ([1, 2, 4], [1, 2, 4]),
+    ],
+)
+def test_names_at_the_ranks_do_not_overlap(places, spread):
+    from suite_budgets import apart
+
+    assert apart(places, 1.0) == pytest.approx(spread)
+
+
 def test_every_method_has_as_many_settings_to_try_its_defaults_first():
     import suite_tuned
 
