@@ -270,7 +270,7 @@ def split_in_words(base: Refit, floor: MaterialFloor) -> str:
             f"{could}: a spring, dashpot, springpot or mode is missing,"
             " or an effect that looks like one"
         )
-    # A material may bend to what is none: how much it follows does not say how much of it is missing.
+    # A material bends to what is none: how much it follows does not say how much of it is missing.
     return f"{could}{beside}: what is missing is, at least in part, no part of the material"
 
 
