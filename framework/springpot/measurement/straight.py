@@ -25,7 +25,7 @@ from .rounding import rounding_step
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST
-"""Samples of a line at least, by which its noise is told from a course."""
+"""Samples of a line, or at a level, at least, by which their noise is told from a course."""
 
 
 def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
