@@ -194,8 +194,11 @@ def approximately_fitted(
         # The model's own fit with a trace of the effect is the last seed: an effect that does
         # nothing ends there.
         search = TimeSearch(model, asked.quick, base.reference, seeds, thorough=False)
-        # Without the effect a parameter may have gone where nothing tells the way back.
-        begun = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        # Without the effect a parameter may have gone where nothing tells the way back; the
+        # effect's own are where it was tried.
+        own = np.isin(model.names, base.model.names)
+        *begun, last = search.starts()
+        begun = [*(np.where(own, search.inside(u), u) for u in begun), last]
         # The exact response takes long: it is spent only where more than noise is left to explain,
         # or where most of what passes for noise would go.
         worth = before.misfit or _predicted_gain(entries[0]) >= SEARCH.decisive
