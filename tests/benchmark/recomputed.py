@@ -93,7 +93,8 @@ class Race:
         )
 
     def dimension(self, problem):
-        return max(row["theta"].count(":") for name in self.optimisers
+        # Names of parameters hold colons, too.
+        return max(row["theta"].count('": ') for name in self.optimisers
                    for row in self.cells[*problem, name])  # fmt: skip
 
 
