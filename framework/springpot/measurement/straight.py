@@ -26,6 +26,9 @@ from .imposed import (
 from .rounding import rounding_step
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
+FEWEST = 2 * SHORTEST
+"""Samples at a level, at least, by which their noise is told from a course."""
+
 
 def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
     """The channel (n,) that was imposed, and a note where that is less than plain.
