@@ -101,22 +101,29 @@ class Loading:
         at = np.flatnonzero((np.diff(self.time) == 0.0) & (np.diff(self.value) != 0.0))
         return self.time[at], np.diff(self.value)[at]
 
-    @cached_property
+    @property
     def smooth(self) -> Loading | None:
         """The rest without its jumps, at rising times; None where nothing else moves."""
-        times, _ = self.jumps
+        rest = self._without_jumps
+        # One that kept itself would wait for the garbage collector, with all that it has worked
+        # out: gigabytes, where a diagnosis has a thousand of a long record.
+        kept = self if rest is None else rest
+        return kept if kept._moves else None
+
+    @cached_property
+    def _moves(self) -> bool:
+        return bool(np.ptp(self.value) > 0.0 or self.value[0] != 0.0)
+
+    @cached_property
+    def _without_jumps(self) -> Loading | None:
+        if not len(self.jumps[0]):
+            return None
         # What has jumped so far is taken off, so that what is left has no steps and one value at
         # each time.
-        passed = np.concatenate(
-            [[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))]
-        )
+        passed = np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))
         first = np.concatenate([[True], np.diff(self.time) > 0.0])
-        kept: Loading = self
-        if len(times):
-            kept = replace(self, time=self.time[first], value=(self.value - passed)[first])
-        if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
-            return None
-        return kept
+        value = self.value - np.concatenate([[0.0], passed])
+        return replace(self, time=self.time[first], value=value[first])
 
     @property
     def is_cycled(self) -> bool:
