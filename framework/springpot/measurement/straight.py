@@ -103,12 +103,25 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     if not loading.sampled or len(value) < SHORTEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
+    if not _stands_out(value, course, parts):
+        return loading, {}
     course, said = without_noise(
         loading.time, value, response, course, parts, "along straight lines"
     )
     if not said:
         return loading, {}
     return replace(loading, value=course), said
+
+
+def _stands_out(value: Real, course: Real, parts: list[slice]) -> bool:
+    """Whether lines tell more of a channel (n,) than its mean does: of few samples all is noise."""
+    told, left = course - value.mean(), value - course
+    numbers = 2 * len(parts)
+    spare = len(value) - numbers
+    if not parts or spare < 1:
+        return False
+    ratio = (told @ told / (numbers - 1)) / max(left @ left / spare, SMALLEST)
+    return f_sf(float(ratio), numbers - 1, spare) < SIGNALS.ruled_out
 
 
 def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
