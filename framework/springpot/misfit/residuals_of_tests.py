@@ -106,9 +106,12 @@ class TestPart(ABC):
 
         It is shared among them as their noise is, so that an error and the noise go together: of
         noise in proportion to the signal it is that of each sample over the sample, of constant
-        noise that of all over all.
+        noise that of all over all. A number of which no model says anything, such as a spike before
+        the motion, is no part of it.
         """
-        return np.asarray(self.sd * (rms(self.measured) / max(rms(self.sd), SMALLEST)), dtype=float)
+        said = self.sure if self.sure.any() else slice(None)
+        over = rms(self.measured[said]) / max(rms(self.sd[said]), SMALLEST)
+        return np.asarray(self.sd * over, dtype=float)
 
     @property
     @abstractmethod

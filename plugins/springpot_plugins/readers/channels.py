@@ -73,6 +73,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "alargamiento",
             "verlängerung",
         ),
+        *("indentation", "indentation depth", "penetration", "penetration depth", "pd"),
     ),
     "force": (
         *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force"),
@@ -80,6 +81,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("force standard", "standard force", "forza standard", "fuerza estándar"),
         *("carga", "forza", "carico", "forca", *STRESSES),
         *("torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
+        *("normal force", "normalkraft", "force normale", "fuerza normal", "forza normale", "fn"),
     ),
 }
 NAMES = {channel: (*names, *CHANNELS[channel]) for channel, names in NAMES.items()}
