@@ -81,7 +81,6 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("force standard", "standard force", "forza standard", "fuerza estándar"),
         *("carga", "forza", "carico", "forca", *STRESSES),
         *("torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
-        *("normal force", "normalkraft", "force normale", "fuerza normal", "forza normale", "fn"),
     ),
 }
 NAMES = {channel: (*names, *CHANNELS[channel]) for channel, names in NAMES.items()}
