@@ -106,11 +106,13 @@ class TestPart(ABC):
 
         It is shared among them as their noise is, so that an error and the noise go together: of
         noise in proportion to the signal it is that of each sample over the sample, of constant
-        noise that of all over all. A number of which no model says anything, such as a spike before
-        the motion, is no part of it.
+        noise that of all over all. One of which no model says anything is no part of it if it is
+        larger than all others, such as a spike before the motion.
         """
-        said = self.sure if self.sure.any() else slice(None)
-        over = rms(self.measured[said]) / max(rms(self.sd[said]), SMALLEST)
+        size, kept = np.abs(self.measured), slice(None)
+        if size.any() and (said := self.sure).any():
+            kept = size <= size[said].max()
+        over = rms(size[kept]) / max(rms(self.sd[kept]), SMALLEST)
         return np.asarray(self.sd * over, dtype=float)
 
     @property
