@@ -57,6 +57,8 @@ from .verdict import TimeCase, error_of, misfit_of, where_missed
 
 UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
 """What is said of a model that is far from the noise, and no test says how."""
+DOUBT = "what is left may be noise, or more: these tests cannot tell"
+"""What is said of a model that noise would hardly miss as much, or noise that the signal lacks."""
 MORE = "what is left is more than noise"
 """What is said of a model that is missed nowhere in particular."""
 
@@ -274,6 +276,8 @@ def judgement_of(found: RankedInTime, delta: float, floor: TimeFloor) -> Judgeme
     unclear = few and not left.misfit and error.over_floor > VERDICT.misfit
     if unclear:
         says = UNCLEAR
+    elif left.doubtful or any(each.hidden for each in noise):
+        says = DOUBT
     if left.misfit:
         where, says = where_missed(found.parts, left, noise), MORE
     if where:
