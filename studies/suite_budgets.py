@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from paper.asking import asking
-from paper.draw import COLOURS, can_draw, legend_above, logarithmic, sheet
+from paper.draw import COLOURS, can_draw, logarithmic, sheet
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
 from springpot.benchmark.archive import Archive, take_over
@@ -44,8 +44,6 @@ RIVALS = (
     *("minion-arrde", "differential-evolution", "nlopt-crs", "spso-2011", "pso-paper"),
     *("random-search", "auto"),
 )
-SHOWN = ("least-squares", "nlopt-lbfgs", "cma-es", "l-shade", "nlopt-crs", "pso-paper")
-"""Optimisers that the figure names."""
 
 
 def problems(budget: int, every: int) -> list[str]:
@@ -154,19 +152,47 @@ def crossings_table(steps: Iterable[Step]) -> Table:
 
 
 def draw(ranks: Mapping[int, MeanRanks], folder: Path) -> None:
-    """Mean ranks against the budget."""
-    with sheet(folder, NAME, 7.0, 4.6) as page:
+    """Mean ranks against the budget, every line named where it begins."""
+    means = {
+        label: [float(ranks[b].means[ranks[b].labels.index(label)]) for b in BUDGETS]
+        for label in RIVALS
+    }
+    order = sorted(RIVALS, key=lambda label: means[label][0])
+    heights = apart([means[label][0] for label in order], 0.62)
+    with sheet(folder, NAME, 8.2, 5.4) as page:
         axes = page.subplots()
-        for label in RIVALS:
-            means = [float(ranks[b].means[ranks[b].labels.index(label)]) for b in BUDGETS]
-            style = {"color": "0.8", "zorder": 1}
-            if label in SHOWN:
-                style = {"color": COLOURS[SHOWN.index(label)], "marker": "o", "label": label}
-            axes.plot(BUDGETS, means, **style)
+        for i, (label, height) in enumerate(zip(order, heights, strict=True)):
+            # Best first: neighbours at the left differ in colour, those of one colour in dashes.
+            colour, dashes = COLOURS[i % len(COLOURS)], ("-", "--", ":")[i // len(COLOURS)]
+            axes.plot(BUDGETS, means[label], color=colour, linestyle=dashes, marker="o")
+            axes.plot([34, BUDGETS[0]], [height, means[label][0]], color=colour, linewidth=0.6)
+            axes.text(32, height, label, color=colour, ha="right", va="center")
         logarithmic(axes, "x")
-        axes.set(xlabel="evaluations", ylabel="mean rank (1: best)")
+        axes.set(xlabel="evaluations", ylabel="mean rank (1: best)", xlim=(34, 1.2 * BUDGETS[-1]))
+        axes.yaxis.tick_right()
+        axes.yaxis.set_label_position("right")
+        axes.spines[["left", "right"]].set_visible(False)
         axes.invert_yaxis()
-        legend_above(page, axes, "Ranks at five budgets, springpot-60", columns=3)
+        axes.set_title("Ranks at five budgets, springpot-60", loc="left")
+
+
+def apart(values: Sequence[float], least: float) -> list[float]:
+    """Rising values, moved as far that neighbours are apart, those in a crowd about its middle."""
+    crowds: list[list[float]] = []
+    for value in values:
+        crowds.append([value])
+        # Two crowds that touch are one.
+        while len(crowds) > 1 and _top(crowds[-2], least) + least > _bottom(crowds[-1], least):
+            crowds[-2:] = [crowds[-2] + crowds[-1]]
+    return [_bottom(crowd, least) + least * i for crowd in crowds for i in range(len(crowd))]
+
+
+def _bottom(crowd: Sequence[float], least: float) -> float:
+    return float(np.mean(crowd)) - 0.5 * least * (len(crowd) - 1)
+
+
+def _top(crowd: Sequence[float], least: float) -> float:
+    return float(np.mean(crowd)) + 0.5 * least * (len(crowd) - 1)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import csv
+import html
 import importlib
+import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -40,6 +42,21 @@ def test_who_overtakes_whom_is_said_at_the_budget_where_it_happens():
     found = [each[:4] for each in suite_budgets.overtaken(steps)]
     # Level with another is not ahead of it.
     assert found == [(50, 200, "b", "a"), (200, 1000, "c", "a")]
+
+
+@pytest.mark.parametrize(
+    ("places", "spread"),
+    [
+        ([1, 1, 5], [0.5, 1.5, 5]),
+        # What is moved apart may touch the next.
+        ([1, 1, 1.9, 2.6], [0.125, 1.125, 2.125, 3.125]),
+        ([1, 2, 4], [1, 2, 4]),
+    ],
+)
+def test_names_at_the_ranks_do_not_overlap(places, spread):
+    from suite_budgets import apart
+
+    assert apart(places, 1.0) == pytest.approx(spread)
 
 
 def test_every_method_has_as_many_settings_to_try_its_defaults_first():
@@ -219,6 +236,14 @@ def test_a_table_of_a_study_says_first_what_that_asks(script, table):
 
     study = importlib.import_module(script).study
     assert first_of(table) == asked(study, Table("", (), ())).asks
+
+
+@pytest.mark.parametrize("script", ["suite_race", "optimiser_comparison"])
+def test_a_report_of_a_study_says_first_what_that_asks(script):
+    asks = importlib.import_module(script).study.asks
+    report = (Path(STUDIES).parent / "results" / script / "report.html").read_text("utf-8")
+    head = html.unescape(re.sub(r"<[^>]+>", "", report.partition('class="verdict"')[0]))
+    assert all(sentence in head for sentence in asks)
 
 
 def first_of(table):

@@ -13,6 +13,7 @@ from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
 from springpot.benchmark import Findings, Store, archive, run_study
 from springpot.benchmark.archive import Archive, opened, study_of, take_over, write_archive
+from springpot.benchmark.exporting import export
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
 from springpot.benchmark.traces import pack
@@ -85,6 +86,36 @@ def test_tables_beside_an_archive_are_those_of_one_study(folder):
         n: sorted(map(repr, t.rows)) for n, t in wanted.items()
     }
     assert store_in(folder, "walk").read_bytes() == before
+
+
+def test_an_archive_alone_has_the_tables_of_its_study(folder, tmp_path):
+    """But for the times; its trials go to other tools by their own numbers, too."""
+    with Store(store_in(folder, "rivals")) as store:
+        wanted = dict(study_tables(store))
+    with opened(folder / "rivals.zip") as store:
+        found = dict(study_tables(store))
+    del wanted["timing"], found["timing"]
+    assert {n: t.rows for n, t in found.items()} == {n: t.rows for n, t in wanted.items()}
+    for path, name in ((folder / "rivals.zip", "zip"), (store_in(folder, "rivals"), "store")):
+        export(path, "csv", tmp_path / name)
+    traces = [(tmp_path / each / "traces.csv").read_bytes() for each in ("zip", "store")]
+    assert traces[0] == traces[1]
+
+
+def test_what_an_archive_says_of_itself_stays_with_its_trials(folder, tmp_path):
+    """Libraries that only it used, whence it came, and the question for who enters it."""
+    asks = ("who?", "how many", "one of them")
+    facts = {"a-library": "1.2", "numpy": "0.1", "beside": "older.zip, study older"}
+    with Store(tmp_path / "old.sqlite", write=True) as store:
+        store.register(a_study(RIVALS, asks=asks).plan(), facts)
+        write_archive(store, tmp_path / "old.zip")
+    with opened(store_in(folder, "walk"), tmp_path / "old.zip") as store:
+        told = store.facts()
+    assert told["a-library"] == "1.2"
+    assert told["beside"] == "old.zip, study small (numpy 0.1); older.zip, study older"
+    # A study of one's own has its own question.
+    assert "question" not in told
+    assert "question" in Archive.read(tmp_path / "old.zip").facts
 
 
 def test_a_study_takes_over_what_its_archive_holds(folder, tmp_path):
@@ -190,9 +221,15 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
         repetitions=1,
         x0="common",
         stop_at_target=True,
+        asks=("who?", "how many", "one of them"),
     )
     with Store(run_in(tmp_path, published)) as store:
         write_archive(store, tmp_path / "published.zip")
+        bests = store.bests()
+    with opened(tmp_path / "published.zip") as store:
+        # Known before the race, and not the best of its trials, which stop above it.
+        assert sorted(store.bests().values()) == sorted(bests.values())
+    assert Archive.read(tmp_path / "published.zip").optima
     mine = study_of(tmp_path / "published.zip", ["nlopt-bobyqa"])
     cases = [case.digest for case in mine.plan().cases]
     assert cases == [case.digest for case in published.plan().cases]
@@ -203,6 +240,7 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
         assert table.count(f",{label},") == 2
     report = (tmp_path / "results/published-beside/report.html").read_text(encoding="utf-8")
     assert "published.zip, study published" in report
+    assert "<b>Question</b>: who?" in report
     grown = ["archive", "published-beside", "--beside", "published.zip", "-o", "grown.zip"]
     assert springpot(*grown).code == 0
     cells = Archive.read(tmp_path / "grown.zip").cells

@@ -10,11 +10,13 @@ from springpot.benchmark.report.plot import (
     NAMES,
     ROW,
     WIDTH,
+    Pen,
     PlotAxis,
     Ranked,
     _steps,
     _tick,
     critical_differences,
+    key,
 )
 
 
@@ -89,6 +91,30 @@ def test_ranks_fill_the_room_between_the_names_and_the_bars(cliques):
     assert f'viewBox="0 0 {WIDTH:g} {height:g}"' in str(svg)
     bold = re.findall(r'<text [^>]*font-weight="600"[^>]*>([^<]*)<', str(svg))
     assert bold == ["a"]
+
+
+def test_a_long_name_is_not_cut_off():
+    """The picture grows by it; the room for the ranks stays."""
+    long = Ranked("optimagic-scipy-truncated-newton", 1.0, 1.0, 1.5)
+    svg = critical_differences([long, *ROWS[1:]], [], "ranks")
+    width = float(re.search(r'viewBox="0 0 ([\d.]+) ', str(svg))[1])
+    (end,) = {float(x) for x in re.findall(r'<text x="([\d.]+)" [^>]*text-anchor="end"', str(svg))}
+    assert end - 7.0 * len(long.label) >= 0.0
+    circles = numbers(svg, "circle", "cx")
+    room = WIDTH - NAMES - 8.0 - 12.0
+    assert circles[-1][0] - circles[0][0] == pytest.approx(room, abs=0.11)
+    assert circles[-1][0] == pytest.approx(width - 20.0, abs=0.06)
+
+
+def test_lines_that_look_alike_are_grey_and_have_one_entry():
+    pens = [Pen(i) for i in range(24)]
+    looks = {tuple(pen.look.items()) for pen in pens}
+    assert len(looks) == 22
+    assert {pen.colour for pen in pens[21:]} == {plot.GREY}
+    told = str(key([f"n{i}" for i in range(24)], pens))
+    assert told.count('class="key"') == 22
+    assert "each of n21, n22, n23" in told
+    assert "each of" not in str(key(["n0", "n1"], pens[:2]))
 
 
 @pytest.mark.parametrize(("count", "told"), [(4, 4), (6, 6), (30, 6)])

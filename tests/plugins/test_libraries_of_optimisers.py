@@ -63,6 +63,28 @@ def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, ex
         of.FAMILY.members()
 
 
+class Unread:
+    """An iminuit that cannot read what its descent came to, as beside minionpy."""
+
+    LEAST_SQUARES = 1.0
+
+    def __init__(self, value, start):
+        self.value, self.start = value, start
+
+    def migrad(self, ncall):
+        for step in range(10):
+            self.value(np.clip(self.start + 0.01 * step, 0.0, 1.0))
+        raise RuntimeError
+
+
+def test_a_descent_that_minuit_cannot_read_is_over_and_no_failure(monkeypatch):
+    library = ModuleType("iminuit")
+    library.Minuit = Unread
+    monkeypatch.setitem(sys.modules, "iminuit", library)
+    done = run(minuit.Migrad(), artificial("fractional-kelvin"), 35, np.random.default_rng(1))
+    assert (done.evaluations, done.failed) == (35, False)
+
+
 @pytest.mark.parametrize(("name", "told"), [("jso", 5), ("nl-shade-rsp", 120), ("lsrtde", 120)])
 def test_minionpy_is_told_of_enough_evaluations_where_fewer_end_the_process(
     monkeypatch, name, told

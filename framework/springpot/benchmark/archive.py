@@ -15,7 +15,7 @@ import zipfile
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from io import StringIO, TextIOWrapper
 from itertools import groupby, islice
@@ -32,11 +32,13 @@ from springpot.numerics import ALIKE
 from springpot.registry import plugins
 
 from .comparison import JudgingScale, goal_of, judged, reference_of
+from .plan import ASKED
+from .schema import optima_told
 from .store import Store
 from .study import OWN, Study
-from .summary import CellRow, ProblemRow, TrialRow
-from .traces import pack, pack_values, unpack
-from .trial import Status, TrialResult
+from .summary import SUFFIX, CellRow, ProblemRow, TrialRow
+from .traces import pack, pack_values
+from .trial import Status, TrialResult, contradiction
 
 SCHEMA = "springpot.archive/2"
 FAULTS = (
@@ -53,6 +55,9 @@ REAL = (
 TRIAL = ("cell", "repetition", "status", "truth", *WHOLE, *REAL, "theta", "reason")
 LEFT_OUT = ("cells", "optima")
 """Facts that name a store's own rows."""
+NOISE = "noise"
+ITS_OWN = (*LEFT_OUT, *ASKED, NOISE, "name", "command", "repetitions", "requirements", "beside")
+"""Facts that are of one study and of none beside it."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +93,15 @@ class Archive:
         What was raced on.
     cells : tuple of ArchivedCell
         Who on what.
+    optima : mapping of int to float
+        From which a problem's target was reckoned, by its place, where that was known beforehand.
     """
 
     path: Path
     facts: Mapping[str, str]
     problems: tuple[ProblemRow, ...]
     cells: tuple[ArchivedCell, ...]
+    optima: Mapping[int, float] = field(default_factory=dict)
 
     @classmethod
     def read(cls, path: Path) -> Archive:
@@ -113,9 +121,10 @@ class Archive:
                 facts[key]
             problems = tuple(ProblemRow(id=i, **each) for i, each in enumerate(told["problems"]))
             cells = tuple(ArchivedCell(**each) for each in told["cells"])
-            for cell in cells:
-                problems[cell.problem]
-        return cls(path, facts, problems, cells)
+            optima = {int(i): float(best) for i, best in dict(told.get("optima", {})).items()}
+            for place in (*optima, *(cell.problem for cell in cells)):
+                problems[place]
+        return cls(path, facts, problems, cells, optima)
 
     def trials(self, cells: Iterable[int]) -> Iterator[TrialResult]:
         """The trials of some cells, one at a time.
@@ -137,7 +146,7 @@ class Archive:
                 key = int(told["cell"]), int(told["repetition"])
                 result = _trial(key, told, pages.of(key), seen.of(key))
                 if key[0] in wanted:
-                    if not result.status.failed and (wrong := _contradiction(result, budget)):
+                    if not result.status.failed and (wrong := contradiction(result, budget)):
                         raise ValueError(f"of trial {key[1]} of {self.cells[key[0]].label} {wrong}")
                     yield result
             if pages.left or seen.left:
@@ -214,9 +223,12 @@ def _pairs(numbers: NDArray[np.int64], values: NDArray[np.float64]) -> list[tupl
 def _description(store: Store, cells: Sequence[CellRow]) -> str:
     problems = list({cell.problem.id: cell.problem for cell in cells}.values())
     places = {problem.id: i for i, problem in enumerate(problems)}
+    facts = store.facts()
+    optima = optima_told(facts.get("optima", "{}"))
     told = {
         "schema": SCHEMA,
-        "facts": {key: value for key, value in store.facts().items() if key not in LEFT_OUT},
+        "facts": {key: value for key, value in facts.items() if key not in LEFT_OUT},
+        "optima": {places[id]: best for id, best in optima.items() if id in places},
         # Each by its place, and not by the number that this store has for it.
         "problems": [
             {key: value for key, value in asdict(problem).items() if key != "id"}
@@ -356,24 +368,6 @@ def _trial(
     return TrialResult(*key, Status(told["status"]), str(json.loads(told["reason"])), **kept)
 
 
-def _contradiction(result: TrialResult, budget: int) -> str:
-    """What is wrong with the record of a trial that came to something, or nothing."""
-    numbers, values = unpack(result.trace)
-    if not len(numbers) or result.best is None:
-        return "the trace is missing"
-    if not 1 <= result.evaluations <= budget:
-        return f"the record counts {result.evaluations} evaluations of {budget}"
-    if not 0 <= max(result.gradients, result.batched) <= result.evaluations:
-        return "the record counts more evaluations of one kind than of all"
-    rising = numbers[0] >= 1 and numbers[-1] <= result.evaluations and np.all(np.diff(numbers) > 0)
-    if not (rising and np.all(np.diff(values) < 0)):
-        return "the trace contradicts the count of evaluations"
-    # Not but for rounding: both are one number that was written down twice.
-    if values[-1] != result.best:
-        return "the best value is not the last of the trace"
-    return ""
-
-
 AS_ONE = 500
 """Trials that are entered at once."""
 MATCHING = {
@@ -389,27 +383,40 @@ STARTS = "common start"
 
 @contextmanager
 def opened(path: Path, beside: Path | None = None) -> Iterator[Store]:
-    """The store at a path, with the trials of an archive among its own if there is one.
+    """The store at a path, or of an archive, with the trials of another among its own.
 
     Raises
     ------
     StudyError
         If there are no results, or the archive is of other problems, budgets or seeds.
     """
-    if beside is None:
+    if beside is None and path.suffix != SUFFIX:
         with Store(path) as store:
             yield store
         return
-    archive = Archive.read(beside)
     # A copy, which is thrown away: what a study has run itself stays its own.
-    with TemporaryDirectory(prefix="springpot-") as folder:
-        copy = Path(folder) / path.name
+    with (
+        TemporaryDirectory(prefix="springpot-") as folder,
+        Store(_copied(path, Path(folder)), write=True) as store,
+    ):
+        if beside is not None:
+            archive = Archive.read(beside)
+            _enter(store, archive, rivals_of(store, archive), _carried(store.facts(), archive))
+        yield store
+
+
+def _copied(path: Path, folder: Path) -> Path:
+    """A store that may be written in: a copy of the one at a path, or what an archive holds."""
+    copy = folder / f"{path.stem}.sqlite"
+    if path.suffix != SUFFIX:
         with Store(path) as store:
-            rivals = rivals_of(store, archive)
             store.copy_to(copy)
-        with Store(copy, write=True) as store:
-            _enter(store, archive, rivals)
-            yield store
+        return copy
+    archive = Archive.read(path)
+    with Store(copy, write=True) as store:
+        store.describe(archive.problems, archive.optima, archive.facts)
+        _enter(store, archive, {i: cell.label for i, cell in enumerate(archive.cells)}, {})
+    return copy
 
 
 def rivals_of(store: Store, archive: Archive) -> dict[int, str]:
@@ -462,10 +469,11 @@ def _other_problem(cells: Sequence[CellRow], archived: Sequence[ProblemRow]) -> 
     return ""
 
 
-def _enter(store: Store, archive: Archive, rivals: Mapping[int, str]) -> None:
-    chosen = {i: archive.cells[i] for i in rivals}
-    columns = {i: _columns(cell, archive) for i, cell in chosen.items()}
-    _add(store, archive, store.adopt(columns, rivals, {"beside": _told(archive)}))
+def _enter(
+    store: Store, archive: Archive, labels: Mapping[int, str], facts: Mapping[str, str]
+) -> None:
+    columns = {i: _columns(archive.cells[i], archive) for i in labels}
+    _add(store, archive, store.adopt(columns, labels, facts))
 
 
 def take_over(store: Store, archive: Archive, anew: Collection[str] = ()) -> None:
@@ -505,11 +513,17 @@ def _columns(cell: ArchivedCell, archive: Archive) -> dict[str, object]:
     }
 
 
-def _told(archive: Archive) -> str:
-    facts = archive.facts
-    shown = [key for key in ("springpot", "python", "machine", "started") if key in facts]
-    parts = [f"{key} {facts[key]}" for key in shown]
-    return f"{archive.path.name}, study {facts['name']} ({', '.join(parts)})"
+def _carried(own: Mapping[str, str], archive: Archive) -> dict[str, str]:
+    """Facts of an archive for a study beside it: libraries that only it used, whence it came."""
+    facts = {key: value for key, value in archive.facts.items() if key not in ITS_OWN}
+    missing = {key: value for key, value in facts.items() if key not in own}
+    # Of what both have, always the first; the rest where it is another one.
+    always = ("springpot", "python", "machine", "started")
+    others = sorted(key for key in facts if own.get(key, facts[key]) != facts[key])
+    told = [f"{key} {facts[key]}" for key in dict.fromkeys((*always, *others)) if key in facts]
+    come = [f"{archive.path.name}, study {archive.facts['name']} ({', '.join(told)})"]
+    come += [each["beside"] for each in (own, archive.facts) if "beside" in each]
+    return missing | {"beside": "; ".join(come)}
 
 
 def study_of(path: Path, optimisers: Sequence[str], only: Sequence[str] = ()) -> Study:
@@ -531,7 +545,7 @@ def study_of(path: Path, optimisers: Sequence[str], only: Sequence[str] = ()) ->
     """
     archive = Archive.read(path)
     facts, models = archive.facts, dict[str, list[str]]()
-    levels = json.loads(facts.get("noise", "{}"))
+    levels = json.loads(facts.get(NOISE, "{}"))
     there = [problem.dataset for problem in archive.problems]
     for name in only:
         if name not in there:
@@ -559,6 +573,7 @@ def study_of(path: Path, optimisers: Sequence[str], only: Sequence[str] = ()) ->
         stop_at_target="stop at target" in facts,
         noise=sorted(set(levels.values())),
         x0="common" if STARTS in facts else "own",
+        asks=[facts[key] for key in ASKED if key in facts],
     )
 
 

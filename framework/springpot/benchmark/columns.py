@@ -11,6 +11,7 @@ import numpy as np
 
 from springpot.errors import StudyError
 
+from .archive import opened
 from .comparison import JudgingScale, goal_of, judged, reference_of
 from .statistics import hitting_time
 from .store import Store
@@ -71,7 +72,7 @@ def frame(
     Parameters
     ----------
     study : Study, str or Path
-        A study, its script, its store, its folder, or its name.
+        A study, its script, its store, its archive, its folder, or its name.
     library : str
         ``pandas`` or ``polars``, which must be installed.
     what : str
@@ -93,7 +94,7 @@ def frame(
     if what not in TABLES:
         raise StudyError(f"unknown results '{what}': use {' or '.join(TABLES)}")
     module = required(library, f"results as a {library} frame")
-    with Store(store_path(study, out)) as store:
+    with opened(store_path(study, out)) as store:
         columns = TABLES[what](store)
     if library == "polars":
         # It reads the kind of a column off its first rows, which may all be empty.

@@ -29,6 +29,7 @@ from springpot.files import write_text, write_with
 from springpot.rheology.points import Real
 from springpot.writing import csv_text
 
+from .archive import opened
 from .coco_suite import NAMES, SUITE
 from .columns import TABLES, required
 from .store import Store
@@ -440,7 +441,7 @@ def export(
     Parameters
     ----------
     study : Study, str or Path
-        A study, its script, its store, its folder, or its name.
+        A study, its script, its store, its archive, its folder, or its name.
     kind : str
         ``ioh``, ``coco``, ``csv`` or ``parquet``.
     folder : Path, optional
@@ -461,7 +462,7 @@ def export(
     if folder is None:
         folder = path.parent / kind
     # Opened first: a study that has no results leaves no empty folder behind.
-    with Store(path) as store:
+    with opened(path) as store:
         return WRITERS[kind](store, created(folder))
 
 

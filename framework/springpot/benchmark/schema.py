@@ -11,7 +11,7 @@ import marshal
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import fields
+from dataclasses import asdict, fields
 from functools import cache
 from hashlib import blake2b
 from typing import Any
@@ -254,6 +254,13 @@ def problem_columns(case: RaceCase) -> dict[str, Any]:
         "truth": json.dumps(dict(source.truth)),
     }
     return _as_kept("problem", values)
+
+
+def archived_columns(problem: ProblemRow) -> dict[str, Any]:
+    """A problem of an archive likewise."""
+    told = asdict(problem) | {"truth": json.dumps(dict(problem.truth))}
+    # In the order of the table, in which a row is sealed.
+    return _as_kept("problem", {name: told[name] for name in ("digest", *told) if name != "id"})
 
 
 def cell_columns(plan: Plan, cell: Cell, problems: list[int]) -> dict[str, Any]:

@@ -43,6 +43,7 @@ from .schema import (
     ONE_TRIAL,
     PROBLEMS,
     SCHEMA,
+    archived_columns,
     broken_row,
     cell_columns,
     cells_told,
@@ -60,7 +61,7 @@ from .schema import (
     trial_fields,
     whole,
 )
-from .summary import CellRow, CellTrials
+from .summary import CellRow, CellTrials, ProblemRow
 from .trial import Status, TrialResult
 
 _Row = TypeVar("_Row", bound=Sequence[Any])
@@ -242,11 +243,33 @@ class Store:
             # Facts are those of the last plan: a store shows one study, though it keeps the trials
             # of all.
             self._db.execute("DELETE FROM fact")
-            self._db.executemany(
-                "INSERT INTO fact VALUES (?, ?, ?)",
-                [(*fact, seal(fact)) for fact in described.items()],
-            )
+            self._put_facts(described)
         return cells
+
+    def describe(
+        self, problems: Iterable[ProblemRow], optima: Mapping[int, float], facts: Mapping[str, str]
+    ) -> None:
+        """Enter a study as an archive tells it, whose cells are adopted next.
+
+        Parameters
+        ----------
+        problems : iterable of ProblemRow
+            What was raced on.
+        optima : mapping of int to float
+            From which targets were reckoned, by the place of the problem.
+        facts : mapping of str to str
+            Name, budget, versions, machine, command.
+        """
+        with one_line(self.path), transaction(self._db):
+            numbers = [self._enter("problem", archived_columns(each)) for each in problems]
+            known = json.dumps({numbers[i]: best for i, best in optima.items()})
+            self._put_facts({**facts, "cells": "[]", "optima": known})
+
+    def _put_facts(self, facts: Mapping[str, str]) -> None:
+        self._db.executemany(
+            "INSERT OR REPLACE INTO fact VALUES (?, ?, ?)",
+            [(*fact, seal(fact)) for fact in facts.items()],
+        )
 
     def copy_to(self, path: Path) -> None:
         """Write all of it into a new file."""
@@ -284,10 +307,7 @@ class Store:
                 i: self._enter("cell", {**each, "problem": problems[each["problem"]]})
                 for i, each in cells.items()
             }
-            self._db.executemany(
-                "INSERT OR REPLACE INTO fact VALUES (?, ?, ?)",
-                [(*fact, seal(fact)) for fact in told.items()],
-            )
+            self._put_facts(told)
         return numbers
 
     def _enter(self, table: str, columns: dict[str, object]) -> int:

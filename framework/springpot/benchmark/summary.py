@@ -429,13 +429,17 @@ def failure_table(name: str, summaries: Sequence[CellSummary]) -> Table:
     return Table(f"{name}: failures", (*_WHO, "status", "reason", "trials"), rows, note)
 
 
+SUFFIX = ".zip"
+"""Of an archive."""
+
+
 def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
     """Where a study's results are.
 
     Parameters
     ----------
     study : Study, str or Path
-        A study, its script, its store, its folder, or its name.
+        A study, its script, its store, its archive, its folder, or its name.
     out : Path
         Folder of all results.
     """
@@ -444,7 +448,7 @@ def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
     path = Path(study)
     if path.suffix == ".py":
         return store_path(load_study(path), out)
-    if path.suffix == ".sqlite":
+    if path.suffix in (".sqlite", SUFFIX):
         return path
     # Whoever gives a folder means that one, wherever it is; any other word is the name of a study.
     folder = out / path

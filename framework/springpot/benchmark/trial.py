@@ -18,7 +18,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .plan import Cell, Plan, RaceCase, WorkOrder, drawn, noise_free, noisy, problem_of, truth_fits
-from .traces import improvements, pack, pack_values
+from .traces import improvements, pack, pack_values, unpack
 
 
 class Status(StrEnum):
@@ -113,6 +113,24 @@ class TrialResult:
     known: float | None = None
     optimum: float | None = None
     covered: float | None = None
+
+
+def contradiction(result: TrialResult, budget: int) -> str:
+    """What is wrong with the record of a trial that came to something, or nothing."""
+    numbers, values = unpack(result.trace)
+    if not len(numbers) or result.best is None:
+        return "the trace is missing"
+    if not 1 <= result.evaluations <= budget:
+        return f"the record counts {result.evaluations} evaluations of {budget}"
+    if not 0 <= max(result.gradients, result.batched) <= result.evaluations:
+        return "the record counts more evaluations of one kind than of all"
+    rising = numbers[0] >= 1 and numbers[-1] <= result.evaluations and np.all(np.diff(numbers) > 0)
+    if not (rising and np.all(np.diff(values) < 0)):
+        return "the trace contradicts the count of evaluations"
+    # Not but for rounding: both are one number that was written down twice.
+    if values[-1] != result.best:
+        return "the best value is not the last of the trace"
+    return ""
 
 
 def failure(

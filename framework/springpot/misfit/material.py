@@ -270,12 +270,8 @@ def split_in_words(base: Refit, floor: MaterialFloor) -> str:
             f"{could}: a spring, dashpot, springpot or mode is missing,"
             " or an effect that looks like one"
         )
-    if left > (1.0 - VERDICT.mostly) * misfit:
-        return (
-            f"{could}{beside}: a part of the material is missing,"
-            " and something that is no part of it"
-        )
-    return f"{could}{beside}: most of what is missing is a part of the material, the rest is not"
+    # A material bends to what is none: how much it follows does not say how much of it is missing.
+    return f"{could}{beside}: what is missing is, at least in part, no part of the material"
 
 
 def beyond_any_material(floor: MaterialFloor) -> Iterator[str]:

@@ -69,6 +69,10 @@ class Migrad(Optimiser):
             try:
                 # Never reached: the recorder ends the run when the budget is spent.
                 search.migrad(ncall=budget + 1)
+            except RuntimeError:
+                # The descent is over: where minionpy is in the same process iminuit cannot read its
+                # own result, which nobody wants here.
+                pass
             finally:
                 if ended:
                     raise ended[0]

@@ -27,7 +27,7 @@ FORMATS = ("ioh", "coco", "csv", "parquet")
 @results_option("Where results are.")
 @json_option
 def command(study: str, kind: str, folder: Path | None, out: Path, as_json: bool) -> None:
-    """Write the results of STUDY (its name, script, folder or .sqlite file) for another tool.
+    """Write the results of STUDY (name, script, folder, store or archive) for another tool.
 
     ioh: IOHanalyzer and iohinspector; coco: cocopp; csv and parquet: every trial, and every point
     of its trace.

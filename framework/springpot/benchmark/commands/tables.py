@@ -71,7 +71,7 @@ def command(
     label: str | None,
     as_json: bool,
 ) -> None:
-    """Print the tables of STUDY: its name, its script, its folder or its .sqlite file.
+    """Print the tables of STUDY: its name, script, folder, .sqlite file or archive (.zip).
 
     For a paper: springpot tables race --table summary --format latex --column optimiser --column
     success --digits 3 --row model=fractional-zener --caption "The race" --label tab:race

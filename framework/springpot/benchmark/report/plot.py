@@ -21,6 +21,8 @@ WIDTH, HEIGHT = 420.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0
 DASHES = ("none", "6 3", "2 2.5")
 """What tells lines of one colour apart."""
+GREY = "#C4C4C4"
+"""Of lines that are named under the pointer only."""
 
 MOST_TICKS = 7
 """Numbers at an axis at most."""
@@ -28,19 +30,28 @@ MOST_TICKS = 7
 
 @dataclass(frozen=True)
 class Pen:
-    """How a line is drawn: one of 21 that differ in colour or dashes, best first."""
+    """How a line is drawn: one of 21 that differ in colour or dashes, best first; the rest grey."""
 
     number: int
 
     @property
+    def told(self) -> bool:
+        """Whether no other pen draws lines like it."""
+        return self.number < len(COLOURS) * len(DASHES)
+
+    @property
     def colour(self) -> str:
         """Hexadecimal."""
+        if not self.told:
+            return GREY
         return COLOURS[self.number % len(COLOURS)]
 
     @property
     def dashes(self) -> str:
         """As SVG writes them."""
-        return DASHES[self.number // len(COLOURS) % len(DASHES)]
+        if not self.told:
+            return DASHES[0]
+        return DASHES[self.number // len(COLOURS)]
 
     @property
     def look(self) -> dict[str, str]:
@@ -164,8 +175,10 @@ def plot(lines: Sequence[StepLine], x: PlotAxis, y: PlotAxis, title: str) -> Htm
     return _picture(title, [*_frame(x, y), *bands, *drawn])
 
 
-def _picture(title: str, parts: Sequence[Html], height: float = HEIGHT) -> Html:
-    box = f"0 0 {WIDTH:g} {height:g}"
+def _picture(
+    title: str, parts: Sequence[Html], height: float = HEIGHT, width: float = WIDTH
+) -> Html:
+    box = f"0 0 {width:g} {height:g}"
     return tag("svg", tag("title", title), *parts, viewBox=box, role="img", class_="plot")
 
 
@@ -218,10 +231,11 @@ def _dot(dot: Dot, x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
 
 
 def key(labels: Sequence[str], pens: Sequence[Pen]) -> Html:
-    """What the lines mean."""
-    return tag(
-        "p", *(_sample(label, pen) for label, pen in zip(labels, pens, strict=True)), class_="keys"
-    )
+    """What the lines mean; those that are alike have one entry."""
+    entries = [(label, pen) for label, pen in zip(labels, pens, strict=True) if pen.told]
+    if alike := labels[len(entries) :]:
+        entries.append((f"each of {', '.join(alike)}", pens[-1]))
+    return tag("p", *(_sample(*entry) for entry in entries), class_="keys")
 
 
 def _sample(label: str, pen: Pen) -> Html:
@@ -362,16 +376,19 @@ def critical_differences(
     title : str
         Read aloud where the picture cannot be seen.
     """
-    # Room at the right, as much as there are bars: the axis gets the rest.
+    # Room at the right, as much as there are bars: the axis gets the rest. A long name makes the
+    # picture wider; a letter of 12 px is some 7 wide.
     bars = 7.0 * len(cliques) + 8.0
+    names = max(NAMES, 14.0 + 7.0 * max(len(row.label) for row in rows))
+    width = WIDTH + names - NAMES
     height = ROW * len(rows) + 34.0
     # An axis of one rank alone would have no length.
     axis = PlotAxis("mean rank", 1.0, float(max(len(rows), 2)))
-    inner = WIDTH - NAMES - bars - 12.0
-    places = NAMES + inner * axis.place(np.array([[row.low, row.rank, row.high] for row in rows]))
+    inner = width - names - bars - 12.0
+    places = names + inner * axis.place(np.array([[row.low, row.rank, row.high] for row in rows]))
     marks = np.unique(np.linspace(axis.low, axis.high, min(len(rows), 6)).round())
     parts = []
-    for mark, place in zip(marks, NAMES + inner * axis.place(marks), strict=True):
+    for mark, place in zip(marks, names + inner * axis.place(marks), strict=True):
         parts.append(_rule(place, 4, place, height - 30))
         parts.append(_text(f"{mark:g}", place, height - 17, "middle"))
     for i, (row, (low, at, high)) in enumerate(zip(rows, places, strict=True)):
@@ -379,17 +396,17 @@ def critical_differences(
         weight = "normal"
         if i == 0:
             weight = "600"
-        parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight=weight))
+        parts.append(_text(row.label, names - 10, level + 4, "end", weight=weight))
         parts.append(_rule(low, level, high, level, QUIET))
         words = f"{row.label}: mean rank {row.rank:.2f} [{row.low:.2f}, {row.high:.2f}]"
         place = {"cx": f"{at:.1f}", "cy": f"{level:.1f}"}
         parts.append(tag("circle", tag("title", words), **place, r="4", fill=COLOURS[0]))
     for i, (first, last) in enumerate(cliques):
-        place = WIDTH - bars + 7.0 * i
+        place = width - bars + 7.0 * i
         top, bottom = 4.0 + ROW * (first + 0.2), 4.0 + ROW * (last + 0.8)
         ends = {"x1": place, "y1": top, "x2": place, "y2": bottom}
         shown = {name: f"{at:.1f}" for name, at in ends.items()}
         bar = tag("line", **shown, stroke=INK, stroke_width="3", stroke_linecap="round")
         parts.append(bar)
-    parts.append(_text(axis.label, NAMES + 0.5 * inner, height - 3, "middle"))
-    return _picture(title, parts, height)
+    parts.append(_text(axis.label, names + 0.5 * inner, height - 3, "middle"))
+    return _picture(title, parts, height, width)

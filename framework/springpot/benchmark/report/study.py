@@ -40,8 +40,9 @@ from .study_plots import (
 STYLE = """
 .plot { width: 100%; height: auto; display: block; font: 12px system-ui, sans-serif; }
 .keys { max-width: none; line-height: 1.9; }
+.keys .key { white-space: normal; }
 .key svg { margin-right: 5px; }
-.choice td b { white-space: nowrap; }
+.choice td b { overflow-wrap: anywhere; }
 .choice td span { display: block; }
 .choice .share { white-space: nowrap; font-size: 0.92em; }
 .choice td:nth-child(-n+2) { white-space: normal; }
@@ -378,7 +379,10 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
         yield wide_table(headers, [row[1:] for row in rows], headers[1:])
     # Such as those of an archive, which were run elsewhere.
     if untold:
-        yield tag("p", f"No time is known of: {', '.join(untold)}.", class_="quiet")
+        whose = "anybody: they were run elsewhere, or failed"
+        if rows:
+            whose = ", ".join(untold)
+        yield tag("p", f"No time is known of {whose}.", class_="quiet")
 
 
 def _cost_row(

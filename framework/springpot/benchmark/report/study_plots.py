@@ -69,7 +69,7 @@ class Pens:
     Parameters
     ----------
     labels : sequence of str
-        Optimisers, best first: the first seven get the clearest lines.
+        Optimisers, best first: the first seven get the clearest lines, those behind 21 grey ones.
     """
 
     def __init__(self, labels: Sequence[str]) -> None:
