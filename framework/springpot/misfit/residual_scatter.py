@@ -129,15 +129,6 @@ class ResidualScatter:
         return self.size == 1.0
 
     @property
-    def hidden(self) -> bool:
-        """Whether noise of this size would show in the differences of neighbours, and does not.
-
-        They have the share (1 - memory) / (1 + memory) of its power, at the highest frequency; in
-        units of the residual what the signal tells of itself is one.
-        """
-        return self.size**2 * (1.0 - self.memory) > ROUGHER**2 * (1.0 + self.memory)
-
-    @property
     def chance(self) -> float:
         """That noise alone leaves so much, as a whole or in some part."""
         return min(float(10.0 ** (-max(self.excess, 0.0) / TENFOLD)), self.local)

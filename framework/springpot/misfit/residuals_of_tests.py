@@ -109,11 +109,9 @@ class TestPart(ABC):
         noise that of all over all. One of which no model says anything is no part of it if it is
         larger than all others, such as a spike before the motion.
         """
-        size, kept = np.abs(self.measured), slice(None)
-        if size.any() and (said := self.sure).any():
-            kept = size <= size[said].max()
-        over = rms(size[kept]) / max(rms(self.sd[kept]), SMALLEST)
-        return np.asarray(self.sd * over, dtype=float)
+        said = self.sure if self.measured.any() and self.sure.any() else slice(None)
+        kept = np.abs(self.measured) <= np.abs(self.measured[said]).max()
+        return np.asarray(self.sd * rms(self.measured[kept]) / max(rms(self.sd[kept]), SMALLEST))
 
     @property
     @abstractmethod
@@ -274,9 +272,7 @@ class TestPart(ABC):
     def with_scale(self, scale: float) -> Self:
         """The same with larger noise."""
         # The same object keeps what it has worked out, such as its noise.
-        if scale == self.scale:
-            return self
-        return replace(self, scale=scale)
+        return self if scale == self.scale else replace(self, scale=scale)
 
 
 @dataclass(frozen=True, eq=False)
