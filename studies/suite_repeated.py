@@ -6,7 +6,7 @@
 Runs what its archive lacks, beside that of suite_race, and writes archive, tables and the
 figures of docs/optimisers.md.
 
-Question: the virtual best of suite_race is the least of 35 means of two trials each, part of which
+Question: the virtual best of suite_race is the least of 45 means of two trials each, part of which
 is luck. How near does the choice come to the optimiser that is quickest on a problem indeed?
 Measure: who came within three times of the second quickest there runs eight trials more, and so
 does `auto`; its expected running time over that of the best, as a geometric mean over the problems

@@ -50,6 +50,7 @@ STYLE = """
 .heat th { white-space: nowrap; font-size: 0.85em; padding: 2px 5px; }
 .heat thead th { writing-mode: vertical-rl; transform: rotate(180deg); text-align: left; }
 .heat td.sure { font-weight: 700; }
+pre + .scroll td:last-child { white-space: normal; }
 .facts .fact b { overflow-wrap: anywhere; }
 details table { font-size: 0.85em; }
 @media (max-width: 760px) {
