@@ -368,7 +368,7 @@ FACTS = {
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,
 numbers of a source, signs and positions, ends of what a floating-point number can be or tell.
 """
-NUMBERS, WITH_PLUGINS = 614, 771
+NUMBERS, WITH_PLUGINS = 597, 754
 """Constants of modules that hold a number and are no facts, those of the framework and all; may
 only fall.
 

@@ -70,6 +70,13 @@ MEDIAN_WORTH, FOURTH_WORTH = 0.37, 0.38
 
 Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring differences share samples.
 """
+FEWEST = 3
+"""Numbers that tell how they scatter: beside a mean, or a line through them, one or two are left.
+"""
+COARSE = 60
+"""Samples that show where a course goes: some of more, evenly chosen, are looked at first."""
+FAR = 5.0
+"""Logarithm beyond which a part is as good as nothing beside another: it is one in 150 of it."""
 DEVIATIONS = 2.0
 """Standard deviations beyond which noise goes once in twenty: within them two numbers meet."""
 TWO_DEVIATIONS = DEVIATIONS**2

@@ -3,8 +3,9 @@
 import click
 import pytest
 
-from springpot.cli.common import SPACED, numbers, quoted, with_rows
+from springpot.cli.common import SPACED, numbers, with_rows
 from springpot.cli.predict import _require_one_question
+from springpot.writing import in_shell
 
 
 @pytest.fixture(autouse=True)
@@ -58,4 +59,4 @@ def test_rows_are_added_to_those_that_are_chosen_already(tmp_path, monkeypatch):
     assert with_rows("c.csv", "x=1") == "c.csv@x=1"
     assert with_rows("c.csv@y=2", "x=1") == "c.csv@y=2,x=1"
     assert with_rows("a@b.csv", "x=1") == "a@b.csv@x=1"
-    assert quoted("a b") == "'a b'"
+    assert in_shell("a b") == "'a b'"

@@ -77,7 +77,7 @@ def test_an_answer_is_written_at_once():
         context.meta[common.OUTPUT] = stream
         common.print_json({"a": 1})
         assert (stream.getvalue(), stream.flushed) == ('{\n  "a": 1\n}\n', 1)
-        common.print_json({"a": 1}, None)
+        common.print_json({"a": 1}, line=True)
     assert stream.getvalue().splitlines()[3].replace(" ", "") == '{"a":1}'
 
 

@@ -56,6 +56,7 @@ def test_tables_of_a_run_are_named_once(springpot, tmp_path):
     answer = springpot("run", script, "--engine", "serial", "--quiet", "--out", tmp_path)
     assert answer.code == 0, answer.err
     lines = answer.out.splitlines()
-    assert len(lines) == 2
+    assert len(lines) == 3
     assert "summary" in lines[1]
     assert ".md" in lines[1]
+    assert lines[2] == f"report: {tmp_path / 'tiny' / 'report.html'}"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.imposed import controlled
 from springpot.measurement.straight import lines, straightened
 
 TIME = np.linspace(0.0, 10.0, 600)
@@ -74,3 +75,25 @@ def test_ramps_between_long_holds_stay_apart_where_only_some_samples_are_looked_
     straight, _ = straightened(loading, np.random.default_rng(6).normal(size=2000))
     assert np.abs(straight.value - steps).max() < 0.03
     assert np.count_nonzero(np.abs(np.diff(straight.value, 2)) > 1e-9) <= 8
+
+
+def triangle_and_answer(side):
+    """A triangle of so many samples from turn to turn, and what a zener's strain lags behind it."""
+    time = np.arange(1.0, 151.0)
+    line = 2.0 / np.pi * np.arcsin(np.sin(np.pi * time / side))
+    return time, line, line - 0.5 * np.convolve(line, np.exp(-3.0 * time / side))[:150] / side
+
+
+@pytest.mark.parametrize("side", [9.3, 12.7, 25.1])
+def test_of_short_lines_the_force_was_imposed_too(side):
+    time, line, answer = triangle_and_answer(side)
+    noise = 0.005 * np.random.default_rng(1).normal(size=(2, 150))
+    moved, pulled = answer + noise[0], line + 0.2 * noise[1]
+    assert TimeTest.of_history(time, moved, pulled, "mm", "N").control == "force"
+    assert TimeTest.of_history(time, pulled, moved, "mm", "N").control == "displacement"
+
+
+def test_a_triangle_without_noise_was_a_command_however_short_its_lines():
+    time, line, answer = triangle_and_answer(10.87312)
+    noise = 0.005 * np.random.default_rng(1).normal(size=150)
+    assert controlled(time, answer + noise, np.round(line, 6))[0] == "force"

@@ -168,7 +168,7 @@ def test_values_are_printed_in_units_of_their_own():
         assert value.high < 1.5 * value.value
 
 
-FEWEST, MOST = outliers.FEWEST_POINTS, max(2, int(outliers.OUTLIERS.most * 60))
+FEWEST, MOST = outliers.FEWEST, max(2, int(outliers.OUTLIERS.most * 60))
 
 
 @pytest.mark.parametrize(

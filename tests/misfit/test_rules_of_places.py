@@ -10,6 +10,7 @@ import pytest
 import springpot
 from springpot.measurement import Measurement, Units
 from springpot.misfit import drift_search, material, refit, residual_causes, where
+from springpot.numerics import FEWEST
 from springpot.thresholds import VERDICT
 
 
@@ -55,7 +56,7 @@ def test_a_course_turns_where_it_lies_a_tenth_beyond_both_ends(course, says):
     assert material._turn(np.array(course), "abcd") == says
 
 
-@pytest.mark.parametrize("common", [material.FEWEST_COMMON - 1, material.FEWEST_COMMON])
+@pytest.mark.parametrize("common", [FEWEST - 1, FEWEST])
 def test_levels_are_compared_at_three_frequencies_that_all_share(common):
     """The first stands for 2 and 1 N/mm, the second for 3 and 6: once and a half and twice."""
     omega = np.r_[np.arange(1.0, 6.0), np.arange(6.0 - common, 9.0)]
@@ -74,7 +75,7 @@ def test_levels_are_compared_at_three_frequencies_that_all_share(common):
     ]
     data = Measurement(omega, omega + 1j, name="made")
     says = material._course(data, levels)
-    if common < material.FEWEST_COMMON:
+    if common < FEWEST:
         assert says == "the amplitude matters"
         return
     assert "|G*| rises by 200 %" in says

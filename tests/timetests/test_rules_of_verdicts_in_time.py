@@ -375,3 +375,22 @@ def test_a_slider_without_give_is_friction_by_another_name(stiffness, named):
     both, parts = ["friction", "elasto-sliding"], parts_of_specimen([test])
     assert trying.without_nested(both, [dry, slider], parts, 293.15) == named
     assert trying.without_nested(both, [slider, dry], parts, 293.15) == both
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("N", 1e3), ("kN", 1.0)])
+def test_a_class_is_the_same_in_any_unit(unit, factor):
+    time = np.linspace(0.1, 60.0, 80)
+    noise = 0.02 * np.random.default_rng(1).normal(size=80)
+    force = factor * (30.0 - 0.1 * time + noise)
+    test = TimeTest.of_history(time, np.full(80, 3.0), force, "mm", unit)
+    model = springpot.parse_model("spring + thermal-force")
+    own = {"k": 10.0 * factor, "thermal-force.size": -3.0 * factor, "thermal-force.tau": 30.0}
+    drift = SimpleNamespace(effect=plugins().effect("force-drift"), left=SimpleNamespace(count=2))
+    grown = SimpleNamespace(
+        effect=plugins().effect("thermal-force"),
+        model=model,
+        theta=model.vector(own),
+        left=SimpleNamespace(count=3),
+    )
+    both, parts = ["force-drift", "thermal-force"], parts_of_specimen([test])
+    assert trying.without_nested(both, [drift, grown], parts, 293.15) == both

@@ -273,3 +273,17 @@ def test_a_film_that_breaks_is_not_called_noise():
     fit = springpot.identify(test, "kelvin")
     assert fit.relative_rms > 0.3
     assert "nothing is left but noise" not in fit.standing.says
+
+
+def test_what_dies_away_behind_each_step_of_a_load_is_no_noise_with_a_memory():
+    noise = np.random.default_rng(3).normal(size=60)
+    missed = (
+        noise + np.outer([-1000.0, 1500.0, 2000.0, -1200.0], 1.0 / np.arange(1.0, 16.0)).ravel()
+    )
+    steps = Imposed((0, 0), False, 0.0, None, (0, 15, 30, 45))
+    nothing = np.zeros((0, 60))
+    assert not scatter_of_record(missed, nothing, steps._replace(steps=()), 0.0).misfit
+    found = scatter_of_record(missed, nothing, steps, 0.0)
+    assert found.misfit
+    assert found.size < 1.5
+    assert not scatter_of_record(noise, nothing, steps, 0.0).misfit

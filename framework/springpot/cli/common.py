@@ -202,37 +202,39 @@ def _json_alone(context: click.Context, parameter: click.Parameter, wanted: bool
     return wanted
 
 
-def print_json(result: Any, indent: int | None = 2) -> None:
-    """Print `result` as JSON, at once: what is there stays, even where the rest is interrupted."""
+def print_json(result: Any, line: bool = False) -> None:
+    """Print `result` as JSON, at once: what is there stays, even where the rest is interrupted.
+
+    On a `line` where it is one of several answers, as programs read a stream of them.
+    """
     from springpot.report.text import to_json
 
     print(
-        to_json(result, indent),
+        to_json(result, None if line else 2),
         file=click.get_current_context().meta.get(OUTPUT, sys.stdout),
         flush=True,
     )
 
 
-def data_argument(command: F) -> F:
-    """Add the argument DATA: a file or the name of a registered data set."""
-    return click.argument("data", type=DATA, metavar="DATA", shell_complete=complete_data)(command)
+data_argument = click.argument("data", type=DATA, metavar="DATA", shell_complete=complete_data)
+"""DATA: a file or the name of a registered data set."""
 
 
 MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
 COMPLETED: dict[str, Any] = {"shell_complete": complete_expression}
 
 
-def model_option(command: F) -> F:
-    """Add ``--model EXPR``."""
-    return click.option(
-        "--model", "-m", "model", metavar="EXPR", required=True, help=MODEL, **COMPLETED
-    )(command)
-
-
-def judged_option(command: F) -> F:
-    """Add ``--model EXPR``, without which any material is judged."""
-    text = f"{MODEL} Without it any linear passive material is judged."
-    return click.option("--model", "-m", "model", metavar="EXPR", help=text, **COMPLETED)(command)
+model_option = click.option(
+    "--model", "-m", "model", metavar="EXPR", required=True, help=MODEL, **COMPLETED
+)
+judged_option = click.option(
+    "--model",
+    "-m",
+    "model",
+    metavar="EXPR",
+    help=f"{MODEL} Without it any linear passive material is judged.",
+    **COMPLETED,
+)
 
 
 def seed_option(command: F) -> F:
@@ -241,13 +243,12 @@ def seed_option(command: F) -> F:
     return click.option("--seed", type=click.IntRange(min=0), metavar="N", help=text)(command)
 
 
-def geometry_option(command: F) -> F:
-    """Add ``--geometry TEXT``."""
-    text = (
-        "Of damper or specimen, such as 'shear-pads area=200cm^2 gap=10mm':"
-        " stiffness becomes modulus, or back."
-    )
-    return click.option("--geometry", metavar="TEXT", help=text)(command)
+geometry_option = click.option(
+    "--geometry",
+    metavar="TEXT",
+    help="Of damper or specimen, such as 'shear-pads area=200cm^2 gap=10mm':"
+    " stiffness becomes modulus, or back.",
+)
 
 
 def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measurement:
@@ -446,20 +447,15 @@ def known_from(options: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def accuracy_option(command: F) -> F:
-    """Add ``--accuracy TEXT``."""
-    text = (
-        "What the instrument promises of modulus and phase, such as '1%,3mrad': intervals hold it,"
-        " and a misfit within it is no verdict on the model."
-    )
-    return click.option("--accuracy", metavar="TEXT", help=text)(command)
-
-
-def verbose_option(command: F) -> F:
-    """Add ``--verbose``."""
-    return click.option(
-        "--verbose", "-v", is_flag=True, help="Everything that was found, not only what leads."
-    )(command)
+accuracy_option = click.option(
+    "--accuracy",
+    metavar="TEXT",
+    help="What the instrument promises of modulus and phase, such as '1%,3mrad': intervals hold it,"
+    " and a misfit within it is no verdict on the model.",
+)
+verbose_option = click.option(
+    "--verbose", "-v", is_flag=True, help="Everything that was found, not only what leads."
+)
 
 
 def window() -> int:
@@ -469,18 +465,17 @@ def window() -> int:
     return max(NARROWEST, min(get_terminal_size((USUAL, USUAL)).columns, WIDEST))
 
 
+def tell_written(*paths: Path | None, above: str = "\n") -> None:
+    """Name the files that were asked for, each with what stands `above` it."""
+    for path in filter(None, paths):
+        print(f"{above}written: {path}")
+
+
 def notes_of(notes: Iterable[str]) -> str:
     """Notes below an answer, broken at words to fit the window."""
     from springpot.report.text import wrapped
 
     return "\n".join(wrapped(f"note        {note}", window(), " " * 12) for note in notes)
-
-
-def quoted(text: str) -> str:
-    """An argument as a shell takes it, in a command that is shown to be copied."""
-    from shlex import quote
-
-    return quote(text)
 
 
 def with_rows(named: str, chosen: str) -> str:
@@ -538,10 +533,8 @@ def emit(result: Any, as_json: bool, show: Callable[[], None], line: bool = Fals
         Whether it is one of several answers, each of which is a line, as programs read a stream of
         them.
     """
-    if as_json and line:
-        print_json(result, indent=None)
-    elif as_json:
-        print_json(result)
+    if as_json:
+        print_json(result, line)
     else:
         show()
 

@@ -19,6 +19,7 @@ from .common import (
     json_option,
     opened,
     seed_option,
+    tell_written,
     window,
     with_rows,
 )
@@ -78,8 +79,7 @@ def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path
     from springpot.report.told import told
 
     print(told(comparison, window()))
-    if figure is not None:
-        print(f"\nwritten: {figure}")
+    tell_written(figure)
     print(f"\nnext: {_next_command(comparison, data, models)}")
 
 

@@ -118,11 +118,7 @@ def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> N
 
 
 def _json(diagnosis: Diagnosis, tests: Sequence[Test], line: bool) -> None:
-    # Of several answers each is a line, as programs read a stream of them.
-    if line:
-        print_json(diagnosis, indent=None)
-    else:
-        print_json(diagnosis)
+    print_json(diagnosis, line)
 
 
 def _text(

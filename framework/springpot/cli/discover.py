@@ -30,6 +30,7 @@ from .common import (
     opened,
     opened_together,
     seed_option,
+    tell_written,
     verbose_option,
     window,
     with_rows,
@@ -132,9 +133,7 @@ def command(
     if split is not None:
         accept = (of_each(split).name, *accept)
     _require_one_choice(auto, accept)
-    expression = None
-    if model is not None:
-        expression = parse_model(model)
+    expression = None if model is None else parse_model(model)
     again = again_with(data, model, accept, auto, seed)
     chosen = library_from(options)
     effects = None
@@ -154,7 +153,7 @@ def command(
     emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
     # A program that reads the JSON reads nothing else.
     if not as_json:
-        _tell_written(figure, report)
+        tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model, tests)}")
     return code
 
@@ -218,13 +217,6 @@ def _write(
         from springpot.report.html import write_report
 
         write_report(ladder, tests, report, again)
-
-
-def _tell_written(*paths: Path | None) -> None:
-    """Name the files that were asked for."""
-    for path in paths:
-        if path is not None:
-            print(f"\nwritten: {path}")
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

@@ -225,7 +225,7 @@ def _each(
         fits.append(_fitted([opened(name, geometry)], model, arguments))
         # With --json each is printed when it is there; a table needs all of them for its widths.
         if as_json:
-            print_json(fits[-1], indent=None)
+            print_json(fits[-1], line=True)
 
     worst = of_each(data, answer)
     if fits and table is not None:

@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
-from springpot.writing import NAMED, suggested
+from springpot.writing import NAMED, in_shell, suggested
 
-from .common import FOLDER, INPUT, emit, json_option, quoted
+from .common import FOLDER, INPUT, emit, json_option
 
 KINDS: dict[str, dict[str, str]] = {
     "study": {"study": "race.py"},
@@ -156,7 +156,7 @@ def _next(kind: str, folder: Path, of_law: bool) -> str:
     """What to do with what was written, in the folder in which it is."""
     steps = []
     if folder != Path():
-        steps.append(f"cd {quoted(str(folder))}")
+        steps.append(f"cd {in_shell(folder)}")
     if kind == "study":
         steps.append(suggested("run", KINDS[kind]["study"]))
     elif kind == "ci":

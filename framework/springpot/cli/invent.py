@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.writing import accepting, with_model
+from springpot.writing import accepting, in_shell, with_model
 
 from .common import (
     FILE,
@@ -20,14 +20,17 @@ from .common import (
     known_from,
     known_options,
     opened,
-    quoted,
     seed_option,
+    tell_written,
     window,
 )
 from .hints import Waiting, kept_by
 
 if TYPE_CHECKING:
     from springpot.invention.result import Invention
+
+if TYPE_CHECKING:
+    pass
 
 
 @click.command("invent", epilog="Example: springpot invent damper.csv -o law.json")
@@ -84,8 +87,7 @@ def command(
 
     def show() -> None:
         print(told(found, window()))
-        for path in filter(None, (output, figure)):
-            print(f"\nwritten: {path}")
+        tell_written(output, figure)
         if following := _next(found, data, model):
             print(f"\nnext: springpot {following}")
 
@@ -97,4 +99,4 @@ def _next(found: Invention, data: str, model: str | None) -> str:
     if found.best is None:
         return ""
     judged = [*with_model(model), *accepting([found.best.text]), *kept_by("discover")]
-    return " ".join(["discover", quoted(data), *map(quoted, judged)])
+    return " ".join(map(in_shell, ["discover", data, *judged]))

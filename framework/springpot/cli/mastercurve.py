@@ -18,6 +18,7 @@ from .common import (
     geometry_option,
     json_option,
     opened,
+    tell_written,
     window,
 )
 
@@ -106,7 +107,9 @@ def command(
             write_text(output, _table_text(curve))
     if figure is not None:
         curve.plot(figure)
-    emit(curve, as_json, lambda: _show(told(curve, window()), [output, figure]))
+    emit(curve, as_json, lambda: print(told(curve, window())))
+    if not as_json:
+        tell_written(output, figure, above="")
 
 
 def _table_text(curve: MasterCurve) -> str:
@@ -121,10 +124,3 @@ def _table_text(curve: MasterCurve) -> str:
     columns = [column[order].tolist() for column in (*told.values(), *others.values())]
     rows = [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
     return "\n".join([",".join([*names, *others]), *rows]) + "\n"
-
-
-def _show(text: str, written: list[Path | None]) -> None:
-    print(text)
-    for path in written:
-        if path is not None:
-            print(f"written: {path}")

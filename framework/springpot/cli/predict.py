@@ -21,6 +21,7 @@ from .common import (
     json_option,
     notes_of,
     numbers,
+    tell_written,
 )
 
 if TYPE_CHECKING:
@@ -107,9 +108,8 @@ def command(
     if figure is not None:
         predicted.plot(figure)
     emit(predicted, as_json, lambda: show(predicted))
-    for path in (output, figure):
-        if path is not None and not as_json:
-            print(f"\nwritten: {path}")
+    if not as_json:
+        tell_written(output, figure)
 
 
 def _require_one_question(
@@ -130,7 +130,7 @@ def show(predicted: Prediction) -> None:
 
     unit, given = predicted.units.stiffness, predicted.places
     band = f"{100.0 * predicted.level:g} % band"
-    headers = [_clock(predicted), *_conditions(predicted)]
+    headers = [predicted.units.clock_head, *_conditions(predicted)]
     # The second band has a blank behind it, as two columns of one name would be one.
     storage, loss = (f"{part} [{unit}]" for part in predicted.units.parts)
     headers += [storage, band, loss, f"{band} ", "measured"]
@@ -152,16 +152,11 @@ def show(predicted: Prediction) -> None:
         print(notes_of(predicted.notes))
 
 
-def _clock(predicted: Prediction) -> str:
-    """The title of the frequencies, which are told as they were asked for."""
-    return {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.units.clock]
-
-
 def _conditions(predicted: Prediction) -> list[str]:
     """The titles of the conditions, of which some are told by name."""
-    units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
-    units |= dict.fromkeys(predicted.words, "text")
-    return [f"{name} [{units.get(name, '-')}]" for name in predicted.conditions]
+    words = dict.fromkeys(predicted.words, "text")
+    told = ((name, predicted.units.of_condition(name)) for name in predicted.conditions)
+    return [f"{name} [{words.get(name, unit)}]" for name, unit in told]
 
 
 def table_text(predicted: Prediction) -> str:
@@ -169,7 +164,7 @@ def table_text(predicted: Prediction) -> str:
     from springpot.writing import csv_text
 
     unit = predicted.units.stiffness
-    names = [_clock(predicted), *_conditions(predicted)]
+    names = [predicted.units.clock_head, *_conditions(predicted)]
     names += [f"{name} [{unit}]" for name in predicted.units.parts]
     names += [f"{part}_{end} [{unit}]" for part in ("storage", "loss") for end in ("low", "high")]
     names.append("measured [text]")

@@ -7,7 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, notes_of, opened, quoted, seen_through, window
+from springpot.writing import in_shell
+
+from .common import emit, note_to_stderr, notes_of, opened, seen_through, tell_written, window
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
@@ -185,9 +187,8 @@ def predict(
         as_json,
         lambda: print("\n".join(filter(None, [said, notes_of(predicted.notes)]))),
     )
-    for path in (output, figure):
-        if path is not None and not as_json:
-            print(f"written: {path}")
+    if not as_json:
+        tell_written(output, figure, above="")
 
 
 def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
@@ -198,16 +199,15 @@ def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     from springpot.registry import open_in_time
 
     # Behind the first question mark answers are parted by commas.
-    mark = "?"
-    if mark in spec:
-        mark = ","
+    mark = "," if "?" in spec else "?"
     # What is only planned has no answer yet, which a reader would else ask for.
     in_time = open_in_time(f"{spec}{mark}answer=none")
     if not in_time:
         return opened(spec, geometry)
     if len(in_time) > 1:
         raise DataError(
-            f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}"
+            f"{spec}: {len(in_time)} tests; choose one by '#', such as"
+            f" {in_shell(with_part(spec, 1))}"
         )
     test = seen_through(in_time[0], geometry)
     if temperature is None:
@@ -231,8 +231,8 @@ def _table_text(predicted: TestPrediction, test: Test) -> str:
         # All of storage, then all of loss, at the same frequencies.
         half = len(at) // 2
         quantities = {"storage": slice(half), "loss": slice(half, None)}
-        clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.clock]
-        at = Units(clock=predicted.clock).on_clock(at[:half])
+        units = Units(clock=predicted.clock)
+        clock, at = units.clock_head, units.on_clock(at[:half])
     names, columns = [clock], [at]
     if isinstance(test, TimeTest):
         names.append(f"{test.words[0]} [{test.loading_unit}]")

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.memory import autoregressive
-from springpot.numerics import ALIKE, AT_ONCE, NEGLIGIBLE, PRINTED, ROUNDING
+from springpot.numerics import ALIKE, AT_ONCE, FAR, NEGLIGIBLE, PRINTED, ROUNDING
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
@@ -32,8 +32,6 @@ IDENTIFIABLE = "identifiable", "practically not", "not at all"
 Its interval has two ends, three decades apart at most; it has not, though a value fits best or one
 end is known; or other parameters make up for whatever it is.
 """
-FAR = 5.0
-"""Logarithm beyond which a parameter is as good as nothing, or as endless."""
 NOTHING = 1e-3
 """Share of the rise at an interval's end that is none: what is left of a search's tolerance."""
 

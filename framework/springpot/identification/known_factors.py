@@ -22,7 +22,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
-from ..numerics import ALIKE, DECADE, DEVIATIONS, level_means
+from ..numerics import ALIKE, DECADE, DEVIATIONS, FEWEST, level_means
 from .fitted import Fit
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
@@ -184,8 +184,6 @@ def scatter_between(own: Alone) -> Real:
 
 FURTHEST = LARGEST_SHIFT
 """Logarithm beyond which no factor lies: as far as any law shifts, and as far as is searched."""
-FEWEST = 3
-"""Points of a sweep that a slope and its scatter take up."""
 
 
 @dataclass(frozen=True, eq=False)

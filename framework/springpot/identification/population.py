@@ -21,17 +21,11 @@ from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL, WHERE
 
-from ..numerics import SMALLEST
+from ..numerics import FEWEST, SMALLEST
 from .fitted import Fit
 from .material import is_material
 from .normal import Bordered, Covariance, LevelSlopes
 from .value import Value
-
-FEWEST = 3
-"""Specimens from which their scatter says how well a parameter is known.
-
-Two leave one degree of freedom.
-"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -305,8 +305,7 @@ class Quantity:
             elif name == "frequency":
                 told.append(units.at(value))
             else:
-                unit = {"temperature": "degC", "amplitude": units.amplitude}.get(name, "-")
-                told.append(f"{name} {value:.4g} {unit}".removesuffix(" -"))
+                told.append(f"{name} {value:.4g} {units.of_condition(name)}".removesuffix(" -"))
         return ", ".join(told)
 
 

@@ -131,8 +131,7 @@ class Covered:
             low, high = (rate / (2.0 * np.pi) for rate in self.rate)
             return f"{units.on_clock(low):.3g} to {units.at(high)}"
         low, high = self.conditions[name]
-        unit = {"temperature": "degC", "amplitude": units.amplitude}.get(name, "-")
-        return f"{name} of {between(low, high)} [{unit}]"
+        return f"{name} of {between(low, high)} [{units.of_condition(name)}]"
 
     def told(self, units: Units) -> str:
         """All ranges that effects may need, in one line."""

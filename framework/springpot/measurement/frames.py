@@ -43,9 +43,8 @@ def columns_of(data: Any) -> dict[str, Any]:
     if data.sd is not None:
         columns[f"storage_sd [{units.stiffness}]"] = data.sd.real
         columns[f"loss_sd [{units.stiffness}]"] = data.sd.imag
-    known = {"temperature": "degC", "amplitude": units.amplitude}
     for name, column in data.conditions.items():
-        columns[f"{name} [{known.get(name, '-')}]"] = column
+        columns[f"{name} [{units.of_condition(name)}]"] = column
     if data.repeat is not None:
         columns["repeat"] = data.repeat
     return {**columns, **data.labels}
@@ -61,13 +60,12 @@ def dataframe(data: Any) -> Any:
 def dataset(data: Any) -> Any:
     """The measurement as an `xarray.Dataset` along ``point``."""
     xarray, units = library("xarray"), data.units
-    known = {"omega": "rad/s", "temperature": "degC", "amplitude": units.amplitude}
-    columns = {"omega": data.omega, **data.conditions, **data.labels}
+    columns = {**data.conditions, **data.labels}
     if data.repeat is not None:
         columns["repeat"] = data.repeat
-    coordinates = {
-        name: ("point", column, {"units": known.get(name, "-")}) for name, column in columns.items()
-    }
+    coordinates = {"omega": ("point", data.omega, {"units": "rad/s"})}
+    for name, column in columns.items():
+        coordinates[name] = ("point", column, {"units": units.of_condition(name)})
     values = {"stiffness": data.stiffness}
     if data.sd is not None:
         values["sd"] = data.sd

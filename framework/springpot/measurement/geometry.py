@@ -661,10 +661,9 @@ def _example(kind: type[Geometry]) -> str:
 def html_of(data: Rows) -> Html:
     """The first rows in their units, and the curve where pictures can be drawn."""
     unit = data.units.stiffness
-    units = {"temperature": "degC", "amplitude": data.units.amplitude}
-    clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[data.units.clock]
-    headers = [clock, f"{data.units.storage} [{unit}]", f"{data.units.loss} [{unit}]"]
-    headers += [f"{name} [{units.get(name, '-')}]" for name in data.conditions]
+    headers = [data.units.clock_head, f"{data.units.storage} [{unit}]"]
+    headers += [f"{data.units.loss} [{unit}]"]
+    headers += [f"{name} [{data.units.of_condition(name)}]" for name in data.conditions]
     columns = [
         data.units.on_clock(data.frequency),
         data.storage,
@@ -673,9 +672,7 @@ def html_of(data: Rows) -> Html:
     ]
     rows = [[f"{column[i]:.4g}" for column in columns] for i in range(min(LISTED, len(data)))]
     more = len(data) - len(rows)
-    beside = joined(())
-    if more > 0:
-        beside = tag("p", f"and {more} more rows")
+    beside = tag("p", f"and {more} more rows") if more > 0 else joined(())
     return tag("div", tag("p", tag("b", data.name)), table(headers, rows), beside, _curve(data))
 
 

@@ -242,6 +242,11 @@ def is_command(clock: Real, value: Real, other: Real) -> bool:
     stands = not np.median(np.abs(np.diff(value))) > 0.0
     if stands or len(clock) < 5 * ORDER or not is_even(clock):
         return False
+    # Short lines have corners in most high differences, and in few of the second order.
+    noise, digit = imposed_noise(other, ORDER // 4), rms(rounding_step(value))
+    if imposed_noise(value, ORDER // 4) <= digit:
+        # What answers to lines is none, be it by its noise or by itself.
+        return noise > rms(rounding_step(other)) and digit * rms(other) < noise * rms(value)
     noise, most = imposed_noise(other), _of_what_is_smooth(other)
     own, digit = imposed_noise(value), _of_what_is_smooth(value)
     return noise > most and own <= digit and max(own, digit) * rms(other) < noise * rms(value)

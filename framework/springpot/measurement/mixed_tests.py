@@ -22,6 +22,7 @@ from springpot.thresholds import COURSE, VARIED
 
 from .independence import (
     DECIMALS,
+    POINTS_PER_DEGREE,
     SMOOTH_DEGREE,
     at_one_frequency,
     frequency_numbers,
@@ -62,9 +63,6 @@ TIME = "time"
 """The column in which files hold when a point was measured."""
 MOST_NAMES = 0.5
 """Share of rows that distinct words may be, to be names of runs and not remarks on rows."""
-_ROWS_OF_A_SETTING = 3
-"""Rows of each value of a setting, on average, at least: a sweep of fewer has no course of its own.
-"""
 
 _HELD = 0.01
 """Share of the largest within which numbers with a fraction are one that was held.
@@ -203,7 +201,7 @@ def settings_of(data: TestRows) -> dict[str, NDArray[np.int64]]:
         values, number = np.unique(column, return_inverse=True)
         number = number.ravel().astype(np.int64)
         # What differs from row to row was measured, as a torque is, and not set.
-        if not 1 < len(values) <= len(column) // _ROWS_OF_A_SETTING:
+        if not 1 < len(values) <= len(column) // POINTS_PER_DEGREE:
             continue
         if not _was_held(np.asarray(values)) and not _names_a_condition(number, data.conditions):
             numbered[name] = number

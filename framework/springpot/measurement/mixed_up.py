@@ -17,7 +17,7 @@ from typing import TypeVar
 import numpy as np
 
 from springpot.memory import autocorrelation_time
-from springpot.numerics import BEYOND, PER_DECADE, evenly, non_negative
+from springpot.numerics import BEYOND, COARSE, PER_DECADE, evenly, non_negative
 from springpot.rheology.points import STEADY, Complex, Real, real_form
 from springpot.thresholds import SIGNALS
 
@@ -43,11 +43,6 @@ would take seconds at each opening."""
 MOST_ROWS = 10_000
 """Larger tables are written by programs, which mix up no columns, and finding their sweeps would
 take time.
-"""
-MOST_POINTS = 60
-"""Points that are looked at, evenly chosen.
-
-A question asked at each opening must take a millisecond.
 """
 BACK = 0.1
 """Share by which a test goes back under a load that is held, from which a note says so."""
@@ -76,7 +71,7 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
     if len(measurement) > MOST_ROWS:
         return {}
     sweep = max(sweeps_of(measurement), key=lambda each: len(each.rows))
-    rows = sweep.rows[evenly(len(sweep.rows), MOST_POINTS)]
+    rows = sweep.rows[evenly(len(sweep.rows), COARSE)]
     omega, stiffness = measurement.omega[rows], measurement.stiffness[rows]
     if len(np.unique(omega)) < FEWEST_POINTS or omega.max() < LEAST_RANGE * omega.min():
         return {}

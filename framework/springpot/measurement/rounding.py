@@ -7,18 +7,14 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, FEWEST
 
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
 EVEN = 0.01
 """Relative spread of the steps of time below which samples are evenly spaced."""
-FEWEST = 3
-"""Samples of which two steps may be compared."""
 MOST_LEVELS = 0.25
 """Share of the samples up to which their values are few: a channel of coarse digits."""
-FEWEST_LEVELS = 3
-"""Values of a channel at least from which its digit can be told."""
 ZEROS = 8
 """Places of the zero between two digits that are tried: nobody knows where it lies."""
 
@@ -143,7 +139,7 @@ def digit_of(values: Real) -> float:
     0.25
     """
     levels = np.unique(values)
-    if not FEWEST_LEVELS <= len(levels) <= MOST_LEVELS * len(values):
+    if not FEWEST <= len(levels) <= MOST_LEVELS * len(values):
         return 0.0
     # What rises fast leaves values out: their distance is the step where no digits tell it.
     return float(np.median(rounding_step(values))) or float(np.median(np.diff(levels)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..numerics import ENOUGH, SMALLEST, evenly, rms
 from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
+    ORDER,
     SHORTEST,
     Loading,
     controlled,
@@ -25,7 +27,7 @@ from .rounding import rounding_step
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST
-"""Samples of a line at least, by which its noise is told from a course."""
+"""Samples at a level, at least, by which their noise is told from a course."""
 
 
 def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
@@ -43,7 +45,7 @@ def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, s
     'displacement'
     """
     control, notes = controlled(clock, moved, pulled)
-    if control == "force" or len(clock) < FEWEST or not (_is_noisy(moved) and _is_noisy(pulled)):
+    if control == "force" or len(clock) < SHORTEST or not (_is_noisy(moved) and _is_noisy(pulled)):
         return control, notes
     (course, parts), others = lines(clock, pulled), len(lines(clock, moved)[1])
     if not parts or 0 < others <= len(parts):
@@ -98,7 +100,7 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     0.0
     """
     value = loading.value
-    if not loading.sampled or len(value) < FEWEST or not _is_noisy(value):
+    if not loading.sampled or len(value) < SHORTEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
     course, said = without_noise(
@@ -134,25 +136,36 @@ def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
 
 def _parts(clock: Real, value: Real) -> list[slice]:
     """Where a channel (n,) goes along straight lines; nowhere if for too little of it."""
-    count = len(value)
-    found, open_parts, spare = list[slice](), [slice(0, count)], (1.0 - NEARLY_ALL) * count
-    while open_parts:
-        part = open_parts.pop()
-        if part.stop - part.start < FEWEST:
-            spare -= part.stop - part.start
-            if spare < 0.0:
+    count, found = len(value), list[slice]()
+    if count >= SHORTEST and _bend(clock, value) is not None:
+        return [slice(0, count)]
+    spare = (1.0 - NEARLY_ALL) * count
+    for part in _likeliest(clock, value):
+        if part.stop - part.start >= SHORTEST:
+            if _bend(clock[part], value[part]) is None:
                 return []
-        elif _bend(clock[part], value[part]) is not None:
             found.append(part)
-        else:
-            at = part.start + _best_split(clock[part], value[part])
-            open_parts += [slice(part.start, at), slice(at, part.stop)]
-    found = _joined(clock, value, sorted(found, key=lambda part: part.start))
+            continue
+        spare -= part.stop - part.start
+        if spare < 0.0:
+            return []
+    found = _joined(clock, value, found)
     bends = sum(_bend(clock[part], value[part]) or 0.0 for part in found)
     # Of many short lines each may hide a bend that all of them together show.
     if f_sf(bends / (2.0 * len(found)), 2 * len(found), count) < SIGNALS.ruled_out:
         return []
-    return found
+    return [] if _is_curve(clock, value, found) else found
+
+
+def _is_curve(clock: Real, value: Real, parts: list[slice]) -> bool:
+    """Whether a smooth curve of as many numbers follows a channel (n,) better than its lines do."""
+    rows = np.concatenate([np.arange(part.start, part.stop) for part in parts])
+    left = np.concatenate([_beside_line(clock[part], value[part])[1] for part in parts])
+    place = (2.0 * clock[rows] - clock[0] - clock[-1]) / (clock[-1] - clock[0])
+    # A slope and a level each, and where one ends and the next begins.
+    curve = np.linalg.qr(np.polynomial.legendre.legvander(place, 3 * len(parts) - 2))[0]
+    beside = value[rows] - curve @ (curve.T @ value[rows])
+    return len(parts) > 1 and bool(beside @ beside < left @ left)
 
 
 def _of_all(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
@@ -186,6 +199,36 @@ def _bend(clock: Real, value: Real) -> float | None:
     if f_sf(power / 2.0, 2, spare) < SIGNALS.ruled_out or not is_white(left):
         return None
     return power
+
+
+def _likeliest(clock: Real, value: Real) -> list[slice]:
+    """The lines, one behind the other, of which a channel (n,) is likeliest.
+
+    All cuts at once: of a triangle no two lines alone tell where one of its corners is. Each line
+    costs its slope, its level and its end (Killick, Fearnhead & Eckley 2012,
+    doi:10.1080/01621459.2012.737745).
+    """
+    # Corners are in few differences of the second order, and a course in none of the eighth.
+    noise = min(imposed_noise(value, ORDER // 4), imposed_noise(value))
+    count = len(value)
+    price = 3.0 * np.log(count) * noise**2
+    t, x = clock - clock.mean(), value - value.mean()
+    sums = np.cumsum(np.pad([np.ones(count), t, x, t * t, t * x, x * x], ((0, 0), (1, 0))), axis=1)
+    best, before = np.full(count + 1, -price), np.zeros(count + 1, dtype=np.intp)
+    open_from = np.zeros(1, dtype=np.intp)
+    for end in range(1, count + 1):
+        n, of_t, of_x, of_tt, of_tx, of_xx = sums[:, [end]] - sums[:, open_from]
+        along = np.maximum(of_tt - of_t**2 / n, SMALLEST)
+        left = of_xx - of_x**2 / n - (of_tx - of_t * of_x / n) ** 2 / along
+        cost = best[open_from] + np.maximum(left, 0.0)
+        k = int(np.argmin(cost))
+        best[end], before[end] = cost[k] + price, open_from[k]
+        # What is dearer than a cut here, with what lies behind it, stays so.
+        open_from = np.append(open_from[cost <= best[end]], end)
+    ends = [count]
+    while ends[-1]:
+        ends.append(int(before[ends[-1]]))
+    return [slice(*pair) for pair in pairwise(ends[::-1])]
 
 
 def _best_split(clock: Real, value: Real) -> int:

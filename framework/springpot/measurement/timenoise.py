@@ -39,6 +39,7 @@ from springpot.writing import SHOWN
 from ..thresholds import OUTLIERS, SEARCH, SIGNALS
 from .measurement import Measurement
 from .rounding import rounding_step
+from .straight import FEWEST as FEWEST_OF_LEVEL
 from .timetest import TimeTest
 
 ORDER = 4
@@ -53,8 +54,6 @@ proportional one.
 """
 BINS = 12
 """Levels of the signal at most, at each of which the scatter is told."""
-FEWEST_IN_BIN = 16
-"""Samples of a level of the signal whose scatter is worth a number."""
 DOUBTED = 0.05
 """Chance of noises as unlike as several tests', below which they are not held to be one."""
 
@@ -390,7 +389,7 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
     if level.max() < WIDE * least:
         return _Parts(NORMAL * float(np.median(np.abs(scatter))), 0.0, None, whole)
     order = np.argsort(level)
-    groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_IN_BIN)))
+    groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_OF_LEVEL)))
     size = np.array([np.median(level[group]) for group in groups])
     spread = np.array([NORMAL * np.median(np.abs(scatter[group])) for group in groups])
     worth = efficiency * np.array([len(group) for group in groups])

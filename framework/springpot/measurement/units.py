@@ -389,9 +389,16 @@ class Units:
 
     @property
     def _noun(self) -> str:
-        if self.is_modulus:
-            return "modulus"
-        return "stiffness"
+        return "modulus" if self.is_modulus else "stiffness"
+
+    @property
+    def clock_head(self) -> str:
+        """The head of a column of frequencies, as they are told."""
+        return {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[self.clock]
+
+    def of_condition(self, name: str) -> str:
+        """Unit of a column of what was set, a hyphen where none is known of it."""
+        return {"temperature": "degC", "amplitude": self.amplitude}.get(name, "-")
 
     def on_clock(self, hertz: T) -> T:
         """Frequencies in Hz, in the unit in which they are told."""

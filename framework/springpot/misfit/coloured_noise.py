@@ -1,4 +1,4 @@
-"""Spectra of noise that remembers more than the sample before, and tests of a period.
+"""Spectra of noise that remembers more than the sample before, and tests of a motion.
 
 A channel that swings, a filter, a mean over a few samples and 1/f noise beside white leave such.
 They are read from the continuum of a residual's spectrum: from medians over neighbouring
@@ -10,17 +10,18 @@ missed beside it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import gamma_sf
+from springpot.distributions import f_sf, gamma_sf, normal_sf
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 
-from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST
+from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST, non_negative, projected_out
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -32,6 +33,8 @@ AROUND = 5
 """Neighbouring frequencies of whose powers in all stretches the median is taken."""
 ORDERS = 8
 """Cosines of a spectrum's logarithm at most: a mean over five samples is followed by as many."""
+LEVEL = 4
+"""Samples on either side of a jump at least: two that are off by chance are none yet."""
 UPPER = 0.25
 """Share of the highest frequency above which there is noise alone.
 
@@ -253,3 +256,86 @@ def period_test(residual: Real, period: tuple[int, int]) -> tuple[float, Real]:
     # One of them may stand out, or all may a little.
     chances = count * np.exp(logs.min()), gamma_sf(-np.sum(logs), count)
     return float(min(2.0 * min(chances), 1.0)), rest
+
+
+def step_test(residual: Real, steps: Sequence[int]) -> tuple[float, Real]:
+    """Chance that noise bends as much behind each step of a load, and what does not (n,).
+
+    Noise does not know when the load stepped. What a model misses of the answers to it, which begin
+    at another height and die away, has the spectrum of noise with a memory. Told by ranks (Mann &
+    Whitney 1947, doi:10.1214/aoms/1177730491), whatever the tails of the noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    steps : sequence of int
+        As of `Imposed`.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(size=60)
+    >>> died_away = np.tile(900.0 / np.arange(1.0, 16.0), 4)
+    >>> [round(step_test(each, (0, 15, 30, 45))[0], 4) for each in (noise, noise + died_away)]
+    [0.8791, 0.0]
+    """
+    n, calm = len(residual), residual.copy()
+    behind, others = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
+    for row in steps:
+        # The first sample behind a step tells of its instant alone.
+        others[max(row - 1, 0) : row + 2 + LEVEL] = False
+        behind[row + 2 : row + 2 + LEVEL] = True
+    behind[[0, -1]] = others[[0, -1]] = False
+    bends = np.abs(np.diff(residual, 2, prepend=0.0, append=0.0))
+    k, m = np.count_nonzero(behind), np.count_nonzero(others)
+    if not min(k, m):
+        return 1.0, residual
+    above = np.searchsorted(np.sort(bends[others]), bends[behind])
+    # Bends of neighbours share two samples: of white noise their sizes are correlated by 0.41.
+    alike = 1.0 + 2.0 * 0.41 * (1.0 - 1.0 / LEVEL)
+    score = (float(above.sum()) - 0.5 * k * m) / np.sqrt(alike * k * m * (k + m + 1.0) / 12.0)
+    for row, last in pairwise([*steps, n]):
+        first = min(row + 1, last) if row else row
+        calm[row:first] = 0.0
+        if last - first >= LEVEL:
+            since = np.arange(first, last) - row + 1.0
+            dying = np.linalg.qr(np.column_stack([np.ones_like(since), since, 1.0 / since]))[0]
+            calm[first:last] = projected_out(residual[first:last], dying)
+    return float(normal_sf(score)), calm
+
+
+def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) -> tuple[float, Real]:
+    """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
+
+    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
+    speed is known by them where it varies as quickly as noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of a record.
+    spectrum : ndarray, shape (n,)
+        Variance of each number of the noise's cosine transform.
+    of_motion : tuple of ndarray
+        What a linear model may miss of the motion (n, p), and what else goes with it (n, q).
+    """
+    linear, powers = of_motion[0].shape[1], np.hstack(of_motion)
+    every = np.column_stack([residual, powers])
+    white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
+    basis = np.linalg.qr(white[1:].T)[0]
+    left = projected_out(white[0], basis)
+    # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
+    # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
+    # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of
+    # simulated noise that grows with place or speed four records in a hundred at most are below
+    # .01, and one below .001.
+    squares = np.column_stack([np.ones(len(left)), powers**2])
+    variance = squares @ non_negative(squares, left**2)[0]
+    uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
+    basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
+    followed = (basis.T @ value) ** 2
+    n, count = basis.shape
+    explained = float(np.sum(followed[linear:])) / (count - linear)
+    left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
+    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
+    return float(f_sf(explained / left, count - linear, n - count)), rest

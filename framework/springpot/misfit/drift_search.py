@@ -20,15 +20,13 @@ from springpot.measurement.independence import (
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.mixed_tests import TIME, settings_of
 from springpot.measurement.units import TIME_UNITS
-from springpot.rheology.points import Real
+from springpot.rheology.points import STEADY, Real
 from springpot.thresholds import COURSE, VERDICT
 
 from ..numerics import SMALLEST, projected_out, rows_alike
 from .error import plain
 from .frame import LEAST_SEEN, NoiseFrame, beyond
 
-SMALL_MOVE = 0.02
-"""Relative change that is told as none."""
 FOLD = 2.0
 """Ratio from which a change is told in times rather than in per cent."""
 
@@ -119,7 +117,7 @@ class Course:
         before, after = (
             float(np.hypot(*pair)) for pair in zip(self.storage, self.loss, strict=True)
         )
-        if abs(after / before - 1.0) < SMALL_MOVE:
+        if abs(after / before - 1.0) < STEADY:
             return "its phase, while |K| stays"
         if after > before:
             return "it cures, sets, ages or dries"
@@ -182,7 +180,7 @@ def _moved(name: str, ends: tuple[float, float], unit: str) -> str:
     # What begins below zero has no ratio.
     if min(before, after) <= 0.0:
         return told
-    if abs(after / before - 1.0) < SMALL_MOVE:
+    if abs(after / before - 1.0) < STEADY:
         return f"{name} stays near {plain(before)} {unit}"
     ratio = max(after / before, before / after)
     if ratio < FOLD:

@@ -147,9 +147,4 @@ def point_in_words(measurement: Measurement, row: int) -> str:
 
 def with_unit(measurement: Measurement, name: str, value: float) -> str:
     """A temperature or an amplitude as it is printed."""
-    if name == "temperature":
-        return f"{value:.3g} degC"
-    unit = measurement.units.amplitude
-    if unit == "-":
-        return f"{value:.3g}"
-    return f"{value:.3g} {unit}"
+    return f"{value:.3g} {measurement.units.of_condition(name)}".removesuffix(" -")

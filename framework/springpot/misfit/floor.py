@@ -49,10 +49,6 @@ from .refit import Refit, in_noise, refit
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
-NEARLY = 2.0
-"""Error over noise floor up to which a model may be right, and its scatter tell where the noise is
-larger.
-"""
 LEAST_RISE = 0.01
 """Relative change of noise over |K| along a sweep from which its shape is not that of |K|."""
 ROUNDS = 2
@@ -149,16 +145,14 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     told = scatter_about(first.frame())
     noise = checked_noise(first.noise, told.variance, told.dof)
     if noise is first.noise:
-        noise = replace(_beside_given(first, told), memory=told.memory)
-        return replace(first, noise=noise) if noise.source == "given" else in_noise(first, noise)
-    # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what was
-    # given.
-    free, _ = undragged(first)
-    told = scatter_about(free.frame())
-    noise = replace(checked_noise(first.noise, told.variance, told.dof), memory=told.memory)
-    if noise.source == "given":
-        return replace(first, noise=noise)
-    return in_noise(first, noise)
+        noise = _beside_given(first, told)
+    else:
+        # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what
+        # was given.
+        told = scatter_about(undragged(first)[0].frame())
+        noise = checked_noise(first.noise, told.variance, told.dof)
+    noise = replace(noise, memory=told.memory)
+    return replace(first, noise=noise) if noise.source == "given" else in_noise(first, noise)
 
 
 def _beside_given(fitted: Refit, told: ScatterAbout) -> Noise:
@@ -246,7 +240,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # What noise would nearly explain, of a law that the others allow, is no misfit yet.
     if _over(usual) > VERDICT.misfit and not np.all(telling(usual.frame())):
         cautious = _in_rounds(first, cautious=True)
-        if _over(cautious) <= NEARLY:
+        if _over(cautious) <= VERDICT.small_rest:
             usual = cautious
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
@@ -257,9 +251,9 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # Beside a model that is far off its misfit would be taken for noise that rises where it fails;
     # but noise that does rise is more than what its quiet points tell, and these are not missed.
     risen = _in_rounds(in_noise(first, shape), uneven=True)
-    if usual.relative_rms > NEARLY * max(usual.floor, risen.floor):
+    if usual.relative_rms > VERDICT.small_rest * max(usual.floor, risen.floor):
         return usual
-    if _over(usual) > NEARLY and _misses_where_quiet(usual, shape):
+    if _over(usual) > VERDICT.small_rest and _misses_where_quiet(usual, shape):
         return usual
     # The first fit was in units of |K|, and where it misses for that the scatter seems to rise.
     return min((risen, usual), key=_cost_of_scatter)
@@ -279,7 +273,7 @@ def _misses_where_quiet(fitted: Refit, shape: Noise) -> bool:
         np.sum(np.abs(each / measured.magnitude)[quiet] ** 2)
         for each in (fitted.stiffness - measured.stiffness, fitted.noise.parts)
     )
-    return bool(misfit > NEARLY**2 * told)
+    return bool(misfit > VERDICT.small_rest**2 * told)
 
 
 def _in_rounds(fitted: Refit, uneven: bool = False, cautious: bool = False) -> Refit:

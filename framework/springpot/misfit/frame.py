@@ -26,10 +26,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, VERDICT
 
-from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, orthonormal, projected_out
+from ..numerics import ALIKE, FEWEST, NEGLIGIBLE, SMALLEST, orthonormal, projected_out
 
-FEWEST_ALIKE = 3
-"""Sweeps in which a residual must be alike to count as structure rather than as noise."""
 MOST_SHARED = 60
 """Frequencies above which sweeps are dense enough for their neighbours to show what is shared."""
 DRIFT_DEGREE = 3
@@ -110,16 +108,16 @@ def shared_shapes(measurement: Measurement) -> Real:
     """For each frequency of several sweeps a shape (m, n): one there in all sweeps, else zero.
 
     What errs alike at one frequency in sweep after sweep (a ripple, a notch) is no noise, however
-    rough it is. None where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are
+    rough it is. None where fewer than `FEWEST` sweeps share their frequencies, or there are
     so many that neighbours tell more.
     """
     # By frequency, not by order: sweeps may lack single points, or run up and down.
     which = frequency_numbers(measurement)
     count = int(which.max()) + 1
-    if count > MOST_SHARED or len(sweeps_of(measurement)) < FEWEST_ALIKE:
+    if count > MOST_SHARED or len(sweeps_of(measurement)) < FEWEST:
         return np.zeros((0, len(measurement)))
     together = which == np.arange(count)[:, None]
-    shared: Real = together[together.sum(axis=1) >= FEWEST_ALIKE].astype(np.float64)
+    shared: Real = together[together.sum(axis=1) >= FEWEST].astype(np.float64)
     return shared
 
 

@@ -29,7 +29,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.writing import NAMED, number
 
-from ..numerics import SMALLEST, rms, rows_of_levels
+from ..numerics import FEWEST, SMALLEST, rms, rows_of_levels
 from .error import Error, percent, times, with_unit
 from .refit import Refit, refit
 from .residual_tests import Battery, battery
@@ -497,8 +497,6 @@ def strange_in_words(
     )
 
 
-FEWEST_COMMON = 3
-"""Frequencies shared by the lowest amplitude and all others, at which moduli are compared."""
 STAYS = 0.05
 """Share of a loss factor by which it may differ over amplitudes and be one in two digits."""
 TURNS = 0.1
@@ -549,7 +547,7 @@ def _course(measurement: Measurement, levels: Sequence[ConditionLevel]) -> str:
     high = min(float(measurement.omega[level.rows].max()) for level in levels)
     own = measurement.omega[levels[0].rows]
     omega = np.unique(own[(own >= low) & (own <= high)])
-    if len(omega) < FEWEST_COMMON:
+    if len(omega) < FEWEST:
         return "the amplitude matters"
     curves = [level.fitted.model.stiffness(level.fitted.theta, omega) for level in levels]
     places = [with_unit(measurement, "amplitude", level.value) for level in levels]

@@ -28,6 +28,7 @@ from springpot.measurement.independence import frequency_numbers, rounded_log_om
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import average_repeats, noise_of_repeats
+from springpot.measurement.timenoise import FEWEST
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
@@ -297,8 +298,6 @@ def trimmed_residual(
     return found
 
 
-FEWEST_POINTS = 12
-"""Points below which none can be held to stand out."""
 END = 2
 """Rows of an end of a sweep at which the beginning of an effect is easily taken for a bad point.
 
@@ -393,7 +392,7 @@ def outlying(frame: NoiseFrame) -> NDArray[np.int64]:
     """
     n = len(frame.measurement)
     most = max(2, int(OUTLIERS.most * n))
-    if n < FEWEST_POINTS:
+    if n < FEWEST:
         return np.zeros(0, dtype=np.int64)
     # Slow structure is no outlier: of a wrong model every point would stand out from the fit.
     followed = np.concatenate([frame.absorbed, frame.smooth], axis=1)
@@ -488,7 +487,7 @@ def pulling(frames: Iterable[NoiseFrame], alarmed: bool = True) -> NDArray[np.in
         ratio = 0.5 * share * dof / max(1.0 - share, SMALLEST)
         chance = _chance_of_any(f_sf(ratio, 2.0, dof), n)
         # Of few points one carries half of a residual by chance.
-        if share > largest and (chance < OUTLIERS.rare or (alarmed and n >= FEWEST_POINTS)):
+        if share > largest and (chance < OUTLIERS.rare or (alarmed and n >= FEWEST)):
             largest, row = share, int(np.argmax(lost))
     return np.array([row], dtype=np.int64)[: int(row >= 0)]
 

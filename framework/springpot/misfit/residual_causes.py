@@ -34,7 +34,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS, ROUNDING, SMALLEST, orthonormal, projected_out, rms
+from ..numerics import FAR, MOST_STEPS, ROUNDING, SMALLEST, orthonormal, projected_out, rms
 from .error import percent, plain
 from .frame import (
     ENOUGH_NEIGHBOURS,
@@ -51,8 +51,6 @@ Rows: TypeAlias = NDArray[np.int64]
 
 NARROW = 8
 """Narrow resonances that are tried for each point of a sweep."""
-BEYOND = 5.0
-"""Range of ln omega beyond the data in which bumps may lie."""
 MOST_BESIDE = 25
 """Bumps beyond each end of the data at most."""
 WIDTHS = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0)
@@ -150,7 +148,7 @@ def _shapes(x: Real, stiffness: Complex, width: float) -> Iterator[Complex]:
 
     Resonances in and beside the band, and what those far away leave in it.
     """
-    beside = min(BEYOND, MOST_BESIDE * width)
+    beside = min(FAR, MOST_BESIDE * width)
     for pole in np.arange(x.min() - beside, x.max() + beside + width, width):
         at = 1j * np.exp(np.clip(x - pole, -300.0, 300.0))
         yield 2.0 * width * at / (1.0 + 2.0 * width * at + at**2)
@@ -306,8 +304,6 @@ def column_behind(frame: NoiseFrame) -> Column | None:
         The fit of the best model.
     """
     settings = settings_of(frame.measurement)
-    if not settings:
-        return None
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
     along = np.log(frame.measurement.omega)
     # At one frequency there are no slopes, only what rounding makes of them.

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view as windows
 from numpy.typing import NDArray
 
-from springpot.distributions import chi2_sf, f_sf, normal_score, normal_sf
+from springpot.distributions import chi2_sf, normal_score, normal_sf
 from springpot.measurement.hum import WIDE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
@@ -38,19 +38,21 @@ from ..numerics import (
     MEDIAN_WORTH,
     NORMAL,
     SMALLEST,
-    non_negative,
     projected_out,
     rms,
 )
 from .coloured_noise import (
     FEWEST as FEWEST_OF_COLOUR,
+    LEVEL,
     SLOWEST,
     UPPER,
     Colour,
     colour_of,
     fisher_test,
     frequencies,
+    motion_test,
     period_test,
+    step_test,
     transformed,
 )
 from .frame import chance_of_squares
@@ -84,8 +86,6 @@ TAILS = 3.0
 further off, and not in the middle of others, is an outlier."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
-LEVEL = 4
-"""Samples on either side of a jump at least: two that are off by chance are none yet."""
 WORTH = 0.15
 """Share of the samples that the median of their differences is worth: by 600 simulated channels of
 100 to 3,000."""
@@ -267,6 +267,10 @@ def scatter_of_record(
         # part is missed by that.
         return replace(found, local=1.0) if share > 0.5 else found
     found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
+    if imposed.steps and len(residual) >= FEWEST:
+        stepped, calm = step_test(residual, imposed.steps)
+        if stepped < min(found.chance, LOCAL):
+            found = replace(scatter_of(calm, worth=worth), local=stepped)
     if not (imposed.coarse or found.misfit):
         found = _beside_lines(residual, found, imposed.period, worth, followed)
     if power > 0.0 and imposed.period[1]:
@@ -653,12 +657,15 @@ class Imposed(NamedTuple):
         Of the channel, as large as it may well be; zero where the response's own drowns it.
     powers : tuple of ndarray
         As of `powers_of`, of an uneven one alone.
+    steps : tuple of int
+        The first sample behind each step of a load that was held before and after.
     """
 
     period: tuple[int, int]
     coarse: bool
     noise: float
     powers: tuple[Real, Real] | None
+    steps: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, test: TimeTest, stiffness: float, sd: Real) -> Imposed:
@@ -669,7 +676,10 @@ class Imposed(NamedTuple):
             noise = _noise_above(test, stiffness, sd)
         if test.kind == "history" and even and FEWEST_OF_COLOUR <= len(value) == count:
             powers = powers_of(value, noise > 0.0)
-        return cls(cycles_of(test.loading, count), digit_of(value) > 0.0, noise, powers)
+        after = np.unique([later for _, later, _ in test.loading.steps_between])
+        steps = tuple(np.searchsorted(test.time, after).tolist())
+        coarse = digit_of(value) > 0.0
+        return cls(cycles_of(test.loading, count), coarse, noise, powers, steps)
 
 
 def _noise_above(test: TimeTest, stiffness: float, sd: Real) -> float:
@@ -715,40 +725,3 @@ def powers_of(value: Real, noisy: bool) -> tuple[Real, Real]:
     if noisy:
         return np.stack([place, speed, turning], axis=1), products
     return np.zeros((len(value), 0)), np.column_stack([place, speed, products])
-
-
-def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) -> tuple[float, Real]:
-    """Chance that noise of some spectrum goes with a motion as a residual does, and the rest (n,).
-
-    Noise does not know where the specimen is, whatever its spectrum: a force that goes by place and
-    speed is known by them where it varies as quickly as noise.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of a record.
-    spectrum : ndarray, shape (n,)
-        Variance of each number of the noise's cosine transform.
-    of_motion : tuple of ndarray
-        As of `powers_of`.
-    """
-    linear, powers = of_motion[0].shape[1], np.hstack(of_motion)
-    every = np.column_stack([residual, powers])
-    white = transformed(transformed(every.T) / np.sqrt(spectrum), back=True)
-    basis = np.linalg.qr(white[1:].T)[0]
-    left = projected_out(white[0], basis)
-    # Noise may be larger where the specimen is far out or quick, and goes with nothing all the
-    # same: its variance is a sum of squares of the powers (Breusch & Pagan 1979,
-    # doi:10.2307/1911963). At least a quarter of the usual, so that no few samples tell all: of
-    # simulated noise that grows with place or speed four records in a hundred at most are below
-    # .01, and one below .001.
-    squares = np.column_stack([np.ones(len(left)), powers**2])
-    variance = squares @ non_negative(squares, left**2)[0]
-    uneven = np.sqrt(np.maximum(variance / max(float(np.mean(variance)), SMALLEST), 0.25))
-    basis, value = np.linalg.qr(white[1:].T / uneven[:, None])[0], white[0] / uneven
-    followed = (basis.T @ value) ** 2
-    n, count = basis.shape
-    explained = float(np.sum(followed[linear:])) / (count - linear)
-    left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
-    rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
-    return float(f_sf(explained / left, count - linear, n - count)), rest

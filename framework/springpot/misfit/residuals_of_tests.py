@@ -35,7 +35,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real, complex_form, real_form
 
-from ..numerics import NEGLIGIBLE, SMALLEST, evenly, rms
+from ..numerics import COARSE, NEGLIGIBLE, SMALLEST, evenly, rms
 from .frame import NoiseFrame
 from .residual_scatter import (
     FEWEST,
@@ -48,8 +48,6 @@ from .residual_scatter import (
 from .where import Where, where
 from .where_in_time import places
 
-COARSE = 60
-"""Samples of a test with which the search begins; all of them end it."""
 ANSWERS = 2
 """Of a test that are kept: that to the best parameters of a search, and to the last it tried."""
 WITHIN = 3.0

@@ -12,7 +12,7 @@ from springpot.measurement.timetest import TimeTest
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import rms
+from ..numerics import FEWEST, rms
 from .error import plain, times
 from .where import Where
 
@@ -27,8 +27,6 @@ ENDS = (
     "on the upper flank",
     "at the upper end",
 )
-FEWEST = 3
-"""Samples of a part of the loop below which it is left out."""
 ONE_SIDED = 3.0
 """Times by which one side of a loop must be missed more than its mirror image to be told alone."""
 SLOW = 0.3

@@ -16,7 +16,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
-from springpot.numerics import REWEIGHTINGS, SMALLEST, non_negative
+from springpot.numerics import FAR, REWEIGHTINGS, SMALLEST, non_negative
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.rheology.rational import Rational
 from springpot.rheology.spectrum import MOST_TERMS, Spectrum
@@ -35,11 +35,6 @@ PER_DECADE = 16
 """Frequencies a decade at which the error is fitted and measured.
 
 Beyond 12 it changes in the third digit only.
-"""
-BEYOND = 5.0
-"""How far (in ln) times may lie outside the band.
-
-Two decades, where a term is a spring or a dashpot to 1 %.
 """
 
 
@@ -250,7 +245,7 @@ def _fitted(
             missed = share * (_columns(s, u, dashpot) @ amounts - target)
             return real_form(missed)
 
-        reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
+        reach = (grid[0] - FAR, grid[-1] + FAR)
         u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x
         series, error = _series(s, u, target, share, dashpot, band)
         if best is None or series.error < best.error:

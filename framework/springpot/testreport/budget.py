@@ -8,7 +8,7 @@ ratio between them and does not in a mean.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -100,10 +100,8 @@ class ErrorBudget:
 
     def scaled(self, factor: float) -> ErrorBudget:
         """The same in another unit."""
-        lines = tuple(
-            BudgetLine(line.name, line.kind, abs(factor) * line.standard, line.freedom)
-            for line in self.lines
-        )
+        by = abs(factor)
+        lines = tuple(replace(line, standard=by * line.standard) for line in self.lines)
         return ErrorBudget(factor * self.value, lines)
 
     def to_dict(self) -> dict[str, Any]:

@@ -14,8 +14,9 @@ from springpot.errors import DataError, SpringpotError
 from springpot.measurement.from_signals import measurement_from_signals
 from springpot.measurement.steady import Signals
 from springpot.measurement.timetest import TimeTest
-from springpot.numerics import SMALLEST
+from springpot.numerics import FEWEST, SMALLEST
 from springpot.thresholds import INTERVAL
+from springpot.writing import NAMED
 
 from .certificate import Certificate, Reason
 from .code import TestCode, read_code
@@ -33,10 +34,6 @@ from .summary import EvaluatedTest, evaluate
 
 BESIDE = frozenset((".toml", ".md", ".html", ".json", ".png", ".svg", ".pdf", ".py", ".log"))
 """What lies in a folder beside records."""
-MOST = 3
-"""Tests that are diagnosed: each takes seconds, and many fail for one reason."""
-JUDGED = 3
-"""Cycles of a record that a diagnosis looks at: what is hidden is in each of them."""
 
 
 def certify(
@@ -81,7 +78,7 @@ def certify(
         for row in sorted(failing, key=_excess, reverse=True):
             worst.setdefault(row.test, row)
         by_name = {test.name: test for test in found}
-        reasons = [_reason(row, by_name[row.test], code) for row in [*worst.values()][:MOST]]
+        reasons = [_reason(row, by_name[row.test], code) for row in [*worst.values()][:NAMED]]
         if failing:
             reasons += _of_all(found, code)
     return Certificate(
@@ -155,7 +152,7 @@ def _of_all(tests: Sequence[EvaluatedTest], code: TestCode) -> list[Reason]:
     One frequency cannot tell a lag from a softer material, or a mass from a spring.
     """
     timed = [test for test in tests if test.record.timed]
-    if len({f"{test.frequency.value:.2g}" for test in timed}) < JUDGED:
+    if len({f"{test.frequency.value:.2g}" for test in timed}) < FEWEST:
         return []
     records = [test.record for test in timed]
     signals = [
@@ -176,7 +173,7 @@ def _judged(test: EvaluatedTest) -> TimeTest:
     record = test.record
     if not record.timed:
         raise DataError("the record has no time")
-    last = test.cycles[min(JUDGED, len(test.cycles)) - 1]
+    last = test.cycles[min(FEWEST, len(test.cycles)) - 1]
     rows = record.time <= last.stop
     return TimeTest.of_history(
         record.time[rows] - record.time[0],
@@ -191,7 +188,7 @@ def _judged(test: EvaluatedTest) -> TimeTest:
 
 def _with_temperature(test: EvaluatedTest, quantity: str) -> list[str]:
     """How a quantity changes from cycle to cycle, and the temperature with it, if surely."""
-    if quantity not in BY_CYCLE or len(test.cycles) < JUDGED:
+    if quantity not in BY_CYCLE or len(test.cycles) < FEWEST:
         return []
     number = np.arange(len(test.cycles), dtype=float)
     told = {}

@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -287,11 +286,6 @@ def read_code(path: str | Path) -> TestCode:
     )
 
 
-def matches(name: str, pattern: str) -> bool:
-    """Whether the name of a record is as a pattern such as ``design-*`` says."""
-    return fnmatchcase(name, pattern)
-
-
 @contextmanager
 def _named(path: Path, where: str) -> Iterator[None]:
     """Let every error within say the file and the place."""
@@ -344,15 +338,13 @@ def _word(given: Mapping[str, Any], key: str, words: tuple[str, ...]) -> str:
 
 
 def _number(given: Mapping[str, Any], key: str, otherwise: float) -> float:
-    with_key = given.get(key, otherwise)
+    value = given.get(key, otherwise)
     try:
-        return amount(with_key, "-") if isinstance(with_key, int | float | str) else _no(with_key)
+        if isinstance(value, int | float | str):
+            return amount(value, "-")
+        raise DataError(f"'{value!s:.40}' is no number")
     except DataError as error:
         raise DataError(f"{key}: {error}") from None
-
-
-def _no(value: object) -> float:
-    raise DataError(f"'{value!s:.40}' is no number")
 
 
 def _share(given: Mapping[str, Any], key: str, otherwise: float) -> float:

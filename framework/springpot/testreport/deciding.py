@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from springpot.plain_data import Plain
 from springpot.writing import counted
 
 from .budget import BudgetLine, ErrorBudget, combined
-from .code import PropertyFactor, RequiredTest, Requirement, TestCode, amount, between, matches
+from .code import PropertyFactor, RequiredTest, Requirement, TestCode, amount, between
 from .summary import EvaluatedTest
 
 CONFORMING, UNDECIDED, FAILING = "conforming", "undecided", "not conforming"
@@ -106,7 +107,7 @@ def rows_of(code: TestCode, tests: Sequence[EvaluatedTest]) -> list[DecidedRow]:
     """
     rows = []
     for asked in code.requirements:
-        chosen = [test for test in tests if matches(test.name, asked.records)]
+        chosen = [test for test in tests if fnmatchcase(test.name, asked.records)]
         if not chosen:
             raise DataError(f"{code.path}: '{asked.name}': no test is named {asked.records}")
         lacking = [test.name for test in chosen if asked.quantity not in test.means]
@@ -200,6 +201,7 @@ def _row(
             ends.append(otherwise if given is None else amount(given, unit))
         except DataError as error:
             raise DataError(f"{code.path}: '{asked.name}': {error}") from None
+    low, high = ends
     return DecidedRow(
         asked.name,
         asked.quantity,
@@ -207,9 +209,9 @@ def _row(
         test.name,
         unit,
         budget,
-        ends[0],
-        ends[1],
-        decided(budget, ends[0], ends[1], code.guard),
+        low,
+        high,
+        decided(budget, low, high, code.guard),
         asked.source,
     )
 
@@ -232,7 +234,7 @@ def _told(asked: RequiredTest) -> str:
 
 
 def _is(code: TestCode, asked: RequiredTest, test: EvaluatedTest) -> bool:
-    if not matches(test.name, asked.records) or len(test.cycles) < asked.cycles:
+    if not fnmatchcase(test.name, asked.records) or len(test.cycles) < asked.cycles:
         return False
     seen = {"amplitude": (test.amplitude, test.record.displacement_unit)}
     if test.record.timed:
@@ -299,7 +301,9 @@ def _factor(code: TestCode, factor: PropertyFactor, tests: Sequence[EvaluatedTes
     groups = []
     for pattern in (factor.records, factor.reference):
         chosen = [
-            test for test in tests if matches(test.name, pattern) and factor.quantity in test.means
+            test
+            for test in tests
+            if fnmatchcase(test.name, pattern) and factor.quantity in test.means
         ]
         if not chosen:
             raise DataError(

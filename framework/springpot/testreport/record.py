@@ -8,7 +8,7 @@ smaller than that make and lose none.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 
 import numpy as np
@@ -88,11 +88,10 @@ class LoopRecord:
     def units(self) -> dict[str, str]:
         """Units of what is made of the channels, by dimension."""
         way, force = self.displacement_unit, self.force_unit
+        stiffness, energy, speed = f"{force}/{way}", f"{force} {way}", f"{way}/s"
+        damping = f"{force} s/{way}"
         if way == "-":
-            stiffness, energy, speed = force, force, "1/s"
-        else:
-            stiffness, energy, speed = f"{force}/{way}", f"{force} {way}", f"{way}/s"
-        damping = f"{force} s" if way == "-" else f"{force} s/{way}"
+            stiffness, energy, speed, damping = force, force, "1/s", f"{force} s"
         return {
             "displacement": way,
             "force": force,
@@ -150,17 +149,7 @@ def _with_temperature(record: LoopRecord, spec: str | Path) -> LoopRecord:
     warmth = np.full(len(record.time), found.temperature)
     if found.warmth is not None:
         warmth = np.interp(record.time, found.time, found.warmth)
-    return LoopRecord(
-        record.time,
-        record.displacement,
-        record.force,
-        record.displacement_unit,
-        record.force_unit,
-        record.name,
-        True,
-        warmth,
-        record.notes,
-    )
+    return replace(record, temperature=warmth)
 
 
 @dataclass(frozen=True, eq=False)

@@ -129,8 +129,6 @@ class CycleReport:
 
     def figure(self, path: str | Path | None = None) -> Figure:
         """Loops with their ellipse, and the backbone; see `figure_cycles`."""
-        from .report import figure_cycles
-
         return figure_cycles(self.tests, self.law, path)
 
 

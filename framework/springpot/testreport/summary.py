@@ -12,15 +12,13 @@ import numpy as np
 
 from springpot.distributions import f_quantile, student
 from springpot.errors import DataError, OptionError
+from springpot.numerics import FEWEST
 from springpot.rheology.points import STEADY, Real
 from springpot.thresholds import INTERVAL, WHERE
 
 from .local import EIGHTH, Estimate
 from .quantities import BY_NAME, QUANTITIES, Cycle, cycles_of, energy_of
 from .record import Found, LoopRecord, find_cycles
-
-FEWEST = 3
-"""Cycles from which their scatter says anything."""
 
 
 class Told(NamedTuple):

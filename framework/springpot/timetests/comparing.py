@@ -377,10 +377,8 @@ def _of_sweep(identified: Identification) -> Standing | None:
 def _of_tests(identified: Identification) -> Standing:
     """The same of tests of which one at least is in time."""
     judged = judgement_of(RankedInTime.of(identified), 0.0, material_floor([identified]))
-    error = judged.error
-    good = not judged.fails
-    lowest = error.material_floor
-    return Standing(error.noise_floor, error.noise_source, lowest, good, judged.says)
+    error, good = judged.error, not judged.fails
+    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, judged.says)
 
 
 @dataclass(frozen=True, eq=False)

@@ -601,8 +601,11 @@ def without_nested(
         theta, parameters = each.theta, each.model.parameters
         at_end = np.array([theta[i] in (o.lower, o.upper) for i, o in enumerate(parameters)])
         slopes = [part.residual(each.model, theta, reference).by_theta for part in parts]
-        # By natural units of each: of a logarithm, or of the scale itself.
-        unit = [theta[i] if one.scale == "log" else 1.0 for i, one in enumerate(parameters)]
+        # By natural units of each: of a logarithm, its own size, or a range with two ends.
+        unit = [
+            1.0 if one.scale != "log" and np.isfinite(one.upper - one.lower) else theta[i]
+            for i, one in enumerate(parameters)
+        ]
         influence = np.linalg.norm(np.concatenate(slopes) * unit, axis=0)
         lost = at_end | (influence < EVIDENCE.least_influence)
         if any(each.effect.own_of(dict(zip(each.model.names, lost, strict=True))).values()):

@@ -15,7 +15,6 @@ from springpot.distributions import student
 from springpot.errors import SpringpotError
 from springpot.identification.convex import start_of
 from springpot.identification.intervals import (
-    FAR,
     inverse_of,
 )
 from springpot.identification.leastsquares import (
@@ -48,7 +47,7 @@ from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
-from ..numerics import ALIKE, MOST_STEPS, rms
+from ..numerics import ALIKE, FAR, MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
 from .specimen import Scales, tries_of, words_of
 

@@ -267,6 +267,14 @@ def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
     return OpenQuestion(message, [_unit_of(heading, units) for heading in missing])
 
 
+def in_hertz(heading_: Heading) -> str:
+    """The note that a frequency is taken in Hz, and how to say that it is an angular one."""
+    return (
+        f"{_without_unit([heading_])}: Hz is taken; if it is rad/s, open 'FILE?frequency=rad/s',"
+        " or write omega [rad/s] in it"
+    )
+
+
 def in_units_of_file(headings: Sequence[Heading]) -> str:
     """The note that moduli are taken in the file's own units, and how to say others."""
     return f"{_without_unit(headings)}: all is told in the file's units; {_units_if(headings)}"

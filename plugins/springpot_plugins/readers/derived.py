@@ -12,7 +12,7 @@ from springpot.measurement import FILE_UNITS, LENGTH_UNITS, MODULUS_UNITS, known
 from springpot.measurement.from_signals import stiffness_unit
 from springpot.rheology import Real
 
-from .choices import ask_units, in_units_of_file
+from .choices import ask_units, in_hertz, in_units_of_file
 from .proposals import unit_proposal
 from .table import Column
 from .titles import (
@@ -145,7 +145,9 @@ def _column(like: Column, name: str, values: Real, unit: str = "Pa") -> Column:
 
 
 def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str, str]]:
-    """The columns with their units, and a note where moduli are in those of the file alone.
+    """The columns with their units, and a note where none are written.
+
+    A frequency is then in Hz, and moduli are in the units of the file.
 
     Raises
     ------
@@ -159,15 +161,21 @@ def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str
         for role, column in roles.items()
         if column.unit is None and role in UNITS and role not in (*RATIOS, "storage_sd", "loss_sd")
     ]
+    clock = [each for each in bare if each.role == "frequency"]
+    sizes = [each for each in bare if each.role != "frequency"]
     moduli = roles.keys() & {"storage", "loss", "magnitude"}
     # What has to be asked anyway is asked at once.
-    if bare and {each.role for each in bare} != moduli:
+    if sizes and {each.role for each in sizes} != moduli:
         raise ask_units(bare)
     _require_known(roles)
-    if not bare:
-        return dict(roles), {}
-    taken = {role: replace(roles[role], unit=FILE_UNITS) for role in moduli}
-    return {**roles, **taken}, {"note units": in_units_of_file(bare)}
+    taken, notes = dict(roles), {}
+    if clock:
+        taken["frequency"] = replace(roles["frequency"], unit="Hz")
+        notes["note clock"] = in_hertz(clock[0])
+    if sizes:
+        taken |= {role: replace(roles[role], unit=FILE_UNITS) for role in moduli}
+        notes["note units"] = in_units_of_file(sizes)
+    return taken, notes
 
 
 def _require_known(roles: Mapping[str, Column]) -> None:

@@ -10,10 +10,11 @@ import springpot
 from springpot.measurement import OpenQuestion, Question
 
 ROWS = "".join(f"{i},{9 + i},{i}\n" for i in range(1, 9))
+WARM = ROWS.replace("\n", ",20\n")
 TIMES = "".join(f"{i / 200},{i % 100 - 50},{(i + 5) % 100 - 50}\n" for i in range(1000))
 PARTS = "T = 20 °C\nf [Hz],G' [Pa],G'' [Pa]\n{0}\nT = 40 °C\nf [Hz],K' [N/mm],K'' [N/mm]\n{0}"
 FILES = {
-    "all units": ("f,G',G''\n" + ROWS, ["unit", "unit", "unit"]),
+    "all units": ("f,G',G'',T\n" + WARM, ["unit"] * 4),
     "no names": (ROWS, ["meaning", "meaning", "meaning"]),
     "base of logarithms": ("frequency [Hz],log G' [Pa],log G'' [Pa]\n" + ROWS, ["base"]),
     "no frequency": ("T [°C],G' [Pa],G'' [Pa]\n" + ROWS, ["constant"]),
@@ -52,8 +53,11 @@ def test_another_answer_gives_other_numbers(tmp_path: Path):
     path.write_text(FILES["all units"][0], encoding="utf-8")
     asked = ask(path, [])
     assert asked is not None
-    assert [question.about for question in asked.questions] == ["frequency", "storage", "loss"]
-    said = [question.answers.get("kPa", "frequency=Hz") for question in asked.questions]
+    assert [question.about for question in asked.questions] == [
+        *("frequency", "storage", "loss", "temperature")
+    ]
+    usual = [next(iter(question.answers.values())) for question in asked.questions]
+    said = [each.replace("=Pa", "=kPa") for each in usual]
     assert springpot.read(f"{path}?{','.join(said)}").units.stiffness == "kPa"
 
 

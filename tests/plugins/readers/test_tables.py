@@ -176,35 +176,25 @@ def test_lines_above_the_table_are_kept_where_they_are_known(folder):
     assert found.provenance["geometry.gap"] == "1 mm"
 
 
-QUESTIONS = {
-    "frequency": (
-        "Frequency,Storage modulus [Pa],Loss modulus [Pa]",
-        "frequency=Hz",
-        r"or omega \[rad/s\] in it",
-    ),
-    "everything": (
-        "f,E_stor,E_loss",
-        "frequency=Hz,storage=Pa,loss=Pa",
-        "'f', 'E_stor', 'E_loss' have no unit",
-    ),
-    "a stiffness in one title alone": (
-        "Freq,Kp,Kpp",
-        "frequency=Hz,storage=N/mm,loss=N/mm",
-        "if they are Hz and N/mm, open",
-    ),
+CLOCK = "it is rad/s, open '{}?frequency=rad/s', or write omega [rad/s] in it"
+WITHOUT_UNITS = {
+    "frequency": ("Frequency,Storage modulus [Pa],Loss modulus [Pa]", ""),
+    "everything": ("f,E_stor,E_loss", "storage=Pa,loss=Pa"),
+    "a stiffness in one title alone": ("Freq,Kp,Kpp", "storage=N/mm,loss=N/mm"),
 }
 
 
-@pytest.mark.parametrize("case", QUESTIONS)
-def test_a_missing_unit_is_asked_for_with_the_option_that_mends_it(folder, case):
-    header, said, words = QUESTIONS[case]
-    with pytest.raises(DataError, match=words) as caught:
-        folder.open(table(header))
-    assert f"?{said}" in str(caught.value)
-    assert "\n" not in str(caught.value)
-    found = folder.open(table(header), "?" + said)
-    hertz = "frequency=Hz" in said
-    np.testing.assert_allclose(found.omega, OMEGA * (2 * np.pi if hertz else 1), rtol=1e-10)
+@pytest.mark.parametrize("case", WITHOUT_UNITS)
+def test_what_a_missing_unit_is_taken_for_is_told_with_the_option_that_mends_it(folder, case):
+    header, said = WITHOUT_UNITS[case]
+    path = folder.write(table(header))
+    found = folder.open(table(header))
+    np.testing.assert_allclose(found.omega, OMEGA * 2 * np.pi, rtol=1e-10)
+    assert found.provenance["note clock"].endswith(CLOCK.format(path))
+    assert f"?{said}'" in found.provenance.get("note units", "?'")
+    again = folder.open(table(header), f"?{','.join(filter(None, [said, 'frequency=rad/s']))}")
+    np.testing.assert_allclose(again.omega, OMEGA, rtol=1e-10)
+    assert not {"note clock", "note units"} & again.provenance.keys()
 
 
 def test_the_same_file_in_another_unit(folder):

@@ -88,8 +88,10 @@ def test_a_record_of_displacement_and_force_is_a_stiffness(tmp_path):
 
 
 def test_what_must_be_known_is_asked_for_with_all_that_lacks(tmp_path):
-    path = table(tmp_path, "frequency,storage,loss", OMEGA, K.real, K.imag)
-    with pytest.raises(DataError, match=r"frequency=Hz,storage=Pa,loss=Pa"):
+    warm = np.full(len(OMEGA), 20.0)
+    path = table(tmp_path, "frequency,T,storage,loss", OMEGA, warm, K.real, K.imag)
+    asked = "frequency=Hz,temperature=degC,storage=Pa,loss=Pa"
+    with pytest.raises(DataError, match=asked):
         springpot.read(path)
 
 

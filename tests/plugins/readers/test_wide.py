@@ -294,10 +294,11 @@ def test_a_unit_below_the_name_of_the_frequency_alone(folder, titles):
 
 
 def test_parts_that_the_user_has_said_the_unit_of_are_usable(folder):
-    text = f"f,run 1,,run 2,\nf,G',G'',G',G''\n{NUMBERS}\n"
+    numbers = rows((HERTZ, *np.log10(PAIR[1:])))
+    text = f"f,run 1,,run 2,\nf,log G',log G'',log G',log G''\n{numbers}\n"
     parts = folder.parts(text)
     assert [(part.usable, part.asks) for part in parts] == [(False, True)] * 2
-    opened = folder.open(text, "?frequency=Hz,storage=Pa,loss=Pa")
+    opened = folder.open(text, "?log=10,frequency=Hz,storage=Pa,loss=Pa")
     assert [part.usable for part in parts_as_opened(parts, opened)] == [True, True]
 
 

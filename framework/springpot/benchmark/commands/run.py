@@ -121,3 +121,4 @@ def _show(result: dict[str, Any]) -> None:
     formats = dict.fromkeys(path.suffix for path in files)
     for folder in dict.fromkeys(path.parent for path in files):
         print(f"tables in {folder}: {', '.join(tables)} ({', '.join(formats)})")
+    print(f"report: {result['report']}")

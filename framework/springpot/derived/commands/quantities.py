@@ -17,6 +17,7 @@ from springpot.cli.common import (
     emit,
     json_option,
     names_of,
+    tell_written,
     window,
 )
 
@@ -84,5 +85,5 @@ def command(
         print(answer.to_csv(), end="")
         return
     emit(answer, as_json, lambda: print(told(answer, window())))
-    if output is not None and not as_json:
-        print(f"\nwritten: {output}")
+    if not as_json:
+        tell_written(output)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import DATA, INPUT, Output, emit, json_option
+from springpot.cli.common import DATA, INPUT, Output, emit, json_option, tell_written
 
 if TYPE_CHECKING:
     from springpot.testreport.certificate import Certificate
@@ -81,5 +81,4 @@ def _show(certificate: Certificate, output: Path | None) -> None:
     for reason in certificate.reasons:
         for text in reason.says:
             print(f"why {reason.test}: {text}")
-    if output is not None:
-        print(f"written: {output}")
+    tell_written(output, above="")

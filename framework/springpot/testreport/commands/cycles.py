@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import DATA, Output, emit, figure_option, json_option, of_each
+from springpot.cli.common import (
+    DATA,
+    Output,
+    emit,
+    figure_option,
+    json_option,
+    of_each,
+    tell_written,
+)
 
 if TYPE_CHECKING:
     from springpot.report.text import TextTable
@@ -82,9 +90,7 @@ def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None
         print()
     if report.law is not None:
         print(f"velocity law  {law_text(report.law)}")
-    for path in (output, figure):
-        if path is not None:
-            print(f"written: {path}")
+    tell_written(output, figure, above="")
 
 
 def table_of(test: EvaluatedTest) -> TextTable:

@@ -50,7 +50,7 @@ def command(
     def tell(bench: Workbench) -> None:
         if as_json:
             # One line: who started it reads the address by line while the server runs.
-            print_json({"schema": "springpot.address/1", "address": bench.address}, indent=None)
+            print_json({"schema": "springpot.address/1", "address": bench.address}, line=True)
         else:
             click.echo(f"springpot workbench: {bench.address}")
 
