@@ -48,3 +48,16 @@ def test_fit_and_diagnosis_tell_the_same_error():
 def test_a_test_that_is_only_planned_has_no_size():
     planned = TimeTest.of_relaxation(T, np.zeros(len(T)), "Pa")
     assert not InTimePart(planned).size.any()
+
+
+def test_a_spike_before_the_motion_makes_no_error_smaller():
+    """As of a load cell that is switched on: the first sample is fifty times all others."""
+    time = 0.1 * np.arange(60)
+    pulled = 2.0 * time + np.random.default_rng(1).normal(0.0, 0.1, len(time))
+    sizes = []
+    for first in (0.0, 600.0):
+        force = np.r_[first, pulled[1:]]
+        test = TimeTest.of_history(time, 0.5 * time, force, "mm", "N", control="displacement")
+        part = InTimePart(test, noise=np.full(len(time), 0.1))
+        sizes.append(part.size[1:])
+    np.testing.assert_allclose(sizes[1], sizes[0], rtol=0.01)

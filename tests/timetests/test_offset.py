@@ -117,3 +117,17 @@ def test_a_start_up_tells_a_constant_from_a_spring_too():
     found = diagnose(pulled, "zener", tried("force-offset", "force-drift"))
     assert found.leading[0] == "force-offset"
     assert found.best.parameters["size"].value == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("cycles", "offered"), [(1, 0), (2, 1)])
+@pytest.mark.parametrize(
+    ("effect", "control"), [("thermal-force", "displacement"), ("thermal-growth", "force")]
+)
+def test_warming_is_told_from_a_first_loading_by_the_next_one(cycles, offered, effect, control):
+    """What softens in the first loading leaves another force behind, as a fixture that warms."""
+    time = np.arange(120 * cycles + 1) / 10.0
+    moved = 5.0 * np.abs((time / 6.0 + 1.0) % 2.0 - 1.0)
+    force = 2.0 * moved + 0.1 * moved**2
+    test = TimeTest.of_history(time, moved, force, "mm", "N", control=control)
+    assert test.kind == "history"
+    assert len(at_tests(plugins().effect(effect), [test])) == offered

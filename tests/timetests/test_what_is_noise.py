@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+import springpot
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest, noise_of
 from springpot.misfit.residual_scatter import (
@@ -260,6 +261,18 @@ def test_where_few_samples_are_small_noise_is_not_told_to_vanish():
         "N",
     )
     assert np.all(noise_of(test).sd > 0.4 * noise)
+
+
+def test_a_film_that_breaks_is_not_called_noise():
+    """Of a misfit of half the force neighbours differ by a hundredth: noise has no such memory."""
+    time = 0.1 * np.arange(40)
+    pulled = 6.0 * (1.0 - np.exp(-2.5 * time)) + 0.75 * time
+    pulled[32:] = 0.0
+    pulled += np.random.default_rng(1).normal(0.0, 0.01, len(time))
+    test = TimeTest.of_history(time, 0.2 * time, pulled, "-", "MPa", control="displacement")
+    fit = springpot.identify(test, "kelvin")
+    assert fit.relative_rms > 0.3
+    assert "nothing is left but noise" not in fit.standing.says
 
 
 def test_what_dies_away_behind_each_step_of_a_load_is_no_noise_with_a_memory():

@@ -104,9 +104,12 @@ class TestPart(ABC):
 
         It is shared among them as their noise is, so that an error and the noise go together: of
         noise in proportion to the signal it is that of each sample over the sample, of constant
-        noise that of all over all.
+        noise that of all over all. One of which no model says anything is no part of it if it is
+        larger than all others, such as a spike before the motion.
         """
-        return np.asarray(self.sd * (rms(self.measured) / max(rms(self.sd), SMALLEST)), dtype=float)
+        said = self.sure if self.measured.any() and self.sure.any() else slice(None)
+        kept = np.abs(self.measured) <= np.abs(self.measured[said]).max()
+        return np.asarray(self.sd * rms(self.measured[kept]) / max(rms(self.sd[kept]), SMALLEST))
 
     @property
     @abstractmethod
@@ -267,9 +270,7 @@ class TestPart(ABC):
     def with_scale(self, scale: float) -> Self:
         """The same with larger noise."""
         # The same object keeps what it has worked out, such as its noise.
-        if scale == self.scale:
-            return self
-        return replace(self, scale=scale)
+        return self if scale == self.scale else replace(self, scale=scale)
 
 
 @dataclass(frozen=True, eq=False)

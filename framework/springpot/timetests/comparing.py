@@ -39,7 +39,7 @@ from springpot.measurement.opening import together
 from springpot.misfit.error import Error, times
 from springpot.misfit.frame import is_beyond_noise
 from springpot.misfit.material import any_material, effects_of, lowest_error, material_floors
-from springpot.misfit.residual_scatter import ResidualScatter
+from springpot.misfit.residual_scatter import ROUGHER, ResidualScatter
 from springpot.misfit.residuals_of_tests import Test, TestPart, parts_of_specimen
 from springpot.misfit.where import Where
 from springpot.plain_data import alive
@@ -57,6 +57,8 @@ from .verdict import TimeCase, error_of, misfit_of, where_missed
 
 UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
 """What is said of a model that is far from the noise, and no test says how."""
+DOUBT = "what is left may be noise, or more: these tests cannot tell"
+"""What is said of a model that noise would hardly miss as much, or noise that the signal lacks."""
 MORE = "what is left is more than noise"
 """What is said of a model that is missed nowhere in particular."""
 
@@ -274,6 +276,8 @@ def judgement_of(found: RankedInTime, delta: float, floor: TimeFloor) -> Judgeme
     unclear = few and not left.misfit and error.over_floor > VERDICT.misfit
     if unclear:
         says = UNCLEAR
+    elif left.doubtful or any(map(_is_hidden, noise)):
+        says = DOUBT
     if left.misfit:
         where, says = where_missed(found.parts, left, noise), MORE
     if where:
@@ -297,6 +301,15 @@ def judgement_of(found: RankedInTime, delta: float, floor: TimeFloor) -> Judgeme
         "notes": fit.notes,
     }
     return Judgement.told(fit, error, delta, known)
+
+
+def _is_hidden(noise: ResidualScatter) -> bool:
+    """Whether noise of this size would show in the differences of neighbours, and does not.
+
+    They have the share (1 - memory) / (1 + memory) of its power, at the highest frequency; in units
+    of the residual what the signal tells of itself is one.
+    """
+    return noise.size**2 * (1.0 - noise.memory) > ROUGHER**2 * (1.0 + noise.memory)
 
 
 def standing_of(identified: Identification, promised: Accuracy | None = None) -> Standing | None:

@@ -107,6 +107,15 @@ def _cyclic(test: TimeTest) -> bool:
     return bool(Record.of(test).cycles[-1] >= 2.0)
 
 
+def _repeated(test: TimeTest) -> bool:
+    """Whether a specimen that was moved was moved again, or was stepped, held or pulled.
+
+    What is stiffer or softer in the first loading leaves another force behind when it comes back,
+    as what warms meanwhile does; only the next loading, of half a cycle, tells them apart.
+    """
+    return test.kind != "history" or bool(Record.of(test).cycles[-1] >= 1.5)
+
+
 def _begun(test: TimeTest) -> bool:
     """Whether the first sample finds it in motion, or not where it rests."""
     moved = test.loading.value
@@ -219,7 +228,7 @@ EFFECTS = (
         " transducer",
         citation="Newton's law of cooling; free thermal strain",
         apparatus=True,
-        applies_to=AppliesTo(("displacement",)),
+        applies_to=AppliesTo(("displacement",), alone=_repeated),
         signature="a force that comes up within some tau and stays, whatever the load does",
         prior=0.5,
     ),
@@ -263,7 +272,7 @@ EFFECTS = (
         " it for creep",
         citation="Newton's law of cooling; free thermal strain",
         apparatus=True,
-        applies_to=AppliesTo(("force",)),
+        applies_to=AppliesTo(("force",), alone=_repeated),
         signature="a displacement that comes up within some tau and stays; it does not recover with"
         " the load",
         prior=0.5,

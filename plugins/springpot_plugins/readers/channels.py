@@ -73,6 +73,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "alargamiento",
             "verlängerung",
         ),
+        *("indentation", "indentation depth", "penetration", "penetration depth", "pd"),
     ),
     "force": (
         *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force"),

@@ -192,7 +192,7 @@ _WORDS = {
         gap entrefer spalt messspalt entrehierro fessura traferro spaltweite
     """,
     "normal_force": """
-        normalforce axialforce forcenormale normalkraft fuerzanormal forzanormale
+        normalforce axialforce forcenormale normalkraft fuerzanormal forzanormale fn
     """,
     "torque": """
         oscillationtorque torque couple drehmoment moment par momentotorsor coppia

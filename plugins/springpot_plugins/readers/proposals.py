@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from springpot.measurement import (
     FILE_UNITS,
+    FORCE_UNITS,
     LENGTH_UNITS,
     TEMPERATURE_UNITS,
     Choice,
@@ -224,6 +225,8 @@ def _with_names(needed: Sequence[str], unknown: Mapping[int, Heading]) -> str:
     """The proposal where nothing tells which column is which."""
     if not unknown:
         return ""
+    if len(needed) == 3 and (loop := _of_loop(unknown)):
+        return loop
     pair = list(dict.fromkeys(each.title for each in unknown.values()))
     if len(pair) == 2 < len(unknown) and not any(map(_SPECIAL.search, pair)):
         # Curves side by side, whose columns have the same two names: tests in time.
@@ -234,6 +237,20 @@ def _with_names(needed: Sequence[str], unknown: Mapping[int, Heading]) -> str:
     if {"frequency", "storage", "loss"} <= {*needed}:
         says += OR_IN_TIME.replace("FIRST", "NAME").replace("SECOND", "NAME")
     return says
+
+
+def _of_loop(unknown: Mapping[int, Heading]) -> str:
+    """The proposal where one column is a length and one a force, with no clock beside them."""
+    said = []
+    for role, units in (("displacement", LENGTH_UNITS), ("force", FORCE_UNITS)):
+        alike = [place for place, each in unknown.items() if stated_unit(each) in units]
+        if len(alike) != 1:
+            return ""
+        said.append(f"{alike[0]}={role}[{stated_unit(unknown[alike[0]])}]")
+    return (
+        "of a loop say how many samples there are a second, such as"
+        f" 'FILE?{','.join(said)},rate=100[Hz]'"
+    )
 
 
 def _needed(roles: set[str]) -> list[str]:

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import LENGTH_UNITS, known_unit, normal_unit
+from springpot.measurement import LENGTH_UNITS, known_unit
 from springpot.rheology import Real
 
 from ..readers.blocks import Block
 from ..readers.channels import UNITS as CHANNELS
 from ..readers.choices import ask_clock
+from ..readers.proposals import stated_unit
 from ..readers.table import Column
 from .words import MEASURED
 
@@ -53,7 +54,7 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
             "steady flow, neither an oscillation nor a test in time; give the step that"
             f" oscillates, creeps or relaxes (columns: {there})"
         )
-    if "force" in roles and (place := _distance(block)) is not None:
+    if "force" in roles and (place := _distance(block, columns)) is not None:
         return DataError(f"{_instead(block, columns, place)} (columns: {there})")
     lacks = [role for role in ("displacement", "force") if role not in roles]
     says = "no column of what was measured"
@@ -74,12 +75,13 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
     )
 
 
-def _distance(block: Block) -> int | None:
+def _distance(block: Block, columns: Sequence[Column]) -> int | None:
     """The first column with a length that is no displacement by its name, such as a gap."""
+    filled = {each.title for each in columns}
     lengths = (
         i
         for i, each in enumerate(block.headings)
-        if each.role not in MEASURED and normal_unit(each.unit or "") in LENGTH_UNITS
+        if each.role not in MEASURED and stated_unit(each) in LENGTH_UNITS and each.title in filled
     )
     return next(lengths, None)
 
@@ -87,14 +89,15 @@ def _distance(block: Block) -> int | None:
 def _instead(block: Block, columns: Sequence[Column], place: int) -> str:
     """What to make of a force against a distance, as of a sample compressed at a constant speed."""
     title = block.headings[place]
-    unit = normal_unit(title.unit or "")
+    unit = stated_unit(title)
     what = f"no column of displacement beside the force, but '{title.title}'"
-    if _moves_once(columns[place].numbers(gaps=True)):
+    distance = _numbers(columns, title.title)
+    if _moves_once(distance):
         what += (
             ", which moves one way: a compression or pull is no oscillation and has no storage and"
             " loss modulus"
         )
-    if title.role == "gap":
+    if title.role == "gap" or _falls_where_it_presses(distance, columns):
         # A gap is there before the specimen is touched, and falls where the force rises.
         return (
             f"{what}; for a test in time at small deformations add a column displacement"
@@ -105,6 +108,19 @@ def _instead(block: Block, columns: Sequence[Column], place: int) -> str:
         f" 'FILE?{place + 1}=displacement[{unit}]' opens it as a test in time, for small"
         " deformations"
     )
+
+
+def _numbers(columns: Sequence[Column], title: str) -> Real:
+    """What stands below a title; columns without numbers are not among these."""
+    return next(each.numbers(gaps=True) for each in columns if each.title == title)
+
+
+def _falls_where_it_presses(distance: Real, columns: Sequence[Column]) -> bool:
+    """Whether a distance goes down while the force goes up."""
+    pressed = next(each for each in columns if each.name == "force").numbers(gaps=True)
+    known = np.isfinite(distance) & np.isfinite(pressed)
+    apart = [each[known] - np.mean(each[known]) for each in (distance, pressed)]
+    return bool(known.any() and np.dot(*apart) < 0.0)
 
 
 def _moves_once(distance: Real) -> bool:

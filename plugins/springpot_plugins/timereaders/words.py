@@ -38,7 +38,11 @@ _UNITS = {
 _OWN = ("relaxation", "compliance", "relaxation_time")
 """What a name as a whole says, though a part of it may name a channel."""
 # In a table against time a strain is the displacement, by whatever name.
-_AS_IN_SWEEPS = {"amplitude": "displacement", "stress": "force", "torque": "force"}
+_AS_IN_SWEEPS = {
+    "amplitude": "displacement",
+    # Of a rheometer it stands beside the test; only against a length is it one.
+    **dict.fromkeys(("stress", "torque", "normal_force"), "force"),
+}
 _SYMBOLS = {
     **dict.fromkeys(("G", "E", "M", "K"), ("relaxation", MODULUS_UNITS)),
     **dict.fromkeys(("J", "D"), ("compliance", COMPLIANCE_UNITS)),

@@ -326,6 +326,41 @@ def test_a_loop_without_names_and_time_is_opened_by_its_hint(tmp_path, ending):
     np.testing.assert_allclose(test.response, 2.0 * ROUND + 0.3)
 
 
+def test_a_loop_with_names_and_no_time_is_opened_by_its_hint(tmp_path):
+    """Names that are spelt as nobody else does; the units below them tell which is which."""
+    lines = [f"{x:.12g},{2.0 * x + 0.3:.12g}" for x in ROUND]
+    text = "\n".join(["Top Ram Travle ,Top Ram Froce", "mm,kN", *lines])
+    with pytest.raises(DataError, match=r"of a loop say how many samples") as asked:
+        as_sweep(tmp_path, text)
+    hint = re.search(
+        r"'\S*(\?1=displacement\[mm\],2=force\[kN\],rate=100\[Hz\])'", str(asked.value)
+    )
+    assert hint is not None
+    [test] = opened(tmp_path, text, hint[1])
+    np.testing.assert_allclose(test.loading.value, ROUND, atol=1e-15)
+    np.testing.assert_allclose(test.response, 2.0 * ROUND + 0.3)
+
+
+@pytest.mark.parametrize("name", ["Pd (µm)", "Penetration depth [µm]", "Indentation (µm)"])
+@pytest.mark.parametrize("pressed", ["Fn (µN)", "Normal force [µN]"])
+def test_an_indenter_names_its_depth_and_its_normal_force(tmp_path, name, pressed):
+    lines = [f"{t / 10:.1f}\t{x:.12g}\t{2.0 * x + 0.3:.12g}" for t, x in enumerate(ROUND)]
+    [test] = opened(tmp_path, "\n".join([f"Time (s)\t{name}\t{pressed}", *lines]))
+    assert test.units.stiffness == "uN/um"
+    np.testing.assert_allclose(test.loading.value, ROUND, atol=1e-15)
+    np.testing.assert_allclose(test.response, 2.0 * ROUND + 0.3)
+
+
+@pytest.mark.parametrize(
+    ("way", "told"), [(-1.0, "the gap at first contact less each gap"), (1.0, "opens it as a test")]
+)
+def test_a_height_that_falls_while_it_presses_is_no_displacement(tmp_path, way, told):
+    """Read as it stands its stiffness would be negative."""
+    lines = [f"{t / 10:.1f};{t * t};{20.0 + way * t / 50:.2f}" for t in range(12)]
+    with pytest.raises(DataError, match=told):
+        opened(tmp_path, "\n".join(["t in s;Fn in N;h in mm", *lines]))
+
+
 @pytest.mark.parametrize(
     "said", ["1=displacement[mm],2=force[N]", "1=strain[-],2=stress[Pa]", "x=displacement[mm],y=N"]
 )
