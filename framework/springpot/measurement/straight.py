@@ -120,8 +120,8 @@ def _stands_out(value: Real, course: Real, parts: list[slice]) -> bool:
     spare = len(value) - numbers
     if not parts or spare < 1:
         return False
-    ratio = (told @ told / (numbers - 1)) / max(left @ left / spare, SMALLEST)
-    return f_sf(float(ratio), numbers - 1, spare) < SIGNALS.ruled_out
+    ratio = float(told @ told) / (numbers - 1) / max(float(left @ left) / spare, SMALLEST)
+    return bool(f_sf(ratio, numbers - 1, spare) < SIGNALS.ruled_out)
 
 
 def lines(clock: Real, value: Real) -> tuple[Real, list[slice]]:
