@@ -29,9 +29,6 @@ from .hints import Waiting, kept_by
 if TYPE_CHECKING:
     from springpot.invention.result import Invention
 
-if TYPE_CHECKING:
-    pass
-
 
 @click.command("invent", epilog="Example: springpot invent damper.csv -o law.json")
 @data_argument
