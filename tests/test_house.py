@@ -515,6 +515,17 @@ def test_no_file_names_a_machine():
     assert guilty == []
 
 
+def test_no_file_is_half_merged():
+    texts = {".md", ".py", ".toml", ".txt", ".yml", ".csv"}
+    marks = re.compile(r"^(?:<{7}|>{7}) ", re.MULTILINE)
+    guilty = [
+        str(path.relative_to(ROOT))
+        for path in repository()
+        if path.suffix in texts and marks.search(path.read_text("utf-8", errors="replace"))
+    ]
+    assert guilty == []
+
+
 @pytest.mark.parametrize(
     "text",
     [

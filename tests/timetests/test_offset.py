@@ -131,3 +131,15 @@ def test_warming_is_told_from_a_first_loading_by_the_next_one(cycles, offered, e
     test = TimeTest.of_history(time, moved, force, "mm", "N", control=control)
     assert test.kind == "history"
     assert len(at_tests(plugins().effect(effect), [test])) == offered
+
+
+@pytest.mark.parametrize(("rise", "offered"), [(10.0, 1), (30.0, 0)])
+def test_warming_is_told_from_a_slow_first_loading_by_a_long_hold(rise, offered):
+    """While it is held time goes on, and the way does not."""
+    time = np.arange(400) / 10.0
+    moved = np.minimum(time / rise, 1.0)
+    moved[-8:] = np.linspace(0.9, 0.2, 8)
+    force = 2.0 * moved + 0.1 * moved**2
+    test = TimeTest.of_history(time, moved, force, "mm", "N", control="displacement")
+    assert test.kind == "history"
+    assert len(at_tests(plugins().effect("thermal-force"), [test])) == offered

@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 import springpot
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest, noise_of
+from springpot.misfit.coloured_noise import step_test
 from springpot.misfit.residual_scatter import (
     Imposed,
     ResidualScatter,
@@ -287,3 +288,12 @@ def test_what_dies_away_behind_each_step_of_a_load_is_no_noise_with_a_memory():
     assert found.misfit
     assert found.size < 1.5
     assert not scatter_of_record(noise, nothing, steps, 0.0).misfit
+
+
+@pytest.mark.parametrize("taken", [1, 3])
+def test_samples_on_the_way_of_a_step_are_not_behind_it(taken):
+    """A step that takes three is missed on its way, as one that takes none at its instant."""
+    residual = np.random.default_rng(3).normal(size=400)
+    rows = [row + i for row in range(20, 400, 20) for i in range(taken)]
+    residual[rows] += 8.0
+    assert step_test(residual, rows)[0] > 0.01

@@ -282,8 +282,10 @@ def step_test(residual: Real, steps: Sequence[int]) -> tuple[float, Real]:
     n, calm = len(residual), residual.copy()
     behind, others = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
     for row in steps:
-        # The first sample behind a step tells of its instant alone.
+        # The first sample behind a step tells of its instant alone, as all on the way of one that
+        # takes several do.
         others[max(row - 1, 0) : row + 2 + LEVEL] = False
+        behind[max(row - 1, 0) : row + 2] = False
         behind[row + 2 : row + 2 + LEVEL] = True
     behind[[0, -1]] = others[[0, -1]] = False
     bends = np.abs(np.diff(residual, 2, prepend=0.0, append=0.0))

@@ -108,12 +108,15 @@ def _cyclic(test: TimeTest) -> bool:
 
 
 def _repeated(test: TimeTest) -> bool:
-    """Whether a specimen that was moved was moved again, or was stepped, held or pulled.
+    """Whether a specimen that was moved was moved again, or mostly held, stepped or pulled.
 
     What is stiffer or softer in the first loading leaves another force behind when it comes back,
-    as what warms meanwhile does; only the next loading, of half a cycle, tells them apart.
+    as what warms meanwhile does; only the next loading, of half a cycle, tells them apart, or a
+    hold, in which time goes on and the way does not.
     """
-    return test.kind != "history" or bool(Record.of(test).cycles[-1] >= 1.5)
+    record = Record.of(test)
+    held = not np.median(np.abs(np.diff(record.imposed))) > 0.0
+    return test.kind != "history" or held or bool(record.cycles[-1] >= 1.5)
 
 
 def _begun(test: TimeTest) -> bool:
