@@ -1,6 +1,10 @@
 """A loading between its samples: its value and its rate, with jumps beside a record."""
 
+import gc
+import weakref
+
 import numpy as np
+import pytest
 
 from springpot import TimeTest
 from springpot.measurement import Loading, Record
@@ -28,3 +32,18 @@ def test_a_cycle_goes_there_and_back_once_on_one_side_as_on_both():
     for displacement in (both, 1.0 - np.cos(2.0 * np.pi * time), 3.0 + both):
         test = TimeTest.of_history(time, displacement, displacement, "mm", "N")
         np.testing.assert_allclose(Record.of(test).cycles[-1], 4.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize("jumped", [0.0, 1.0])
+def test_a_loading_is_freed_without_the_garbage_collector(jumped):
+    """One that kept itself held gigabytes of what a diagnosis had worked out of a long record."""
+    loading = Loading([0.0, 0.0, 1.0, 2.0], [0.0, jumped, 1.0 + jumped, 0.5 + jumped])
+    assert loading.smooth is not None
+    np.testing.assert_allclose(loading.smooth.value[-1], 0.5)
+    kept = weakref.ref(loading)
+    gc.disable()
+    try:
+        del loading
+        assert kept() is None
+    finally:
+        gc.enable()

@@ -72,8 +72,12 @@ class Colour:
 
     def spectrum(self, omega: Real) -> Real:
         """Variance at frequencies (n,) of the cosine transform of a record."""
-        shape = np.exp(_cosines(omega)[:, 1 : len(self.cosines) + 1] @ np.array(self.cosines))
-        return np.asarray(self.variance * shape * _rise(omega, self.corner), dtype=np.float64)
+        return self.shape(_cosines(omega), _rise(omega, self.corner))
+
+    def shape(self, cosines: Real, rise: Real) -> Real:
+        """The same by the cosines (n, c) of these frequencies, and what 1/f noise adds there."""
+        shape = np.exp(cosines[:, 1 : len(self.cosines) + 1] @ np.array(self.cosines))
+        return np.asarray(self.variance * shape * rise, dtype=np.float64)
 
 
 def colour_of(residual: Real, memories: Real) -> Colour | None:
@@ -98,9 +102,12 @@ def colour_of(residual: Real, memories: Real) -> Colour | None:
     shapes = 1.0 / np.abs(1.0 - memories[:, None] * np.exp(-1j * beyond)) ** 2
     plain = min(_cost(level, shape, worth) for shape in shapes) + price
     best, found = min(_cost(level, np.ones(len(level)), worth), plain), None
+    cosines = _cosines(beyond)
+    basis, triangle = np.linalg.qr(cosines)
     for corner in _corners(len(residual)):
-        for colour in _exponentials(level / _rise(beyond, corner), beyond, corner):
-            shape = colour.spectrum(beyond)
+        rise = _rise(beyond, corner)
+        for colour in _exponentials(basis.T @ np.log(level / rise), triangle, corner):
+            shape = colour.shape(cosines, rise)
             cost = _cost(level, shape, worth) + colour.count * price
             if colour.count and cost < best:
                 best, scale = cost, float(np.mean(level / shape))
@@ -166,10 +173,8 @@ def _cost(level: Real, shape: Real, worth: float) -> float:
     return worth * float(np.mean(np.log(shape)) + np.log(np.mean(level / shape)))
 
 
-def _exponentials(level: Real, omega: Real, corner: float) -> Iterator[Colour]:
-    """Those of each order that come nearest to the logarithm of a spectrum (n,)."""
-    basis, triangle = np.linalg.qr(_cosines(omega))
-    along = basis.T @ np.log(level)
+def _exponentials(along: Real, triangle: Real, corner: float) -> Iterator[Colour]:
+    """Those of each order that come nearest to a logarithm, by what its basis (c, c) has of it."""
     for count in range(1, ORDERS + 2):
         mean, *cosines = np.linalg.solve(triangle[:count, :count], along[:count]).tolist()
         yield Colour(float(np.exp(mean)), tuple(cosines), corner)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,10 @@ from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.nonlinear import Law
 from springpot.rheology.points import Complex, Points, Real, real_form
 
-from ..numerics import ALIKE, DIFFERENCE, ENOUGH, evenly
+from ..numerics import ALIKE, DIFFERENCE, ENOUGH, PRINTED, evenly, rms
+
+if TYPE_CHECKING:
+    from springpot.measurement.timetest import TimeTest
 
 PER_DECADE = 4
 """Exponentials a decade: a part in a thousand of a springpot's response, or better."""
@@ -159,7 +163,36 @@ class QuickPart(InTimePart):
     @cached_property
     def answers(self) -> Real:
         """What a spring, dashpot, mass and each exponential answer to the loading: (n, 3 + m)."""
-        return self.answers_to(self.test.loading, self.t)
+        return self.answers_to(self.moved.loading, self.t)
+
+    @cached_property
+    def moved(self) -> TimeTest:
+        """The test under fewer knots of a motion of which far more were recorded than it needs.
+
+        An exact answer knows them all.
+        """
+        test, loading = self.test, self.test.loading
+        # The samples that are looked at are among them, so that these need no knots of their own.
+        shown = evenly(len(test), 4 * (len(self.rows) - 1) + 1)
+        count, before = len(loading.time), loading.before
+        if len(shown) == len(test) or not loading.sampled or count != before + len(test):
+            return test
+        # How it had gone on until then is as fine.
+        kept = np.append(np.arange(0, before, len(test) // len(shown)), before + shown)
+        coarse = replace(
+            loading,
+            time=loading.time[kept],
+            value=loading.value[kept],
+            before=int(np.searchsorted(kept, before)),
+        )
+        course = coarse.motion
+        if course is None or len(loading.jumps[0]):
+            return test
+        between = course.at(loading.time)
+        missed = between.value[np.searchsorted(between.time, loading.time)] - loading.value
+        if rms(missed) > PRINTED * rms(loading.value - loading.value.mean()):
+            return test
+        return replace(test, loading=coarse)
 
     def answers_to(self, loading: Loading, t: Real, mix: Real | None = None) -> Real:
         """The same for another loading, or by another clock.
@@ -396,7 +429,7 @@ class QuickPart(InTimePart):
         if not loads and not clocks:
             # Nothing was moved: what was worked out once will do.
             return self.answers @ mix, np.zeros((len(self.t), 0))
-        loading, slopes = reached(mine, theta, self.test, self.t)
+        loading, slopes = reached(mine, theta, self.moved, self.t)
 
         def at(load: Loading, values: Real, amounts: Real) -> Real:
             if not clocks:
