@@ -21,8 +21,8 @@ def quick(moved: np.ndarray) -> QuickPart:
 def test_a_slow_motion_is_as_near_by_fewer_knots(hertz):
     moved = np.sin(2.0 * np.pi * hertz * CLOCK) * np.minimum(1.0, CLOCK)
     part, every = quick(moved), quick(moved)
-    vars(every)["moved"] = every.test
-    knots = part.moved.loading
+    vars(every)["with_fewer_knots"] = every.test
+    knots = part.with_fewer_knots.loading
     assert len(knots.time) < COUNT / 2
     assert np.isin(part.t, knots.time).all()
     model, theta = springpot.parse_model("zener + time-delay"), np.array([2.0, 1.0, 0.4, 0.002])
@@ -33,4 +33,4 @@ def test_a_slow_motion_is_as_near_by_fewer_knots(hertz):
 
 def test_what_fewer_knots_would_miss_keeps_all():
     part = quick(np.sin(2.0 * np.pi * 120.0 * CLOCK) + np.sin(2.0 * np.pi * CLOCK))
-    assert part.moved is part.test
+    assert part.with_fewer_knots is part.test

@@ -200,7 +200,8 @@ def settings_of(data: TestRows) -> dict[str, NDArray[np.int64]]:
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)
         number = number.ravel().astype(np.int64)
-        # What differs from row to row was measured, as a torque is, and not set.
+        # What differs from row to row was measured, as a torque is, and not set; and a sweep of too
+        # few points for a course of its own tells none of a setting.
         if not 1 < len(values) <= len(column) // POINTS_PER_DEGREE:
             continue
         if not _was_held(np.asarray(values)) and not _names_a_condition(number, data.conditions):

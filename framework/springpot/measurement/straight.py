@@ -47,8 +47,9 @@ def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, s
     control, notes = controlled(clock, moved, pulled)
     if control == "force" or len(clock) < SHORTEST or not (_is_noisy(moved) and _is_noisy(pulled)):
         return control, notes
-    (course, parts), others = lines(clock, pulled), len(lines(clock, moved)[1])
-    if not parts or 0 < others <= len(parts):
+    course, parts = lines(clock, pulled)
+    # A search of a long record takes a tenth of a second: the second one only where it matters.
+    if not parts or 0 < len(lines(clock, moved)[1]) <= len(parts):
         return control, notes
     # As large a bend as the displacement has there would have been hidden in the force's noise.
     bent = [_beside_line(clock[part], moved[part])[1] for part in parts]

@@ -163,10 +163,10 @@ class QuickPart(InTimePart):
     @cached_property
     def answers(self) -> Real:
         """What a spring, dashpot, mass and each exponential answer to the loading: (n, 3 + m)."""
-        return self.answers_to(self.moved.loading, self.t)
+        return self.answers_to(self.with_fewer_knots.loading, self.t)
 
     @cached_property
-    def moved(self) -> TimeTest:
+    def with_fewer_knots(self) -> TimeTest:
         """The test under fewer knots of a motion of which far more were recorded than it needs.
 
         An exact answer knows them all.
@@ -429,7 +429,7 @@ class QuickPart(InTimePart):
         if not loads and not clocks:
             # Nothing was moved: what was worked out once will do.
             return self.answers @ mix, np.zeros((len(self.t), 0))
-        loading, slopes = reached(mine, theta, self.moved, self.t)
+        loading, slopes = reached(mine, theta, self.with_fewer_knots, self.t)
 
         def at(load: Loading, values: Real, amounts: Real) -> Real:
             if not clocks:
