@@ -269,9 +269,10 @@ def identify_robustly(
         As of `identify`, or if another search or other intervals than its own are wanted.
     """
     wanted: Optimiser | None = search.get("optimiser")
-    intervals = search.setdefault("intervals", "jacobian")
+    intervals = search.get("intervals", "jacobian")
     require_robust(loss, wanted.name if wanted else NATIVE, intervals)
-    fit = identify(tests, model, **search)
+    # Intervals are asked for once, of the fit in which all counts have come to rest.
+    fit = identify(tests, model, **search | {"intervals": "slopes"})
     objective, parts = search.get("objective"), parts_of_specimen(tests)
     if objective is not None:
         parts = [part.weighed_by(objective) for part in parts]
@@ -281,12 +282,13 @@ def identify_robustly(
         # Of a fit that goes through its data nothing is far off.
         return [each / max(NORMAL * float(np.median(np.abs(each))), NEGLIGIBLE) for each in left]
 
-    def again(fit: Identification, counts: list[Real]) -> Identification:
+    def again(fit: Identification, counts: list[Real], intervals: str = "slopes") -> Identification:
         options: dict[str, Any] = {"thorough": False, "intervals": intervals}
         options["noise"] = [part.sd / count for part, count in zip(parts, counts, strict=True)]
         return identify(tests, fit.model, seeds=[fit.theta], **options)
 
     fit, counts = until_at_rest(fit, off, again, loss)
+    fit = again(fit, counts, intervals)
     half = sum(int(np.count_nonzero(count**2 < 0.5)) for count in counts)
     told = f"{loss}: {half} of {sum(map(len, counts))} numbers count less than half"
     return replace(fit, notes=(*fit.notes, told if half else f"{loss}: no number lies off"))
