@@ -31,10 +31,10 @@ from .statistics import (
     Interval,
     Pairings,
     bands,
-    chances_of,
     data_profile,
     expected_running_times,
     friedman,
+    goals_of,
     least_mann_whitney,
     least_signed_rank,
     mean_interval,
@@ -44,7 +44,6 @@ from .statistics import (
     pooled_ranks,
     ranked,
     signed_rank_posterior,
-    target_value,
     wilcoxon_holm,
     wilson,
 )
@@ -169,20 +168,6 @@ def reference_of(problem: ProblemRow, trial: TrialRow) -> float:
     if trial.reference is None:
         return problem.reference
     return trial.reference
-
-
-def goal_of(reference: float, best: float, target: float) -> float:
-    """Objective that counts as success; nothing does where no value is known."""
-    if not np.isfinite(best):
-        return -np.inf
-    return target_value(best, reference, target)
-
-
-def goals_of(references: Real, bests: Real, target: float) -> Real:
-    """`goal_of` for each trial (n,)."""
-    known = np.isfinite(bests)
-    goals = target_value(np.where(known, bests, 0.0), references, target)
-    return np.where(known, goals, -np.inf)
 
 
 def hits_of(cell: CellRow, trials: CellTrials, bests: Real, scale: JudgingScale) -> Real:
@@ -348,6 +333,10 @@ class ProblemRace:
         """Mean ranks (entrants,) of what the trials had reached at a mark, all of them together."""
         return mean_ranks_of(self.wins(mark, target), self.repetitions)
 
+    def chances(self, mark: int, target: float) -> Real:
+        """`a12` (entrants, entrants) of what any two had reached at a mark."""
+        return self.wins(mark, target) / self.repetitions**2
+
     @cached_property
     def shared(self) -> list[NDArray[np.bool_] | slice]:
         """Which trials of each cell every entrant has; a slice where those are all."""
@@ -487,7 +476,7 @@ def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[Optimiser
 def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice:
     """The choice for one problem at one mark."""
     budget = scale.marks[mark]
-    pairings = race.pairings(mark, scale.target)
+    p = race.pairings(mark, scale.target).p
     # By ranks, not means: a single failed trial has an infinite excess, which would decide alone.
     ranks = race.mean_ranks(mark, scale.target)
     # As if the race had ended at this budget: what was reached later did not happen yet.
@@ -496,11 +485,12 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
     times = expected_running_times(hits, np.minimum(race.spent, budget))
     best = int(np.argmin(ranks))
     others = [i for i in range(len(ranks)) if i != best]
-    p = pairings.p[best]
     # Among those that are as good the cheapest is chosen, and of equally cheap ones that of the
     # better rank.
-    alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
-    worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
+    alike = sorted(
+        [best, *(i for i in others if p[best, i] > LEVEL)], key=lambda i: (times[i], ranks[i])
+    )
+    worse = sorted((i for i in others if p[best, i] <= LEVEL), key=lambda i: ranks[i])
     first, labels = alike[0], race.labels
     # A share of twenty trials is known to some ten per cent: its interval is shown beside it.
     success = wilson(int(np.isfinite(hits[first]).sum()), hits.shape[1])
@@ -511,7 +501,10 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
         best_name = labels[first]
     next_name = advantage = None
     if worse:
-        next_name, advantage = labels[worse[0]], float(pairings.chances[first, worse[0]])
+        next_name, advantage = (
+            labels[worse[0]],
+            float(race.chances(mark, scale.target)[first, worse[0]]),
+        )
     trials = hits.shape[1]
     # All trials of one below all of the other, times the number of pairs (Holm): if even that is
     # too large, more trials are needed and not a better optimiser.
@@ -607,10 +600,7 @@ class MeanRanks:
     @property
     def chance_tables(self) -> Real:
         """`a12` of what any two optimisers had reached on each problem, (problems, k, k)."""
-        wins = [race.wins(self.mark, self.target) for race in self.races]
-        return np.array(
-            [chances_of(w, r.repetitions) for w, r in zip(wins, self.races, strict=True)]
-        )
+        return np.array([race.chances(self.mark, self.target) for race in self.races])
 
     @cached_property
     def posterior(self) -> Real | None:

@@ -98,6 +98,20 @@ def target_value(best: Numbers, reference: Numbers, fraction: float) -> Numbers:
     return best + fraction * (reference - best)
 
 
+def goal_of(reference: float, best: float, target: float) -> float:
+    """Objective that counts as success; nothing does where no value is known."""
+    if not np.isfinite(best):
+        return -inf
+    return target_value(best, reference, target)
+
+
+def goals_of(references: Real, bests: Real, target: float) -> Real:
+    """`goal_of` for each trial (n,)."""
+    known = np.isfinite(bests)
+    goals = target_value(np.where(known, bests, 0.0), references, target)
+    return np.where(known, goals, -inf)
+
+
 def hitting_time(evaluations: NDArray[np.int64], values: Real, target: float) -> float:
     """Evaluation at which a run first reached `target`, infinite if never.
 
@@ -491,7 +505,7 @@ class Pairings:
     @property
     def chances(self) -> Real:
         """`a12` of every row against every other, (k, k)."""
-        return chances_of(self.wins, self.each)
+        return self.wins / self.each**2
 
     @cached_property
     def p(self) -> Real:
@@ -514,11 +528,6 @@ class Pairings:
         spread = np.sqrt(np.where(variance > 0.0, variance, np.inf))
         chances = np.minimum(2.0 * ndtr((0.5 - ahead) / spread), 1.0)
         return _square(holm(np.maximum(chances, 2 * least_mann_whitney(n, n))), k)
-
-
-def chances_of(wins: Real, each: int) -> Real:
-    """`a12` of every row against every other (k, k), by `Pairings.wins` of so many values each."""
-    return wins / each**2
 
 
 def mean_ranks_of(wins: Real, each: int) -> Real:
