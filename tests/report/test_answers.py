@@ -182,9 +182,9 @@ def test_an_error_beside_its_floor(value, floor, words):
 @pytest.mark.parametrize(
     ("beside", "predicted", "reached", "words"),
     [
-        (np.nan, np.nan, 0.02, "2 % (2.0 x)"),
-        (np.nan, 0.03, 0.02, "2 % (2.0 x)"),
-        (np.nan, 0.03, np.nan, "about 3 % (3.0 x)"),
+        (np.nan, np.nan, 0.02, "2.0 % (2.0 x)"),
+        (np.nan, 0.03, 0.02, "2.0 % (2.0 x)"),
+        (np.nan, 0.03, np.nan, "about 3.0 % (3.0 x)"),
         (0.015, 0.03, 0.02, "1.5 % (1.5 x) beside"),
         (np.nan, np.nan, np.nan, "-"),
     ],

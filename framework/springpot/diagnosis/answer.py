@@ -304,8 +304,8 @@ def answer(
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, experiment = "", None
-    if verdict != "adequate":
-        split = _split(search, floor, cause, doubted or only_points(search, outliers))
+    if verdict in SEEN:
+        split = _split(search, floor, cause, only_points(search, outliers))
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
         experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
@@ -376,7 +376,7 @@ def _steps(
 
 
 def _split(search: Search, floor: MaterialFloor, cause: Cause, nothing: bool) -> str:
-    """What the material floor says; of doubted noise and of single points alone it says nothing.
+    """What the material floor says of what is missing; of single points alone it says nothing.
 
     Nor of rows that a column sets apart: they are of no one material.
     """
