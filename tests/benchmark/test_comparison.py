@@ -258,11 +258,11 @@ def test_trials_are_kept_once(drawn):
 
 
 def test_trials_of_a_problem_are_ranked_once_at_each_budget(drawn, monkeypatch):
-    """Though its choice, every ranking that holds it and its sensitivity ask for their ranks."""
+    """Though its choice, every ranking of it, its sensitivity and its pairs ask for it."""
     with Store(drawn) as store:
         findings = Findings.of(store)
-    made, ranks = [], comparison.pooled_ranks
-    monkeypatch.setattr(comparison, "pooled_ranks", lambda v: made.append(1) or ranks(v))
+    made, count = [], comparison.Pairings.of
+    monkeypatch.setattr(comparison.Pairings, "of", lambda v: made.append(1) or count(v))
     for _ in tables_of(findings, TABLES):
         pass
     assert len(findings.races) > 1
