@@ -303,8 +303,9 @@ def answer(
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, experiment = "", None
-    if verdict != "adequate":
-        split = _split(search, floor, cause, doubted or only_points(search, outliers))
+    # Where nobody can tell whether anything is missing, nobody can tell of what it is a part.
+    if verdict in SEEN:
+        split = _split(search, floor, cause, only_points(search, outliers))
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
         experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)

@@ -134,8 +134,10 @@ def _without_outliers(
 
     None where none are or they may be physics.
     """
-    rows = outlying(search.frame)
-    if len(rows) == 0:
+    # What is missing hides a bad point: the best model found shows it where the base does not.
+    frames = (search.frame, search.best.frame()) if search.grown else (search.frame,)
+    rows = next((rows for frame in frames if len(rows := outlying(frame))), None)
+    if rows is None:
         return None
     reduced = reduced_by(rows)
     if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
