@@ -302,10 +302,7 @@ def answer(
     candidates = candidates_of(evidence, verdict)
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
-    split, experiment = "", None
-    # Where nobody can tell whether anything is missing, nobody can tell of what it is a part.
-    if verdict in SEEN:
-        split = _split(search, floor, cause, only_points(search, outliers))
+    experiment = None
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
         experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
@@ -319,7 +316,7 @@ def answer(
         error=error,
         verdict=verdict,
         says=_says(search, evidence, verdict, outliers, cause),
-        split=split,
+        split=_split(search, floor, cause, verdict, outliers),
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
         classes=() if verdict == "adequate" else tuple(map(tuple, evidence.classes)),
@@ -375,12 +372,19 @@ def _steps(
         yield leaving_out(row, error)
 
 
-def _split(search: Search, floor: MaterialFloor, cause: Cause, nothing: bool) -> str:
-    """What the material floor says; of doubted noise and of single points alone it says nothing.
+def _split(
+    search: Search,
+    floor: MaterialFloor,
+    cause: Cause,
+    verdict: Verdict,
+    outliers: Sequence[Outlier],
+) -> str:
+    """What the material floor says; of single points alone it says nothing.
 
-    Nor of rows that a column sets apart: they are of no one material.
+    Nor of rows that a column sets apart: they are of no one material. Where nobody can tell whether
+    anything is missing, nobody can tell of what it is a part.
     """
-    if nothing or isinstance(cause, Column):
+    if verdict not in SEEN or isinstance(cause, Column) or only_points(search, outliers):
         return ""
     return split_in_words(search.base, floor)
 

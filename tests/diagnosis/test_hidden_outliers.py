@@ -1,0 +1,37 @@
+"""Bad points that what is missing hides from the base model, and what nobody can tell."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.diagnosis import answer, examination
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_the_best_model_shows_what_the_base_does_not(monkeypatch, seen):
+    rows = {"base": np.array([], dtype=int), "best": np.array([3, 38] if seen else [], dtype=int)}
+    best = SimpleNamespace(frame=lambda: "best")
+    search = SimpleNamespace(frame="base", base=None, best=best, grown=[best])
+    reduced = SimpleNamespace(
+        base=SimpleNamespace(frame_of=lambda _: "frame"), best=None, grown=[], alarm=1.0, gain=0.0
+    )
+    monkeypatch.setattr(examination, "outlying", rows.__getitem__)
+    monkeypatch.setattr(examination, "are_outliers", lambda *_: True)
+    monkeypatch.setattr(examination, "described", lambda frame, found: found.tolist())
+    found = examination._without_outliers(search, None, lambda _: reduced)
+    assert found == ((reduced, [3, 38]) if seen else None)
+
+
+def test_where_nobody_can_tell_nothing_is_a_part_of_the_material(monkeypatch):
+    monkeypatch.setattr(answer, "only_points", lambda *_: False)
+    monkeypatch.setattr(answer, "split_in_words", lambda *_: "no part of the material")
+    search = SimpleNamespace(base=None)
+    told = {
+        verdict: answer._split(search, None, None, verdict, [])
+        for verdict in ("inconclusive", "unexplained", "effect-missing", "adequate")
+    }
+    assert told["inconclusive"] == told["adequate"] == ""
+    assert told["unexplained"] == told["effect-missing"] == "no part of the material"
