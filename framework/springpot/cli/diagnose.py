@@ -149,8 +149,9 @@ def unlike(judged: Sequence[Diagnosis]) -> str:
         return ""
     return (
         f"each was judged by itself, and {listed(list(apart))} of"
-        f" {listed([each.data for each in judged])} differ by more than their intervals: of one specimen under the same conditions that is a"
-        " calibration, an area or gap, a temperature or an age"
+        f" {listed([each.data for each in judged])} differ by more than their intervals: of one"
+        " specimen under the same conditions that is a calibration, an area or gap, a temperature"
+        " or an age"
     )
 
 
