@@ -15,14 +15,13 @@ def test_the_best_model_shows_what_the_base_does_not(monkeypatch, seen):
     rows = {"base": np.array([], dtype=int), "best": np.array([3, 38] if seen else [], dtype=int)}
     best = SimpleNamespace(frame=lambda: "best")
     search = SimpleNamespace(frame="base", base=None, best=best, grown=[best])
-    reduced = SimpleNamespace(
-        base=SimpleNamespace(frame_of=lambda _: "frame"), best=None, grown=[], alarm=1.0, gain=0.0
-    )
+    told = SimpleNamespace(frame_of=lambda _: "best without them")
+    reduced = SimpleNamespace(base=None, best=told, grown=[], alarm=1.0, gain=0.0)
     monkeypatch.setattr(examination, "outlying", rows.__getitem__)
     monkeypatch.setattr(examination, "are_outliers", lambda *_: True)
-    monkeypatch.setattr(examination, "described", lambda frame, found: found.tolist())
+    monkeypatch.setattr(examination, "described", lambda frame, found: (frame, found.tolist()))
     found = examination._without_outliers(search, None, lambda _: reduced)
-    assert found == ((reduced, [3, 38]) if seen else None)
+    assert found == ((reduced, ("best without them", [3, 38])) if seen else None)
 
 
 def test_where_nobody_can_tell_nothing_is_a_part_of_the_material(monkeypatch):

@@ -134,17 +134,22 @@ def _without_outliers(
 
     None where none are or they may be physics.
     """
+    rows = outlying(search.frame)
     # What is missing hides a bad point: the best model found shows it where the base does not.
-    frames = (search.frame, search.best.frame()) if search.grown else (search.frame,)
-    rows = next((rows for frame in frames if len(rows := outlying(frame))), None)
-    if rows is None:
+    hidden = len(rows) == 0 and bool(search.grown)
+    if hidden:
+        rows = outlying(search.best.frame())
+    if len(rows) == 0:
         return None
     reduced = reduced_by(rows)
     if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
         return None
     if _sees_something(reduced) and _may_be_effects(reduced, measurement, rows, reduced_by):
         return None
-    return reduced, described(reduced.base.frame_of(measurement), rows)
+    seen = reduced.base
+    if hidden:
+        seen = reduced.best
+    return reduced, described(seen.frame_of(measurement), rows)
 
 
 def _may_be_effects(
