@@ -16,6 +16,7 @@ from springpot.benchmark.comparison import (
     JudgingScale,
     ProblemRace,
     choose,
+    judged,
     profiles,
     quality,
     races_of,
@@ -243,6 +244,21 @@ def test_trials_scored_some_at_once_have_the_same_bits(drawn, monkeypatch, at_on
             assert np.array_equal(getattr(one, name), getattr(other, name)), name
 
 
+def test_what_is_known_of_trials_is_in_a_file(drawn):
+    """In memory it grew by a number or two for each trial, and by the curves of each cell."""
+    with Store(drawn) as store:
+        scale = JudgingScale.of(store)
+        made = [score_cell(*each, scale) for each in judged(store)]
+        kept = Findings.of(store).scores
+    for one, other in zip(made, kept, strict=True):
+        arrays = {k: value for k, value in vars(one).items() if isinstance(value, np.ndarray)}
+        assert len(arrays) > 8
+        assert not [value for value in vars(other).values() if isinstance(value, np.ndarray)]
+        for name, array in arrays.items():
+            np.testing.assert_array_equal(getattr(other, name), array)
+        assert (other.cell, other.dimension, other.clean) == (one.cell, one.dimension, one.clean)
+
+
 def test_trials_are_kept_once(drawn):
     with Store(drawn) as store:
         findings = Findings.of(store)
@@ -258,11 +274,11 @@ def test_trials_are_kept_once(drawn):
 
 
 def test_trials_of_a_problem_are_ranked_once_at_each_budget(drawn, monkeypatch):
-    """Though its choice, every ranking that holds it and its sensitivity ask for their ranks."""
+    """Though its choice, every ranking of it, its sensitivity and its pairs ask for it."""
     with Store(drawn) as store:
         findings = Findings.of(store)
-    made, ranks = [], comparison.pooled_ranks
-    monkeypatch.setattr(comparison, "pooled_ranks", lambda v: made.append(1) or ranks(v))
+    made, count = [], comparison.Pairings.of
+    monkeypatch.setattr(comparison.Pairings, "of", lambda v: made.append(1) or count(v))
     for _ in tables_of(findings, TABLES):
         pass
     assert len(findings.races) > 1

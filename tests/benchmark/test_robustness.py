@@ -7,7 +7,7 @@ import pytest
 from benchmark_fakes import small_study
 from synthetic import synthetic_store
 
-from springpot.benchmark import Findings, Store, run_study, store_path
+from springpot.benchmark import Findings, Store, run_study, statistics, store_path
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
 from springpot.benchmark.plan import stream_of
 from springpot.benchmark.report.study import write_study_report
@@ -84,6 +84,18 @@ def test_the_posterior_is_that_of_all_means_of_two(n):
         )
         most = np.stack([below, 1.0 - below - above, above]).argmax(axis=0)
         np.testing.assert_array_equal(found, np.bincount(most, minlength=3) / 4000)
+
+
+def test_no_means_of_two_are_asked_where_one_region_has_nearly_all(monkeypatch):
+    """Of 190 pairs of a thousand problems they take most of the time of a study's tables."""
+    asked, chance = [], statistics._chance_above
+    monkeypatch.setattr(statistics, "_chance_above", lambda *a: asked.append(1) or chance(*a))
+    clear = np.where(np.arange(100) < 3, 0.0, 0.4)
+    found = signed_rank_posterior(np.stack([clear, -clear, 0.01 * clear]))
+    assert found.tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+    assert not asked
+    signed_rank_posterior(np.linspace(-0.5, 0.5, 100)[None])
+    assert asked
 
 
 def test_few_problems_make_no_certainty():

@@ -157,3 +157,16 @@ def test_traces_are_streams_of_zlib_as_those_of_older_stores(rng, count):
         assert np.array_equal(found.evaluations, np.tile(numbers, 2))
         assert np.array_equal(found.values, np.tile(values, 2))
         assert np.array_equal(unpack(each), (numbers, values))
+
+
+def test_traces_are_seen_alike_on_a_short_and_on_a_long_grid(rng):
+    """On a grid that is no longer than a table of its places they are counted without a search."""
+    found = Traces.of([pack(improvements(rng.random(900))), b"", pack([(7, 2.0), (500, 1.0)])])
+    for last in (500, 1000, 2_000_000):
+        grid = geometric_grid(last)
+        seen = found.at(found.values, grid)
+        first = 0
+        for own, count in zip(seen, found.counts.tolist(), strict=True):
+            those = slice(first, first + count)
+            assert own.tolist() == at(found.evaluations[those], found.values[those], grid).tolist()
+            first += count

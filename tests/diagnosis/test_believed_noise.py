@@ -50,3 +50,5 @@ def test_noise_with_a_memory_in_one_sweep_may_as_well_be_a_misfit():
     assert found.verdict == "inconclusive"
     assert found.error.noise_memory == pytest.approx(0.6, abs=0.2)
     assert any("noise comes otherwise and a misfit does not" in note for note in found.notes)
+    # Of what may not be missing at all nothing says what it is.
+    assert found.split == ""

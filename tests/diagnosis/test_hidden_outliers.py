@@ -1,4 +1,4 @@
-"""Bad points that what is missing hides from the base model, and what nobody can tell."""
+"""Bad points that what is missing hides from the base model."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.diagnosis import answer, examination
+from springpot.diagnosis import examination
 
 
 @pytest.mark.parametrize("seen", [True, False])
@@ -22,15 +22,3 @@ def test_the_best_model_shows_what_the_base_does_not(monkeypatch, seen):
     monkeypatch.setattr(examination, "described", lambda frame, found: (frame, found.tolist()))
     found = examination._without_outliers(search, None, lambda _: reduced)
     assert found == ((reduced, ("best without them", [3, 38])) if seen else None)
-
-
-def test_where_nobody_can_tell_nothing_is_a_part_of_the_material(monkeypatch):
-    monkeypatch.setattr(answer, "only_points", lambda *_: False)
-    monkeypatch.setattr(answer, "split_in_words", lambda *_: "no part of the material")
-    search = SimpleNamespace(base=None)
-    told = {
-        verdict: answer._split(search, None, None, verdict, [])
-        for verdict in ("inconclusive", "unexplained", "effect-missing", "adequate")
-    }
-    assert told["inconclusive"] == told["adequate"] == ""
-    assert told["unexplained"] == told["effect-missing"] == "no part of the material"

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from springpot.diagnosis import answer, in_practice, marginal, notes, verdict
+from springpot.diagnosis import answer, experiment, in_practice, marginal, notes, verdict
+from springpot.diagnosis.result import NextExperiment
 from springpot.measurement import Measurement
 from springpot.thresholds import EVIDENCE
 
@@ -62,6 +63,7 @@ def test_a_harmonic_is_tested_by_its_squares_over_the_noise(monkeypatch):
     assert list(notes._harmonic(nothing, relative, 2, "x")) == []
 
 
+OF_A, OF_C = SimpleNamespace(effect="a"), SimpleNamespace(effect="c")
 ASKED = {"verdict": "effect-missing", "leading": ["a"], "course": None, "outliers": ["point"]}
 
 
@@ -69,14 +71,17 @@ ASKED = {"verdict": "effect-missing", "leading": ["a"], "course": None, "outlier
     ("state", "question"),
     [
         ({"course": SimpleNamespace(advice="wait")}, "wait"),
-        ({"confounded": ["a"], "drift": 1}, ("confounded", ["a"])),
+        ({"confounded": ["a"], "drift": OF_A}, ("confounded", ["a"])),
         ({"confounded": ["a"], "verdict": "adequate"}, "points"),
         ({"moved": {"b"}, "confounded": ["a"]}, ("confounded", ["b"])),
-        ({"verdict": "adequate", "drift": 1}, "points"),
-        ({"only_points": True, "drift": 1}, "points"),
-        ({"drift": 1, "untold": 1}, "unknown"),
-        ({"untold": 1}, "untold"),
+        ({"verdict": "adequate", "drift": OF_A}, "points"),
+        ({"only_points": True, "drift": OF_A}, "points"),
+        ({"drift": OF_A, "untold": OF_A}, "unknown"),
+        ({"untold": OF_A}, "untold"),
         ({}, "between"),
+        ({"drift": OF_C, "untold": OF_C}, "between"),
+        ({"drift": OF_C, "partners": {"c": 0.5}}, "unknown"),
+        ({"verdict": "unexplained", "drift": OF_C, "effects": {"c": 0.5}}, "unknown"),
         ({"verdict": "unexplained", "leading": []}, "unknown"),
         ({"verdict": "unexplained"}, "between"),
         ({"verdict": "unexplained", "leading": [], "drifted": True}, None),
@@ -112,11 +117,26 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
         classes=[["a", "b"]],
         drift=state.get("drift"),
         untold=state.get("untold"),
+        partners=state.get("partners", {}),
+        effects=state.get("effects", {}),
     )
     found = answer._next_experiment(
         search, evidence, *(state[name] for name in ("verdict", "outliers", "leading", "course"))
     )
     assert found == question
+
+
+@pytest.mark.parametrize(("telling", "found"), [({"b", "c"}, "b"), ({"c"}, "c"), (set(), "b")])
+def test_the_leader_is_told_from_the_next_rival_that_can_be_told_from_it(telling, found):
+    chances = {"c": 0.2, "a": 0.5, "b": 0.29, "d": 1e-5}
+    pairs = experiment.worth_telling_apart(chances)
+    assert pairs == [("a", "b"), ("a", "c")]
+
+    def asked(pair):
+        return NextExperiment("", pair, 1.0, {"omega": [1.0]} if pair[1] in telling else {})
+
+    assert experiment.first_telling(pairs, asked).separates == ("a", found)
+    assert experiment.first_telling([], asked) is None
 
 
 @pytest.mark.parametrize(("left", "explained"), [(60.0, 40.0), (100.0, 0.0), (130.0, 0.0)])

@@ -190,6 +190,20 @@ def test_what_stays_keeps_its_rung(accepted, found, told):
     assert all(settled[i].examined is steps[i].examined for i in range(1 + same))
 
 
+@pytest.mark.parametrize(("beside", "foretold"), [(np.nan, 0.02), (0.01, None)])
+def test_what_was_foretold_of_two_effects_is_not_told_of_one(beside, foretold):
+    others, model = Others(effects=[]), parse_model("kelvin")
+    case = others.examined(model, None, None, None)
+    case.diagnosis.candidates = (
+        SimpleNamespace(
+            effect="friction", alike=("friction",), predicted_error=0.02, error_beside=beside
+        ),
+    )
+    before = rung_of(case)
+    after = rung_of(others.examined(model + "friction", None, None, None), before, "friction")
+    assert after.predicted_error == foretold
+
+
 @pytest.mark.parametrize(("gain", "kept"), [(0.5, 3), (0.9, 2)], ids=["predicts", "follows"])
 def test_what_a_set_adds_beside_the_unexplained_has_to_predict(monkeypatch, gain, kept):
     """A delay that follows what no effect explains is not folded into the model."""

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import springpot
 from springpot.diagnosis import Ladder
 from springpot.diagnosis.result import AsTold
 from springpot.measurement import Measurement, Units
+from springpot.report import answers
 from springpot.report.answers import beside_floor, reference_note, worth_showing
 from springpot.report.html import report_html
 from springpot.report.ladder_text import change, changes_text
@@ -175,6 +177,21 @@ def test_every_forecast_stands_beside_the_floor(warm):
 )
 def test_an_error_beside_its_floor(value, floor, words):
     assert beside_floor(value, floor, 2) == words
+
+
+@pytest.mark.parametrize(
+    ("beside", "predicted", "reached", "words"),
+    [
+        (np.nan, np.nan, 0.02, "2.0 % (2.0 x)"),
+        (np.nan, 0.03, 0.02, "2.0 % (2.0 x)"),
+        (np.nan, 0.03, np.nan, "about 3.0 % (3.0 x)"),
+        (0.015, 0.03, 0.02, "1.5 % (1.5 x) beside"),
+        (np.nan, np.nan, np.nan, "-"),
+    ],
+)
+def test_the_error_after_an_effect_is_told_as_far_as_it_is_known(beside, predicted, reached, words):
+    row = SimpleNamespace(error_beside=beside, predicted_error=predicted, error_after=reached)
+    assert answers._after(row, 0.01) == words
 
 
 @pytest.mark.parametrize(

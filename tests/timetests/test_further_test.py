@@ -154,18 +154,21 @@ def test_a_rival_that_went_beyond_all_numbers_follows_nothing(fault) -> None:
     assert told.by_theta.shape == (3, 2)
 
 
-def test_of_a_class_the_first_two_are_told_apart_however_unlike_their_chances() -> None:
+def test_of_a_class_the_first_and_each_other_are_told_apart_however_unlike_their_chances() -> None:
     alike = ("thermal-transient", "thermal-growth", "fading-network", "thermal-force")
     first = SimpleNamespace(effect="thermal-transient", alike=alike, probability=0.5)
     fitted = {"thermal-force", "fading-network", "thermal-transient"}
-    assert _of_one_class([first], fitted) == ("thermal-transient", "fading-network")
+    assert _of_one_class([first], fitted) == [
+        ("thermal-transient", "fading-network"),
+        ("thermal-transient", "thermal-force"),
+    ]
     alone = SimpleNamespace(
         effect="thermal-transient", alike=("thermal-transient",), probability=1.0
     )
-    assert _of_one_class([alone, first], fitted) is None
-    assert _of_one_class([], fitted) is None
+    assert _of_one_class([alone, first], fitted) == []
+    assert _of_one_class([], fitted) == []
     first.probability = 0.0
-    assert _of_one_class([first], fitted) is None
+    assert _of_one_class([first], fitted) == []
 
 
 def test_of_each_kind_of_test_a_further_one_is_offered(fits) -> None:

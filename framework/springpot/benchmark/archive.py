@@ -31,9 +31,10 @@ from springpot.files import LARGEST, write_with
 from springpot.numerics import ALIKE
 from springpot.registry import plugins
 
-from .comparison import JudgingScale, goal_of, judged, reference_of
+from .comparison import JudgingScale, judged, reference_of
 from .plan import ASKED
 from .schema import optima_told
+from .statistics import goal_of
 from .store import Store
 from .study import OWN, Study
 from .summary import SUFFIX, CellRow, ProblemRow, TrialRow

@@ -12,8 +12,8 @@ import numpy as np
 from springpot.errors import StudyError
 
 from .archive import opened
-from .comparison import JudgingScale, goal_of, judged, reference_of
-from .statistics import hitting_time
+from .comparison import JudgingScale, judged, reference_of
+from .statistics import goal_of, hitting_time
 from .store import Store
 from .study import Study
 from .summary import CellRow, TrialRow, store_path

@@ -29,22 +29,21 @@ from springpot.writing import counted
 from .plan import stream_of
 from .statistics import (
     Interval,
-    a12,
-    a12_table,
+    Pairings,
     bands,
     data_profile,
     expected_running_times,
     friedman,
+    goals_of,
     least_mann_whitney,
     least_signed_rank,
-    mann_whitney_holm,
     mean_interval,
     mean_range,
+    mean_ranks_of,
     performance_profile,
     pooled_ranks,
     ranked,
     signed_rank_posterior,
-    target_value,
     wilcoxon_holm,
     wilson,
 )
@@ -155,10 +154,11 @@ def judged(store: Store) -> Iterator[tuple[CellRow, CellTrials, Real]]:
     """Each cell of the study with its trials and the best objective (n,) known of their data."""
     bests, draws = store.bests(), store.bests_of_draws()
     for cell, trials in store.raced():
-        best = bests.get(cell.problem.id, np.inf)
+        known = np.full(len(trials), bests.get(cell.problem.id, np.inf))
         # Noise of its own makes a trial's data another problem than those of its neighbours.
-        known = [draws.get((cell.problem.id, r), best) for r in trials.column("repetition")]
-        yield cell, trials, np.array(known)
+        for i, repetition in enumerate(trials.column("repetition") if draws else ()):
+            known[i] = draws.get((cell.problem.id, repetition), known[i])
+        yield cell, trials, known
         # Or it would be in memory while the next is read.
         del trials
 
@@ -170,29 +170,15 @@ def reference_of(problem: ProblemRow, trial: TrialRow) -> float:
     return trial.reference
 
 
-def goal_of(reference: float, best: float, target: float) -> float:
-    """Objective that counts as success; nothing does where no value is known."""
-    if not np.isfinite(best):
-        return -np.inf
-    return target_value(best, reference, target)
-
-
-def goals_of(references: Real, bests: Real, target: float) -> Real:
-    """`goal_of` for each trial (n,)."""
-    known = np.isfinite(bests)
-    goals = target_value(np.where(known, bests, 0.0), references, target)
-    return np.where(known, goals, -np.inf)
-
-
 def hits_of(cell: CellRow, trials: CellTrials, bests: Real, scale: JudgingScale) -> Real:
     """Evaluation at which each trial (n,) reached its target, infinite where it did not.
 
     No trace is read of which the best shows already that it missed.
     """
-    goals = goals_of(_references(cell, trials), bests, scale.target)
+    goals, blobs = goals_of(_references(cell, trials), bests, scale.target), trials.column("trace")
     there, hits = trials.numbers("best") <= goals, np.empty(len(trials))
     for own in _parts(len(trials), scale):
-        hits[own] = _traces(trials[own], there[own]).hits(goals[own])
+        hits[own] = _traces(blobs[own], there[own]).hits(goals[own])
     return hits
 
 
@@ -210,18 +196,19 @@ def score_cell(
     bests, dead = np.broadcast_to(best, len(trials)), np.isnan(trials.numbers("best"))
     hits, area = np.empty((2, len(trials)))
     along = np.empty((len(trials), len(scale.grid)))
-    reached = np.zeros(len(scale.grid))
+    reached, blobs = np.zeros(len(scale.grid)), trials.column("trace")
+    references = _references(cell, trials)
+    goals = goals_of(references, bests, scale.target)
     for own in _parts(len(trials), scale):
-        references = _references(cell, trials[own])
         # A trial that failed keeps its infinite time: it is never given a number.
-        traces = _traces(trials[own], ~dead[own])
+        traces = _traces(blobs[own], ~dead[own])
         owners = traces.owners
-        excess = _excess(traces.values, bests[own][owners], references[owners])
+        excess = _excess(traces.values, bests[own][owners], references[own][owners])
         # On the few evaluations of the grid: the traces may have thousands.
         along[own] = traces.at(excess, scale.grid)
         # How many of the falling targets each has reached, all trials together.
         reached += np.searchsorted(-scale.targets, -along[own], side="right").sum(axis=0)
-        hits[own] = traces.hits(goals_of(references, bests[own], scale.target))
+        hits[own] = traces.hits(goals[own])
         area[own] = area_over_curve(traces, excess, scale)
     return CellScores(
         cell,
@@ -254,10 +241,10 @@ def _references(cell: CellRow, trials: CellTrials) -> Real:
     return np.where(np.isnan(own), cell.problem.reference, own)
 
 
-def _traces(trials: CellTrials, wanted: NDArray[np.bool_]) -> Traces:
+def _traces(blobs: Sequence[bytes | None], wanted: NDArray[np.bool_]) -> Traces:
     """Improvements of the trials that are wanted (n,), of the others none."""
-    blobs = zip(trials.column("trace"), wanted.tolist(), strict=True)
-    return Traces.of([blob or b"" if one else b"" for blob, one in blobs])
+    each = zip(blobs, wanted.tolist(), strict=True)
+    return Traces.of([blob or b"" if one else b"" for blob, one in each])
 
 
 def area_over_curve(traces: Traces, excess: Real, scale: JudgingScale) -> Real:
@@ -290,9 +277,12 @@ def _excess(values: Real, best: Real | float, reference: Real | float) -> Real:
 
     Infinite values stay so, and all but the best are where nothing is worse than it.
     """
+    span = np.broadcast_to(np.asarray(reference - best), values.shape)
+    if (span > 0.0).all():
+        excess: Real = (np.maximum(values, best) - best) / span
+        return excess
     above = np.zeros_like(values)
     np.subtract(values, best, out=above, where=values > best)
-    span = np.broadcast_to(np.asarray(reference - best), values.shape)
     # Nothing is worse than the best that is known: there is no scale on which to be half as bad.
     found = np.where((above > 0.0) | np.isinf(values), np.inf, 0.0)
     np.divide(above, span, out=found, where=span > 0.0)
@@ -324,19 +314,35 @@ class ProblemRace:
 
     problem: ProblemRow
     cells: tuple[CellScores, ...]
-    _ranks: dict[tuple[int, float], Real] = field(default_factory=dict, init=False, repr=False)
+    _wins: dict[tuple[int, float], Real] = field(default_factory=dict, init=False, repr=False)
+
+    def pairings(self, mark: int, target: float) -> Pairings:
+        """What the trials of any two had reached at a mark, compared."""
+        found = Pairings.of(quality(self, mark, target))
+        # The choice asks for them, each ranking that holds the problem, and its sensitivity.
+        self._wins[mark, target] = found.wins
+        return found
+
+    def wins(self, mark: int, target: float) -> Real:
+        """`Pairings.wins` (entrants, entrants) at a mark."""
+        if (mark, target) not in self._wins:
+            self.pairings(mark, target)
+        return self._wins[mark, target]
 
     def mean_ranks(self, mark: int, target: float) -> Real:
         """Mean ranks (entrants,) of what the trials had reached at a mark, all of them together."""
-        # The choice asks for them, each ranking that holds the problem, and its sensitivity.
-        if (mark, target) not in self._ranks:
-            ranks = pooled_ranks(quality(self, mark, target)).mean(axis=1)
-            self._ranks[mark, target] = ranks
-        return self._ranks[mark, target]
+        return mean_ranks_of(self.wins(mark, target), self.repetitions)
+
+    def chances(self, mark: int, target: float) -> Real:
+        """`a12` (entrants, entrants) of what any two had reached at a mark."""
+        return self.wins(mark, target) / self.repetitions**2
 
     @cached_property
     def shared(self) -> list[NDArray[np.bool_] | slice]:
         """Which trials of each cell every entrant has; a slice where those are all."""
+        first = self.cells[0].repetitions
+        if all(np.array_equal(cell.repetitions, first) for cell in self.cells):
+            return [slice(None)] * len(self.cells)
         # Only where all have run: an entrant must not win by the repetitions that others have still
         # to do.
         common = sorted(set.intersection(*(set(cell.repetitions.tolist()) for cell in self.cells)))
@@ -469,7 +475,8 @@ def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[Optimiser
 
 def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice:
     """The choice for one problem at one mark."""
-    budget, reached = scale.marks[mark], quality(race, mark, scale.target)
+    budget = scale.marks[mark]
+    p = race.pairings(mark, scale.target).p
     # By ranks, not means: a single failed trial has an infinite excess, which would decide alone.
     ranks = race.mean_ranks(mark, scale.target)
     # As if the race had ended at this budget: what was reached later did not happen yet.
@@ -478,22 +485,26 @@ def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice
     times = expected_running_times(hits, np.minimum(race.spent, budget))
     best = int(np.argmin(ranks))
     others = [i for i in range(len(ranks)) if i != best]
-    p = mann_whitney_holm(reached)[best]
     # Among those that are as good the cheapest is chosen, and of equally cheap ones that of the
     # better rank.
-    alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
-    worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
+    alike = sorted(
+        [best, *(i for i in others if p[best, i] > LEVEL)], key=lambda i: (times[i], ranks[i])
+    )
+    worse = sorted((i for i in others if p[best, i] <= LEVEL), key=lambda i: ranks[i])
     first, labels = alike[0], race.labels
     # A share of twenty trials is known to some ten per cent: its interval is shown beside it.
     success = wilson(int(np.isfinite(hits[first]).sum()), hits.shape[1])
     assert success is not None
     best_name = None
-    # Where no run reached a finite value there is nothing to choose by.
-    if np.isfinite(reached).any():
+    # Where no run reached a finite value there is nothing to choose by; who did is ahead of others.
+    if np.isfinite(race.of_one(best, "values")[:, mark]).any():
         best_name = labels[first]
     next_name = advantage = None
     if worse:
-        next_name, advantage = labels[worse[0]], a12(reached[first], reached[worse[0]])
+        next_name, advantage = (
+            labels[worse[0]],
+            float(race.chances(mark, scale.target)[first, worse[0]]),
+        )
     trials = hits.shape[1]
     # All trials of one below all of the other, times the number of pairs (Holm): if even that is
     # too large, more trials are needed and not a better optimiser.
@@ -586,12 +597,10 @@ class MeanRanks:
         """Mean ranks (k,)."""
         return np.array([rank.value for rank in self.ranks])
 
-    @cached_property
+    @property
     def chance_tables(self) -> Real:
-        """`a12_table` of what the trials had reached on each problem, (problems, k, k)."""
-        # One problem at a time: what a million trials had reached is not kept for each ranking.
-        each = [a12_table(quality(race, self.mark, self.target)) for race in self.races]
-        return np.array(each)
+        """`a12` of what any two optimisers had reached on each problem, (problems, k, k)."""
+        return np.array([race.chances(self.mark, self.target) for race in self.races])
 
     @cached_property
     def posterior(self) -> Real | None:
@@ -670,7 +679,7 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
         # A trial's place among one trial of each: in the order of the choice, which ranks all of
         # them at once.
         within = (pooled_ranks(reached).T - 0.5) / len(blocks) + 0.5
-        p = mann_whitney_holm(reached)
+        p = Pairings.of(reached).p
         least = 2 * least_mann_whitney(len(blocks), len(blocks)) * pairs
     statistic = p_all = np.nan
     # Friedman's test takes three or more.

@@ -8,6 +8,8 @@ by the Bayesian signed-rank test of Benavoli and others (2014, ICML; 2017, JMLR 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from math import comb, factorial, fsum, inf, sqrt
 from typing import TypeVar
 
@@ -15,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf, normal_quantile, student
-from springpot.numerics import AT_ONCE
+from springpot.numerics import AT_ONCE, ROUNDING
 from springpot.report.tables import Interval as Interval
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -96,6 +98,20 @@ def target_value(best: Numbers, reference: Numbers, fraction: float) -> Numbers:
     return best + fraction * (reference - best)
 
 
+def goal_of(reference: float, best: float, target: float) -> float:
+    """Objective that counts as success; nothing does where no value is known."""
+    if not np.isfinite(best):
+        return -inf
+    return target_value(best, reference, target)
+
+
+def goals_of(references: Real, bests: Real, target: float) -> Real:
+    """`goal_of` for each trial (n,)."""
+    known = np.isfinite(bests)
+    goals = target_value(np.where(known, bests, 0.0), references, target)
+    return np.where(known, goals, -inf)
+
+
 def hitting_time(evaluations: NDArray[np.int64], values: Real, target: float) -> float:
     """Evaluation at which a run first reached `target`, infinite if never.
 
@@ -142,7 +158,8 @@ def running_time_interval(
     if n == 0:
         return None
     success = np.isfinite(hits)
-    cost, counted = np.where(success, hits, spent), success.astype(float)
+    # Whole trials are drawn, hits with what they spent: the two are not independent.
+    trials = np.where(success, hits, spent) + 1j * success
     means = np.full(draws, inf)
     if not success.any():
         return Interval(inf, inf, inf)
@@ -150,11 +167,9 @@ def running_time_interval(
     rows = max(1, 2**15 // n)
     for first in range(0, draws, rows):
         block = means[first : first + rows]
-        # Whole trials are drawn, hits with what they spent: the two are not independent.
-        chosen = rng.integers(0, n, size=(len(block), n))
         # Whole numbers, whose sums are the same in any order: the quickest is taken.
-        successes = n if success.all() else np.einsum("ij->i", counted[chosen])
-        np.divide(np.einsum("ij->i", cost[chosen]), successes, out=block, where=successes > 0)
+        sums = np.einsum("ij->i", trials.take(rng.integers(0, n, size=(len(block), n))))
+        np.divide(sums.real, sums.imag, out=block, where=sums.imag > 0)
     # Nearest rank rather than interpolation, which has no meaning next to infinity.
     low, high = np.sort(means)[[int(0.025 * draws), int(np.ceil(0.975 * draws)) - 1]]
     return Interval(expected_running_time(hits, spent), float(low), float(high))
@@ -351,28 +366,8 @@ def least_mann_whitney(n: int, m: int) -> float:
 
 
 def mann_whitney_holm(values: Real) -> Real:
-    """Holm-adjusted two-sided p-values (k, k) of every pair of rows of `values` (k, n).
-
-    Mann and Whitney 1947, doi:10.1214/aoms/1177730491; infinite values count as the largest. By the
-    normal approximation, but never below what n values each can tell at all.
-    """
-    from scipy.special import ndtr
-
-    k, n = values.shape
-    first, second = np.triu_indices(k, 1)
-    if not len(first):
-        return np.ones((k, k))
-    counts, wins = _wins(values)
-    ahead = np.abs((wins - 0.5 * n * n)[first, second])
-    # Of t tied values t^3 - t is lost, t being the sum of two counts.
-    squares = counts * counts
-    cubes, squares = (squares * counts).sum(axis=1), squares @ counts.T
-    tied = cubes[first] + cubes[second] + 3.0 * (squares + squares.T)[first, second] - 2.0 * n
-    variance = n * n / 12.0 * (2 * n + 1 - tied / (2 * n * (2 * n - 1)))
-    # Where all values are one nothing differs.
-    spread = np.sqrt(np.where(variance > 0.0, variance, np.inf))
-    chances = np.minimum(2.0 * ndtr((0.5 - ahead) / spread), 1.0)
-    return _square(holm(np.maximum(chances, 2 * least_mann_whitney(n, n))), k)
+    """`Pairings.p` of rows of `values` (k, n)."""
+    return Pairings.of(values).p
 
 
 def holm(p: Real) -> Real:
@@ -473,25 +468,72 @@ def a12(a: Real, b: Real) -> float:
     return float((above + 0.5 * equal).sum() / (len(a) * len(b)))
 
 
-def a12_table(values: Real) -> Real:
-    """`a12` of every row of `values` (k, n) against every other, (k, k)."""
-    table: Real = _wins(values)[1] / values.shape[1] ** 2
-    return table
+@dataclass(frozen=True, eq=False)
+class Pairings:
+    """Each value of each of k rows against each value of every other, counted once for all tests.
 
-
-def _wins(values: Real) -> tuple[Real, Real]:
-    """How often each row has each value that there is (k, levels), and pairs (k, k).
-
-    Of a value of the row and one of the column of which the first is smaller, ties counting half.
+    Parameters
+    ----------
+    wins : ndarray, shape (k, k)
+        Pairs of a value of the row and one of the column of which the first is smaller, ties
+        counting half.
+    tied : ndarray, shape (k, k)
+        Of the values of two rows together, t^3 summed over groups of t equal ones.
+    each : int
+        Values in a row.
     """
-    # Infinity is a value like others.
-    ranks = np.unique(values, return_inverse=True)[1].reshape(values.shape)
-    rows, levels = np.arange(len(ranks))[:, None], int(ranks.max()) + 1
-    # Each row's levels behind those of the row before: all are counted at once.
-    cells = (ranks + levels * rows).ravel()
-    counts = np.bincount(cells, minlength=rows.size * levels).reshape(-1, levels).astype(float)
-    below = np.cumsum(counts, axis=1) - 0.5 * counts
-    return counts, below @ counts.T
+
+    wins: Real
+    tied: Real
+    each: int
+
+    @classmethod
+    def of(cls, values: Real) -> Pairings:
+        """Those of rows of `values` (k, n), of which infinity is one like others."""
+        ranks = np.unique(values, return_inverse=True)[1].reshape(values.shape)
+        rows, levels = np.arange(len(ranks))[:, None], int(ranks.max()) + 1
+        # Each row's levels behind those of the row before: all are counted at once.
+        cells = (ranks + levels * rows).ravel()
+        counts = np.bincount(cells, minlength=rows.size * levels).reshape(-1, levels).astype(float)
+        below = np.cumsum(counts, axis=1) - 0.5 * counts
+        # Of a group, t is the sum of two counts.
+        squares = counts * counts
+        cubes, squares = (squares * counts).sum(axis=1), squares @ counts.T
+        tied = cubes[:, None] + cubes + 3.0 * (squares + squares.T)
+        return cls(below @ counts.T, tied, values.shape[1])
+
+    @property
+    def chances(self) -> Real:
+        """`a12` of every row against every other, (k, k)."""
+        return self.wins / self.each**2
+
+    @cached_property
+    def p(self) -> Real:
+        """Holm-adjusted two-sided p-values (k, k) of Mann and Whitney's test.
+
+        Mann and Whitney 1947, doi:10.1214/aoms/1177730491. By the normal approximation, but never
+        below what so many values can tell at all.
+        """
+        from scipy.special import ndtr
+
+        k, n = len(self.wins), self.each
+        first, second = np.triu_indices(k, 1)
+        if not len(first):
+            return np.ones((k, k))
+        ahead = np.abs((self.wins - 0.5 * n * n)[first, second])
+        # Of t tied values t^3 - t is lost.
+        tied = self.tied[first, second] - 2.0 * n
+        variance = n * n / 12.0 * (2 * n + 1 - tied / (2 * n * (2 * n - 1)))
+        # Where all values are one nothing differs.
+        spread = np.sqrt(np.where(variance > 0.0, variance, np.inf))
+        chances = np.minimum(2.0 * ndtr((0.5 - ahead) / spread), 1.0)
+        return _square(holm(np.maximum(chances, 2 * least_mann_whitney(n, n))), k)
+
+
+def mean_ranks_of(wins: Real, each: int) -> Real:
+    """Means (k,) of the ranks of each row's values among all, by `Pairings.wins`."""
+    ranks: Real = (wins.sum(axis=0) + 0.5 * each) / each
+    return ranks
 
 
 ROPE = 0.06
@@ -519,16 +561,33 @@ def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
     pairs, n = gaps.shape
     # What lies below is above where all signs are turned.
     sides = [_sorted_partners(sign * gaps, rope) for sign in (-1.0, 1.0)]
+    whole, where = _most(gaps, rope)
     counts = np.zeros((pairs, 3))
     for weights in _weights(n):
-        room = np.empty((3, n + 2, weights.shape[1]))
-        for pair in range(pairs):
+        room, draws = np.empty((3, n + 2, weights.shape[1])), weights.shape[1]
+        # Two differences of one region have their mean there: its chance is the square of what they
+        # weigh, or more. Some pairs at once, as a table of all pairs and draws is large.
+        some = [where[first : first + 99] for first in range(0, pairs, 99)]
+        sure = np.concatenate([(w @ weights).min(axis=1) for w in some]) ** 2 > 0.5 + ROUNDING
+        counts[sure, whole[sure]] += draws
+        for pair in np.flatnonzero(~sure):
             below, above = (
                 _chance_above(weights, order[pair], up_to[pair], room) for order, up_to in sides
             )
             chances = np.stack([below, 1.0 - below - above, above])
             counts[pair] += np.bincount(chances.argmax(axis=0), minlength=3)
     return counts / DRAWS
+
+
+def _most(gaps: Real, rope: float) -> tuple[NDArray[np.int64], Real]:
+    """The region (m,) that most of a row's differences are in, and which of them are (m, n + 1).
+
+    The prior's zero is the first of these.
+    """
+    rows = np.column_stack([np.zeros(len(gaps)), gaps])
+    regions = 1 + (rows > rope).astype(np.int64) - (rows < -rope)
+    most = np.argmax([(regions == one).sum(axis=1) for one in range(3)], axis=0)
+    return most, (regions == most[:, None]).astype(float)
 
 
 def _weights(n: int) -> Iterator[Real]:

@@ -10,7 +10,7 @@ import struct
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import inf
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ROUNDING
+from ..numerics import AT_ONCE, ROUNDING
 
 # The order of bytes is part of the format: a store may be read on another machine.
 _STEP = np.dtype("<u4")
@@ -92,6 +92,19 @@ def at(evaluations: NDArray[np.int64], values: Real, grid: NDArray[np.int64]) ->
     return np.concatenate([[inf], values])[index]
 
 
+def _places(grid: NDArray[np.int64], evaluations: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Where each evaluation (N,) is seen first on a grid, its length where it never is."""
+    if grid[-1] < AT_ONCE:
+        return _place_of(tuple(grid.tolist())).take(evaluations, mode="clip")
+    return np.searchsorted(grid, evaluations)
+
+
+@lru_cache(maxsize=1)
+def _place_of(grid: tuple[int, ...]) -> NDArray[np.int64]:
+    """Where each of the numbers 0, 1, ... up to one beyond a grid is seen first on it."""
+    return np.searchsorted(grid, np.arange(grid[-1] + 2))
+
+
 @dataclass(frozen=True, eq=False)
 class Traces:
     """The improvements of several trials, one behind the other.
@@ -130,22 +143,21 @@ class Traces:
 
     def at(self, worth: Real, grid: NDArray[np.int64]) -> Real:
         """What of `worth` (N,) is seen (n, g) at `grid` (g,), infinite before an improvement."""
-        # Each trial's evaluations behind those of the one before: all rise, and are sought at once.
-        span = max(int(grid[-1]), int(self.evaluations.max(initial=0))) + 1
-        trials = np.arange(len(self.counts))[:, None]
-        seen = np.searchsorted(
-            self.evaluations + span * self.owners, (grid + span * trials).ravel(), side="right"
-        ).reshape(len(self.counts), len(grid))
-        shown: Real = np.concatenate([[inf], worth])[seen]
-        shown[seen == (np.cumsum(self.counts) - self.counts)[:, None]] = inf
+        # How many are new at each place of the grid: counted, as to seek each place takes longer.
+        trials, width = len(self.counts), len(grid) + 1
+        own = _places(grid, self.evaluations) + width * self.owners
+        new = np.bincount(own, None, trials * width).reshape(trials, width)[:, :-1]
+        seen, before = np.cumsum(new, axis=1), np.cumsum(self.counts) - self.counts
+        shown: Real = np.concatenate([[inf], worth])[seen + before[:, None]]
+        shown[seen == 0] = inf
         return shown
 
     def hits(self, goals: Real) -> Real:
         """Evaluation at which each trial reached its goal (n,), infinite where it did not."""
         found = np.full(len(self.counts), inf)
         there = np.flatnonzero(self.values <= goals[self.owners])
-        trials, first = np.unique(self.owners[there], return_index=True)
-        found[trials] = self.evaluations[there[first]]
+        first = there[np.diff(self.owners[there], prepend=-1) > 0]
+        found[self.owners[first]] = self.evaluations[first]
         return found
 
     def means(self, values: Real, last: int) -> Real:
@@ -153,7 +165,7 @@ class Traces:
 
         Nothing is worth anything before the first one.
         """
-        following = np.roll(self.evaluations, -1)
+        following = np.concatenate([self.evaluations[1:], self.evaluations[:1]])
         following[np.cumsum(self.counts)[self.counts > 0] - 1] = last + 1
         lasting = following - self.evaluations
         return np.bincount(self.owners, lasting * values, len(self.counts)) / last

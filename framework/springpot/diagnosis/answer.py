@@ -45,6 +45,7 @@ from .experiment import (
     experiment_on_points,
     experiment_on_unknown,
     experiment_on_untold,
+    first_telling,
     next_experiment,
     openness,
     worth_telling_apart,
@@ -302,7 +303,9 @@ def answer(
     candidates = candidates_of(evidence, verdict)
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
-    experiment = None
+    split, experiment = "", None
+    if verdict in SEEN:
+        split = _split(search, floor, cause, only_points(search, outliers))
     # To look at one test needs no measurement, nor to number repeats: they come first.
     if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
         experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
@@ -316,7 +319,7 @@ def answer(
         error=error,
         verdict=verdict,
         says=_says(search, evidence, verdict, outliers, cause),
-        split=_split(search, floor, cause, verdict, outliers),
+        split=split,
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
         classes=() if verdict == "adequate" else tuple(map(tuple, evidence.classes)),
@@ -372,19 +375,12 @@ def _steps(
         yield leaving_out(rows, error)
 
 
-def _split(
-    search: Search,
-    floor: MaterialFloor,
-    cause: Cause,
-    verdict: Verdict,
-    outliers: Sequence[Outlier],
-) -> str:
-    """What the material floor says; of single points alone it says nothing.
+def _split(search: Search, floor: MaterialFloor, cause: Cause, nothing: bool) -> str:
+    """What the material floor says of what is missing; of single points alone it says nothing.
 
-    Nor of rows that a column sets apart: they are of no one material. Where nobody can tell whether
-    anything is missing, nobody can tell of what it is a part.
+    Nor of rows that a column sets apart: they are of no one material.
     """
-    if verdict not in SEEN or isinstance(cause, Column) or only_points(search, outliers):
+    if nothing or isinstance(cause, Column):
         return ""
     return split_in_words(search.base, floor)
 
@@ -524,10 +520,13 @@ def _next_experiment(
         return experiment_on_confounded(evidence.search.base.fit.measurement, names)
     if verdict == "adequate" or only_points(search, outliers):
         return experiment_on_points(outliers)
+    # Of an effect that is in no headline nobody asks what stands in its place.
+    asked = evidence.effects if verdict == "unexplained" else {*leading, *evidence.partners}
     # The cheapest question of all, and no other measurement answers it.
-    if evidence.drift is not None or (verdict == "unexplained" and by_chain(evidence)):
+    drifts = evidence.drift is not None and evidence.drift.effect in asked
+    if drifts or (verdict == "unexplained" and by_chain(evidence)):
         return experiment_on_unknown(search.base.data.raw)
-    if evidence.untold is not None:
+    if evidence.untold is not None and evidence.untold.effect in asked:
         return experiment_on_untold(evidence.untold, search.base.data.raw)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
@@ -552,8 +551,9 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
         # What was only fitted beside a rival of the leader has no curve to compare.
         chances = {name: chance for name, chance in chances.items() if name in fits}
-    pair = worth_telling_apart(chances)
-    if pair is None:
-        return None
-    first, second = pair
-    return next_experiment(fits[first], fits[second], pair, (chances[first], chances[second]))
+
+    def asked(pair: tuple[str, str]) -> NextExperiment:
+        first, second = pair
+        return next_experiment(fits[first], fits[second], pair, (chances[first], chances[second]))
+
+    return first_telling(worth_telling_apart(chances), asked)

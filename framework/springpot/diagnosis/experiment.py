@@ -293,18 +293,29 @@ def openness(chances: Mapping[str, float]) -> float:
     return most[0] / most[1]
 
 
-def worth_telling_apart(chances: Mapping[str, float]) -> tuple[str, str] | None:
-    """The two likeliest, where it is open which of them holds and both are believed in.
+def worth_telling_apart(chances: Mapping[str, float]) -> list[tuple[str, str]]:
+    """The likeliest with each of its rivals, where it is open which holds and both are believed in.
 
-    Two, not all rivals: a measurement that separates the leading ones can be promised in one
-    sentence.
+    Two each, not all rivals: a measurement that separates two can be promised in one sentence.
     """
-    if openness(chances) < EXPERIMENT.rival:
-        return None
-    if sorted(chances.values())[-2] < EXPERIMENT.rival:
-        return None
-    first, second = sorted(chances, key=lambda name: -chances[name])[:2]
-    return first, second
+    names = sorted(chances, key=lambda name: -chances[name])
+    return [(names[0], name) for name in names[1:] if chances[name] >= EXPERIMENT.rival]
+
+
+def first_telling(
+    pairs: Iterable[tuple[str, str]], asked: Callable[[tuple[str, str]], NextExperiment]
+) -> NextExperiment | None:
+    """The measurement for the first of these pairs that any tells apart.
+
+    Where none does, what the first pair promises; None without pairs.
+    """
+    promised = None
+    for pair in pairs:
+        found = asked(pair)
+        if found.action:
+            return found
+        promised = promised or found
+    return promised
 
 
 FARTHER = 10.0

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice, zip_longest
-from math import isfinite
+from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
@@ -654,8 +654,9 @@ def rung_of(case: Examined, before: Step | None = None, accepted: str | None = N
         for candidate in before.diagnosis.candidates:
             if candidate.effect == accepted:
                 alike = candidate.alike
-                # Not where nothing was foretold, or of another test.
-                if isfinite(candidate.predicted_error) and before.test == error.test:
+                # Not where nothing was foretold, or of another test, or of a model with two.
+                foretold = isfinite(candidate.predicted_error) and isnan(candidate.error_beside)
+                if foretold and before.test == error.test:
                     predicted = candidate.predicted_error
         untold = before.examined and before.examined.untold
         if untold and untold.effect == accepted:

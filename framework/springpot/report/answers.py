@@ -408,9 +408,14 @@ def _ranking(diagnosis: Diagnosis, rows: Sequence[Candidate], brief: bool = Fals
 
 
 def _after(row: Candidate, floor: float) -> str:
-    """The error with an effect; beside the leading one, where it only shows there."""
+    """The error with an effect; beside the leading one, where it only shows there.
+
+    Of one that was not fitted to the end, what is foretold.
+    """
     if isfinite(row.error_beside):
         return f"{beside_floor(row.error_beside, floor, 2)} beside"
+    if isfinite(row.predicted_error) and not isfinite(row.error_after):
+        return f"about {beside_floor(row.predicted_error, floor, 2)}"
     return beside_floor(row.error_after, floor, 2)
 
 

@@ -22,6 +22,7 @@ from springpot.diagnosis.experiment import (
     WAITED_FOR,
     WORKED_FOR,
     Planned,
+    first_telling,
     most_telling,
     planned_sweeps,
     worth_telling_apart,
@@ -111,23 +112,26 @@ def next_test(case: TimeCase) -> NextExperiment | None:
     chances = {
         each.effect: each.probability for each in case.diagnosis.candidates if each.effect in fits
     }
-    pair = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
-    if pair is None:
-        return None
-    first, second = pair
-    both, parts = (fits[first], fits[second]), case.asked.parts
+    parts = case.asked.parts
     plans = partial(planned_tests, parts)
-    return most_telling(plans, both, parts, pair, (chances[first], chances[second]))
+
+    def asked(pair: tuple[str, str]) -> NextExperiment:
+        first, second = pair
+        both = (fits[first], fits[second])
+        return most_telling(plans, both, parts, pair, (chances[first], chances[second]))
+
+    pairs = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
+    return first_telling(pairs, asked)
 
 
-def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> tuple[str, str] | None:
-    """The first two that these tests do not tell apart, however unlike their chances.
+def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> list[tuple[str, str]]:
+    """The first with each that these tests do not tell from it, however unlike their chances.
 
     None where something else is believed in.
     """
     believed = [each for each in candidates[:1] if each.probability > EXPERIMENT.rival]
     alike = [name for each in believed for name in each.alike if name in fits]
-    return (alike[0], alike[1]) if len(alike) > 1 else None
+    return [(alike[0], name) for name in alike[1:]]
 
 
 def planned_tests(parts: Sequence[TestPart], fit: FittedModel) -> Iterator[Planned]:

@@ -305,9 +305,10 @@ def _in_units(
     """
     wanted = []
     if _pair(found["displacement"], found["force"]) is None:
-        # Displacement and force are of no use beside a modulus, unless their units make one.
+        # A displacement or a force by itself is of no use beside a modulus.
         moduli = [*found["relaxation"][:1], *found["compliance"][:1]]
-        wanted = moduli or [*found["displacement"], *found["force"]]
+        record = [*found["displacement"], *found["force"]]
+        wanted = record if found["displacement"] and found["force"] else moduli or record
     bare = [each for each in wanted if each.unit is None]
     if not bare:
         return found, {}

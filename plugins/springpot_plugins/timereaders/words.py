@@ -47,7 +47,9 @@ _SYMBOLS = {
     **dict.fromkeys(("G", "E", "M", "K"), ("relaxation", MODULUS_UNITS)),
     **dict.fromkeys(("J", "D"), ("compliance", COMPLIANCE_UNITS)),
 }
-"""Letters that need a unit of theirs to be known, as K may be a temperature."""
+"""Letters that a unit of theirs makes known, as K may be a temperature."""
+_WITHOUT_UNIT = {"G": "relaxation", "E": "relaxation", "J": "compliance"}
+"""Letters that against time are nothing else."""
 
 
 def _role(name: str) -> str | None:
@@ -87,6 +89,8 @@ def _by_unit(named: Heading) -> Heading:
         role = "displacement"
     elif unit in units:
         role = known
+    elif role is None and not named.unit:
+        role = _WITHOUT_UNIT.get(named.name)
     elif names_a_modulus(named.name) and unit in MODULUS_UNITS:
         # Against time a modulus is that of a relaxation.
         role = "relaxation"

@@ -170,6 +170,22 @@ def test_a_compliance_is_one_over_the_unit_of_its_modulus(tmp_path, name):
     np.testing.assert_allclose(test.response, COLD, rtol=1e-10)
 
 
+@pytest.mark.parametrize(
+    ("names", "kind"), [("t,G", "relaxation"), ("time,E", "relaxation"), ("t,J", "creep")]
+)
+def test_a_letter_against_time_needs_no_unit(tmp_path, names, kind):
+    [test] = opened(tmp_path, f"{names}\n{ONE}\n")
+    assert test.kind == kind
+    np.testing.assert_allclose(test.response, COLD, rtol=1e-10)
+
+
+@pytest.mark.parametrize("modulus", ["E [MPa]", "E", "relaxation modulus [Pa]"])
+def test_a_record_without_units_stands_before_a_modulus_computed_from_it(tmp_path, modulus):
+    rows = lines(TIME, MOVED, PULLED, COLD)
+    [test] = opened(tmp_path, f"time,strain,stress,{modulus}\n{rows}")
+    np.testing.assert_allclose(test.response, PULLED)
+
+
 def test_a_prefix_that_case_leaves_open_is_asked_for(tmp_path):
     with pytest.raises(DataError, match=r"\[1/mpa\].*did you mean \[1/MPa\] or \[1/mPa\]"):
         opened(tmp_path, f"time [s],compliance [1/mpa]\n{ONE}\n")
