@@ -111,7 +111,8 @@ def ranks_table(found: Mapping[int, Findings], ranks: Mapping[int, MeanRanks]) -
         f" {ranks[LONG].blocks} sweeps among them, at {BUDGETS[-1]} over {last.blocks} of these,"
         " with bootstrap 95 % intervals over problems; success with those for further problems like"
         " these."
-        " Each budget was raced by itself."
+        " Each budget was raced by itself. Archived are the trials of suite_race alone; the study"
+        " runs the others anew, from its seeds."
     )
     return Table("Ranks at five budgets", columns, rows, note)
 

@@ -82,7 +82,11 @@ def by_part(
         for label in labels
     ]
     most = judged(labels[0])
-    verdict = "No optimiser exceeds" if most <= CEILING else f"{labels[0]} exceeds"
+    verdict = (
+        "No optimiser exceeds"
+        if most <= CEILING
+        else f"The suite is too easy for {labels[0]}, which exceeds"
+    )
     note = (
         f"Share of trials that reached the target within {findings.scale.budget} evaluations, with"
         f" a 95 % interval for further problems like these. {verdict} {100 * CEILING:g} % on the"

@@ -134,7 +134,7 @@ def table(findings: Findings, chosen: Mapping[str, tuple[str, Any]]) -> Table:
         f" problems, share of trials at the target by {BUDGET} evaluations with one for further"
         " problems like these, mean rank by the area among the untuned and among the tuned. Each"
         " method was tuned with the same number of settings on problems of the other half of the"
-        " suite."
+        " suite. The trials are not archived: the study runs them anew, from its seeds."
     )
     heads = ("optimiser", "settings", "area", "success", "mean rank", "options")
     return Table("Tuned with the same effort", heads, rows, note)

@@ -16,6 +16,7 @@ from springpot.benchmark.comparison import (
     JudgingScale,
     ProblemRace,
     choose,
+    judged,
     profiles,
     quality,
     races_of,
@@ -241,6 +242,21 @@ def test_trials_scored_some_at_once_have_the_same_bits(drawn, monkeypatch, at_on
     for one, other in zip(whole, parts, strict=True):
         for name in ("hits", "values", "attained", "curve", "area"):
             assert np.array_equal(getattr(one, name), getattr(other, name)), name
+
+
+def test_what_is_known_of_trials_is_in_a_file(drawn):
+    """In memory it grew by a number or two for each trial, and by the curves of each cell."""
+    with Store(drawn) as store:
+        scale = JudgingScale.of(store)
+        made = [score_cell(*each, scale) for each in judged(store)]
+        kept = Findings.of(store).scores
+    for one, other in zip(made, kept, strict=True):
+        arrays = {k: value for k, value in vars(one).items() if isinstance(value, np.ndarray)}
+        assert len(arrays) > 8
+        assert not [value for value in vars(other).values() if isinstance(value, np.ndarray)]
+        for name, array in arrays.items():
+            np.testing.assert_array_equal(getattr(other, name), array)
+        assert (other.cell, other.dimension, other.clean) == (one.cell, one.dimension, one.clean)
 
 
 def test_trials_are_kept_once(drawn):

@@ -103,7 +103,7 @@ def test_nothing_is_loaded_and_nothing_runs(page):
     assert 'name="viewport"' in page
 
 
-def test_the_first_sentence_says_who_takes_derivatives(tmp_path):
+def test_the_first_sentence_says_who_takes_derivatives(tmp_path, monkeypatch):
     one = small_study(
         datasets=[artificial()], models=["own"], optimisers=[Walk(), Lazy()], budget=50
     )
@@ -113,6 +113,12 @@ def test_the_first_sentence_says_who_takes_derivatives(tmp_path):
     graded = [replace(summary, gradients=1.0) for summary in found.summaries]
     for findings, told in ((found, ""), (replace(found, summaries=graded), ", which takes deriv")):
         assert f"use <b>walk</b>{told}" in str(joined(verdict(findings, pools(findings)[-1])))
+    # And below it, before the tables, what is peculiar to who is to be used, and of nobody else.
+    own = {"walk": "walk was made for this.", "lazy": "lazy was not."}
+    monkeypatch.setattr(study_report, "OF_ITS_OWN", own)
+    head, _ = str(study_html(found)).split("Which optimiser should I use?")
+    assert own["walk"] in head
+    assert own["lazy"] not in head
 
 
 def test_who_is_to_be_used_over_all_problems_is_worked_out_once(tmp_path, monkeypatch):

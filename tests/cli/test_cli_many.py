@@ -7,12 +7,14 @@ import csv
 import io
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import springpot as library
 from springpot.cli.common import of_each
+from springpot.cli.diagnose import unlike
 from springpot.identification import Value
 from springpot.measurement import joined
 from springpot.report.text import TextTable, shown, width, wrapped
@@ -223,3 +225,19 @@ def test_only_who_interrupts_is_told_how_far_it_came(capsys, monkeypatch, raised
 
     assert of_each(["a", "b"], answer) == code
     assert capsys.readouterr().err == said
+
+
+def test_sweeps_judged_one_by_one_that_are_not_alike_are_told_of():
+    """Each by itself is adequate, and no one specimen has them all."""
+
+    def of(name: str, **values: float) -> SimpleNamespace:
+        parameters = {
+            each: Value(value, 0.99 * value, 1.01 * value, "kN/m") for each, value in values.items()
+        }
+        return SimpleNamespace(data=name, parameters=parameters)
+
+    alike = [of("a", k=400.0, c=60.0), of("b", k=404.0, c=60.5)]
+    assert unlike(alike) == ""
+    assert unlike([of("a", k=400.0), of("b", c=500.0)]) == ""
+    says = unlike([*alike, of("c", k=440.0, c=60.2)])
+    assert says.startswith("each was judged by itself, and k of a, b, c differ by more than")

@@ -199,7 +199,7 @@ SCENARIOS = {
     "cli/init.py:_next": of_command("init", "study", "--folder", "my race"),
     "cli/signals.py:_show": of_command("signals", "record.csv", "-o", "sweep of it.csv"),
     "diagnosis/result.py:accepting": of_call("diagnosis/result.py:accepting", "inertia", True, 0.1),
-    "diagnosis/result.py:leaving_out": of_call("diagnosis/result.py:leaving_out", 3, 0.1),
+    "diagnosis/result.py:leaving_out": of_call("diagnosis/result.py:leaving_out", [3, 5], 0.1),
     "diagnosis/result.py:leaving_out_the_beginning": of_call(
         "diagnosis/result.py:leaving_out_the_beginning", 0.3, 4
     ),

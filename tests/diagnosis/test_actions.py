@@ -87,7 +87,11 @@ def test_that_it_is_to_be_turned_is_said_first(apart):
 
 
 def test_a_row_that_stands_out_is_left_out_by_its_number():
-    assert leaving_out(12, 0.01).command == "springpot diagnose DATA --exclude row=12"
+    assert leaving_out([12], 0.01).command == "springpot diagnose DATA --exclude row=12"
+    both = leaving_out([12, 40], 0.01)
+    assert both.command == "springpot diagnose DATA --exclude row=12 --exclude row=40"
+    assert both.says == "rows 12, 40 stand out: leave them out of every fit too"
+    assert both.exclude == (12, 40)
     assert splitting("band tension", 0.1).command.endswith("--split 'band tension'")
 
 

@@ -169,3 +169,14 @@ def test_of_a_class_the_first_and_each_other_are_told_apart_however_unlike_their
     assert _of_one_class([], fitted) == []
     first.probability = 0.0
     assert _of_one_class([first], fitted) == []
+
+
+def test_of_each_kind_of_test_a_further_one_is_offered(fits) -> None:
+    """A larger step of the creep alone tells its rig's spring from a zero that is off."""
+    test, heated, _ = fits
+    creep = TimeTest.of_compliance(TIME, MODEL.creep(THETA, TIME), "kPa", name="creep")
+    parts = parts_of_specimen([test, creep, replace(test, name="second")])
+    says = [each.says for each in planned_tests(parts, heated)]
+    assert "impose three times the step of creep" in says
+    assert f"impose three times the step of {test.name}" in says
+    assert not any("second" in each for each in says)

@@ -8,11 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import prod
 from pathlib import Path
+from tempfile import SpooledTemporaryFile
+from typing import Any, TypeAlias
+from weakref import finalize
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import StudyError
+from springpot.numerics import AT_ONCE
 from springpot.report.tables import FORMATS, Entry, Table, save_table
 
 from .archive import opened
@@ -229,6 +235,61 @@ def _or_none(value: float) -> float | None:
     return value
 
 
+class ArrayFile:
+    """Arrays of many cells in a file that nobody else sees, while they are few in memory."""
+
+    def __init__(self) -> None:
+        self._file, self._end = SpooledTemporaryFile(32 * AT_ONCE), 0  # noqa: SIM115
+        self._layouts: dict[tuple[Any, ...], dict[str, _Place]] = {}
+        finalize(self, self._file.close)
+
+    def put(self, arrays: Mapping[str, NDArray[Any]]) -> tuple[int, Mapping[str, _Place]]:
+        """Where some arrays begin, and where each is from there."""
+        sizes = [array.nbytes for array in arrays.values()]
+        starts = np.cumsum([0, *sizes]).tolist()
+        layout = {
+            name: (start, array.dtype, array.shape)
+            for start, (name, array) in zip(starts, arrays.items(), strict=False)
+        }
+        self._file.seek(self._end)
+        self._file.write(b"".join(array.tobytes() for array in arrays.values()))
+        begun, self._end = self._end, self._end + starts[-1]
+        # Most cells have as many trials: what is said of them is kept once.
+        return begun, self._layouts.setdefault(tuple(layout.items()), layout)
+
+    def get(self, begun: int, place: _Place) -> NDArray[Any]:
+        """One of them."""
+        start, dtype, shape = place
+        self._file.seek(begun + start)
+        return np.frombuffer(self._file.read(prod(shape) * dtype.itemsize), dtype).reshape(shape)
+
+
+_Place: TypeAlias = tuple[int, np.dtype[Any], tuple[int, ...]]
+
+
+class FiledScores(CellScores):
+    """Scores whose arrays are in a file, from where each is read when it is asked for.
+
+    What is known of a million trials and of the curves of 20,000 cells is then not in memory.
+    """
+
+    @classmethod
+    def of(cls, scores: CellScores, file: ArrayFile) -> FiledScores:
+        """The same scores, their arrays in a file."""
+        arrays = {k: value for k, value in vars(scores).items() if isinstance(value, np.ndarray)}
+        begun, layout = file.put(arrays)
+        kept = {k: value for k, value in vars(scores).items() if k not in arrays}
+        filed = object.__new__(cls)
+        vars(filed).update(kept, _file=file, _begun=begun, _layout=layout)
+        return filed
+
+    def __getattr__(self, name: str) -> Any:
+        # Nothing of its own is missing but while a copy is made.
+        if name.startswith("_") or name not in self._layout:
+            raise AttributeError(name)
+        return self._file.get(self._begun, self._layout[name])
+
+
 @dataclass(frozen=True, eq=False)
 class Findings:
     """What came of a study.
@@ -264,12 +325,14 @@ class Findings:
         facts, scale = store.facts(), JudgingScale.of(store)
         summaries: dict[int, CellSummary] = {}
         scores: dict[int, CellScores] = {}
+        file = ArrayFile()
         # One cell at a time: a study of a million trials does not fit into memory.
         for cell, trials, best in judged(store):
             if scored:
                 found = score_cell(cell, trials, best, scale)
-                scores[cell.id] = with_truth(found, trials) if NOISY in facts else found
                 hits = found.hits
+                found = with_truth(found, trials) if NOISY in facts else found
+                scores[cell.id] = FiledScores.of(found, file)
             else:
                 hits = hits_of(cell, trials, best, scale)
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import combinations
+from math import hypot
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.writing import accepting, with_model
+from springpot.writing import accepting, listed, with_model
 
 from . import timetests
 from .common import (
@@ -91,14 +93,21 @@ def command(
             return partial(_json, line=len(named) < len(data))
         return partial(_text, verbose=verbose, named=named, model=model)
 
+    judged: list[Diagnosis] = []
+
     def answer(name: str) -> None:
         if name != data[0] and not as_json:
             print()
         # Opened here: data that cannot be used end their own answer, not the others'.
-        _answer([opened(name, geometry)], arguments, shown(name))
+        judged.append(_answer([opened(name, geometry)], arguments, shown(name)))
 
     if tests is None:
-        return of_each(data, answer)
+        code = of_each(data, answer)
+        if not as_json and (says := unlike(judged)):
+            from springpot.report.text import wrapped
+
+            print("\n" + wrapped(f"note: {says}", window()))
+        return code
     _answer(tests, arguments, shown(*data))
     return 0
 
@@ -106,7 +115,7 @@ def command(
 Shown = Callable[["Diagnosis", "Sequence[Test]"], None]
 
 
-def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> None:
+def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> Diagnosis:
     from springpot.api import diagnose
     from springpot.diagnosis.result import within
     from springpot.measurement.opening import together
@@ -115,6 +124,35 @@ def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> N
         progress = within(together(test.name for test in tests), waiting.told)
         diagnosis: Any = diagnose(tests, **arguments, progress=progress)
     shown(diagnosis, tests)
+    answered: Diagnosis = diagnosis
+    return answered
+
+
+def unlike(judged: Sequence[Diagnosis]) -> str:
+    """That sweeps judged one by one are not alike; nothing where their parameters are.
+
+    Parameters
+    ----------
+    judged : sequence of Diagnosis
+        One of each sweep.
+    """
+    apart: dict[str, None] = {}
+    for one, other in combinations(judged, 2):
+        for name, a in one.parameters.items():
+            b = other.parameters.get(name)
+            if b is None or None in (a.low, a.high, b.low, b.high) or a.unit != b.unit:
+                continue
+            # Twice the interval of their difference: of many pairs some are that far by chance.
+            if abs(a.value - b.value) > hypot(a.high - a.low, b.high - b.low):
+                apart[name] = None
+    if not apart:
+        return ""
+    return (
+        f"each was judged by itself, and {listed(list(apart))} of"
+        f" {listed([each.data for each in judged])} differ by more than their intervals: of one"
+        " specimen under the same conditions that is a calibration, an area or gap, a temperature"
+        " or an age"
+    )
 
 
 def _json(diagnosis: Diagnosis, tests: Sequence[Test], line: bool) -> None:

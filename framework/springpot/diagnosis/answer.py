@@ -371,8 +371,8 @@ def _steps(
         # What each level of a condition has of its own hides the rest from every later test.
         yield splitting(rest.column, what="what is left")
     # The error is that without them: that is how the answer was found.
-    for row in [outlier.row for outlier in outliers if outlier.row is not None]:
-        yield leaving_out(row, error)
+    if rows := [outlier.row for outlier in outliers if outlier.row is not None]:
+        yield leaving_out(rows, error)
 
 
 def _split(search: Search, floor: MaterialFloor, cause: Cause, nothing: bool) -> str:

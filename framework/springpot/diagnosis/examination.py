@@ -135,6 +135,10 @@ def _without_outliers(
     None where none are or they may be physics.
     """
     rows = outlying(search.frame)
+    # What is missing hides a bad point: the best model found shows it where the base does not.
+    hidden = len(rows) == 0 and bool(search.grown)
+    if hidden:
+        rows = outlying(search.best.frame())
     if len(rows) == 0:
         return None
     reduced = reduced_by(rows)
@@ -142,7 +146,10 @@ def _without_outliers(
         return None
     if _sees_something(reduced) and _may_be_effects(reduced, measurement, rows, reduced_by):
         return None
-    return reduced, described(reduced.base.frame_of(measurement), rows)
+    seen = reduced.base
+    if hidden:
+        seen = reduced.best
+    return reduced, described(seen.frame_of(measurement), rows)
 
 
 def _may_be_effects(

@@ -5,7 +5,7 @@ Each step that a user can take is told with its command and with the error that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan, nan
 from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
@@ -20,7 +20,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
-from springpot.writing import NAMED, in_shell, suggested
+from springpot.writing import NAMED, in_shell, listed, suggested
 
 DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
@@ -100,11 +100,13 @@ def splitting(
     return ToDo(says, suggested("discover", DATA, "--split", column), error_after, split=column)
 
 
-def leaving_out(row: int, error_after: float) -> ToDo:
-    """To leave out a point that stands out, as the answer itself has done."""
-    says = f"row {row} stands out: leave it out of every fit too"
-    command = suggested("diagnose", DATA, "--exclude", f"row={row}")
-    return ToDo(says, command, error_after, exclude=(row,))
+def leaving_out(rows: Sequence[int], error_after: float) -> ToDo:
+    """To leave out points that stand out, as the answer itself has done."""
+    says = f"row {rows[0]} stands out: leave it out of every fit too"
+    if len(rows) > 1:
+        says = f"rows {listed(rows)} stand out: leave them out of every fit too"
+    left_out = [word for row in rows for word in ("--exclude", f"row={row}")]
+    return ToDo(says, suggested("diagnose", DATA, *left_out), error_after, exclude=tuple(rows))
 
 
 def leaving_out_the_beginning(until: float, rows: int) -> ToDo:

@@ -145,13 +145,16 @@ def planned_tests(parts: Sequence[TestPart], fit: FittedModel) -> Iterator[Plann
         A model that follows them, which says how large K is.
     """
     # Of many tests of one kind the first stands for all.
-    first = next((part for part in parts if isinstance(part, InTimePart)), None)
-    if first is not None:
+    kinds: dict[str, InTimePart] = {}
+    for part in parts:
+        if isinstance(part, InTimePart):
+            kinds.setdefault(part.test.kind, part)
+    for part in kinds.values():
         # The mean of four is half as noisy.
-        quieter = replace(first, noise=0.5 * first.sd)
-        again = f"repeat {first.test.name} four times"
+        quieter = replace(part, noise=0.5 * part.sd)
+        again = f"repeat {part.test.name} four times"
         yield Planned(again, quieter, WORKED_FOR, {"repeats": [4.0]})
-        yield from _changed(first)
+        yield from _changed(part)
     yield from _sweeps(parts, fit)
 
 

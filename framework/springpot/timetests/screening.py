@@ -315,7 +315,25 @@ def exactly_fitted(
         tried[i] = _exact_fit(
             asked, one.effect, one.model, seeds, fitted, thorough=astray, near=not astray
         )
-    return [each for each in tried if each is not None]
+    found = [each for each in tried if each is not None]
+    return found if astray else _sought_where_it_misses(asked, found, fitted)
+
+
+def _sought_where_it_misses(
+    asked: AskedTests, found: list[Hypothesis], fitted: Fitted
+) -> list[Hypothesis]:
+    """The same, the best sought as a first fit is, where it misses the tests.
+
+    What the effect did to the model before it was there may hold it in another minimum: that no
+    effect explains the tests is said of the best that each can do.
+    """
+    best = min(found, key=lambda each: bic_of(each.left), default=None)
+    if best is None or not best.left.misfit:
+        return found
+    anew = _exact_fit(asked, best.effect, best.model, [best.theta], fitted, thorough=True)
+    if anew is None or bic_of(anew.left) >= bic_of(best.left):
+        return found
+    return [anew if each is best else each for each in found]
 
 
 def _near(

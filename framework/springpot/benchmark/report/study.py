@@ -150,8 +150,12 @@ def _head(findings: Findings, by_budget: Sequence[Pool]) -> Iterator[Html]:
     if by_budget:
         # The last is that of the whole budget.
         yield tag("div", *verdict(findings, by_budget[-1]), class_="verdict")
-        if INSIDER in {summary.cell.optimiser for summary in findings.summaries}:
-            yield tag("p", OF_ITS_OWN[INSIDER], class_="quiet")
+        raced = {summary.cell.label: summary.cell.optimiser for summary in findings.summaries}
+        # Who reads the advice alone is to know of whom it is, and who knows more than the others.
+        named = {INSIDER} & set(raced.values())
+        if by_budget[-1].ranking.decided:
+            named |= {raced[by_budget[-1].label]} & OF_ITS_OWN.keys()
+        yield from (tag("p", OF_ITS_OWN[name], class_="quiet") for name in sorted(named))
 
 
 def _choices(findings: Findings, by_budget: Sequence[Pool]) -> Iterator[Html]:
