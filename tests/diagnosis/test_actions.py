@@ -8,7 +8,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis.result import leaving_out, splitting, turning
-from springpot.measurement.mixed_up import sign_note, turned
+from springpot.measurement.mixed_up import sign_note, turned, wrong_way
 from springpot.registry import of_each
 from springpot.report.text import percent
 
@@ -84,6 +84,35 @@ def test_that_it_is_to_be_turned_is_said_first(apart):
     assert told.says.startswith("the force seems to count the other way")
     assert told.says.endswith(f"; {apart.says}")
     assert replace(apart, verdict="adequate", steps=told.steps).behind_a_sign().says == apart.says
+
+
+def exchanged(folder):
+    """A sweep in a file whose names of storage and loss are exchanged."""
+    k = 10.0 + 1.0 / (1.0 / 80.0 + 1.0 / (20.0 * (1j * OMEGA) ** 0.7))
+    path = folder / "rig.csv"
+    rows = "".join(f"{w},{v.imag},{v.real}\n" for w, v in zip(OMEGA, k, strict=True))
+    path.write_text(f"omega [rad/s],storage [kPa],loss [kPa]\n{rows}")
+    return springpot.read(path), f"{path}?storage=loss,loss=storage"
+
+
+def test_columns_in_each_others_place_are_exchanged_before_all_else(tmp_path, apart):
+    data, spec = exchanged(tmp_path)
+    assert turned(data.provenance) == spec
+    assert turned(springpot.read(spec).provenance) == ""
+    step = turning(spec, what=wrong_way(data.provenance))
+    assert step.says == "storage and loss stand in each other's place: exchange them"
+    told = replace(apart, steps=(step,)).behind_a_sign()
+    assert told.says.startswith("storage and loss stand in each other's place, as it seems: until")
+    assert told.turns == [step]
+
+
+@pytest.mark.soak
+def test_no_effect_is_looked_for_where_columns_are_exchanged(tmp_path):
+    data, spec = exchanged(tmp_path)
+    found = springpot.diagnose(data, "kelvin", effects=FEW)
+    assert (found.candidates, found.offered) == ((), "")
+    [step] = found.turns
+    assert step.command.endswith(f"'{spec}'")
 
 
 def test_a_row_that_stands_out_is_left_out_by_its_number():

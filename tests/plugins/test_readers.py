@@ -130,7 +130,7 @@ ERRORS = {
         r"missing frequency \[Hz\] or omega \[rad/s\]",
     ),
     "no unit": (
-        "frequency,T,storage [Pa],loss [Pa]\n1,20,2,3\n",
+        "frequency,T,storage [Pa],loss [Pa]\n1,293,2,3\n",
         r"no unit; .*write frequency \[Hz\] or omega \[rad/s\]",
     ),
     "no unit of one modulus": (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.writing import accepting, listed, with_model
+from springpot.writing import NAMED, accepting, listed, with_model
 
 from . import timetests
 from .common import (
@@ -38,6 +38,7 @@ from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
+    from springpot.identification.value import Value
     from springpot.measurement.opening import Test
 
 
@@ -93,17 +94,20 @@ def command(
             return partial(_json, line=len(named) < len(data))
         return partial(_text, verbose=verbose, named=named, model=model)
 
-    judged: list[Diagnosis] = []
+    adequate: list[tuple[str, Mapping[str, Value]]] = []
 
     def answer(name: str) -> None:
         if name != data[0] and not as_json:
             print()
         # Opened here: data that cannot be used end their own answer, not the others'.
-        judged.append(_answer([opened(name, geometry)], arguments, shown(name)))
+        found = _answer([opened(name, geometry)], arguments, shown(name))
+        # What is missing elsewhere bends the parameters, as far as the sweep happens to show it.
+        if found.verdict == "adequate":
+            adequate.append((found.data, found.parameters))
 
     if tests is None:
         code = of_each(data, answer)
-        if not as_json and (says := unlike(judged)):
+        if not as_json and (says := unlike(adequate)):
             from springpot.report.text import wrapped
 
             print("\n" + wrapped(f"note: {says}", window()))
@@ -128,19 +132,19 @@ def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> D
     return answered
 
 
-def unlike(judged: Sequence[Diagnosis]) -> str:
+def unlike(adequate: Sequence[tuple[str, Mapping[str, Value]]]) -> str:
     """That sweeps judged one by one are not alike; nothing where their parameters are.
 
     Parameters
     ----------
-    judged : sequence of Diagnosis
-        One of each sweep.
+    adequate : sequence of (str, mapping)
+        Of each sweep that the model follows the name and the parameters.
     """
     apart: dict[str, None] = {}
-    for one, other in combinations(judged, 2):
-        for name, a in one.parameters.items():
-            b = other.parameters.get(name)
-            if b is None or None in (a.low, a.high, b.low, b.high) or a.unit != b.unit:
+    for (_, one), (_, other) in combinations(adequate, 2):
+        for name, a in one.items():
+            b = other.get(name)
+            if b is None or a.unit != b.unit:
                 continue
             # Twice the interval of their difference: of many pairs some are that far by chance.
             if abs(a.value - b.value) > hypot(a.high - a.low, b.high - b.low):
@@ -149,9 +153,9 @@ def unlike(judged: Sequence[Diagnosis]) -> str:
         return ""
     return (
         f"each was judged by itself, and {listed(list(apart))} of"
-        f" {listed([each.data for each in judged])} differ by more than their intervals: of one"
-        " specimen under the same conditions that is a calibration, an area or gap, a temperature"
-        " or an age"
+        f" {listed([name for name, _ in adequate], NAMED)} differ by more than their intervals: of"
+        " one specimen under the same conditions that is a calibration, an area or gap, a"
+        " temperature or an age"
     )
 
 

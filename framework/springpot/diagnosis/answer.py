@@ -17,7 +17,7 @@ from springpot.identification.held_material import parameters_of
 from springpot.identification.result import known_of_sweep
 from springpot.identification.value import PartResult, Quantities, Value, in_floors
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_up import turned, turns_phase
+from springpot.measurement.mixed_up import turned, wrong_way
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
 from springpot.misfit.error import Error, times
 from springpot.misfit.material import (
@@ -357,8 +357,7 @@ def _steps(
 ) -> Iterator[ToDo]:
     """What can be done with the data themselves."""
     if spec := turned(measurement.provenance):
-        what = "phase" if turns_phase(measurement.provenance) else "force"
-        yield turning(spec, what=what)
+        yield turning(spec, what=wrong_way(measurement.provenance))
     error = search.base.error
     known = {**measurement.conditions, **measurement.labels}
     if isinstance(cause, Column) and cause.name in known:

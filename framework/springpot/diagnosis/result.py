@@ -27,6 +27,7 @@ DATA = "DATA"
 
 
 TURN = "counts the other way: turn it"
+EXCHANGE = "stand in each other's place: exchange them"
 """What is to be done before all else."""
 
 
@@ -85,11 +86,12 @@ def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
 def turning(
     spec: str, test: str = "", error_after: float = float("nan"), what: str = "force"
 ) -> ToDo:
-    """To turn one channel of a test, or the phase; `spec` opens the data so.
+    """To turn one channel of a test, or the phase, or to exchange two; `spec` opens the data so.
 
     Of a force that counts the other way every other answer is wrong.
     """
-    return ToDo(f"the {what} {TURN}", suggested("diagnose", spec), error_after, turns=test)
+    says = f"{what} {EXCHANGE}" if " and " in what else f"the {what} {TURN}"
+    return ToDo(says, suggested("diagnose", spec), error_after, turns=test)
 
 
 def splitting(
@@ -427,8 +429,8 @@ class Diagnosis(Drawn, Printed):
 
     @property
     def turns(self) -> list[ToDo]:
-        """The steps that turn a channel, before which nothing else holds."""
-        return [step for step in self.steps if step.says.endswith(TURN)]
+        """The steps that turn a channel or exchange two, before which nothing else holds."""
+        return [step for step in self.steps if step.says.endswith((TURN, EXCHANGE))]
 
     def behind_a_sign(self) -> Diagnosis:
         """The same, which says first that a channel is to be turned, where one is."""
@@ -437,6 +439,9 @@ class Diagnosis(Drawn, Printed):
             return self
         what = turns[0].says.removesuffix(f" {TURN}")
         first = f"{what} seems to count the other way: until it is turned nothing else holds"
+        if turns[0].says.endswith(EXCHANGE):
+            what = what.removesuffix(f": {EXCHANGE.partition(': ')[2]}")
+            first = f"{what}, as it seems: until they are exchanged nothing else holds"
         if isnan(after := turns[0].error_after):
             return replace(self, says=f"{first}; {self.says}")
         # The noise is read from what this model leaves, and tells nothing of the other.

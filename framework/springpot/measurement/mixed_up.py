@@ -147,13 +147,19 @@ def said_of_sign(provenance: Mapping[str, str]) -> list[str]:
 
 
 def turned(provenance: Mapping[str, str]) -> str:
-    """The data with one channel turned, where it seems to count the other way; empty for others."""
-    return "".join(split(provenance.get(SIGN, "").partition(", open ")[2]))
+    """The data the right way round, where a channel counts the other way or two are exchanged.
+
+    Empty for others.
+    """
+    said = provenance.get(SIGN) or provenance.get(EXCHANGED, "")
+    return "".join(split(said.partition(", open ")[2]))
 
 
-def turns_phase(provenance: Mapping[str, str]) -> bool:
-    """Whether it is the phase alone that seems to count the other way."""
-    return "as if the phase" in provenance.get(SIGN, "")
+def wrong_way(provenance: Mapping[str, str]) -> str:
+    """What of such data is the wrong way round: ``force``, ``phase`` or ``storage and loss``."""
+    if SIGN not in provenance:
+        return "storage and loss"
+    return "phase" if "as if the phase" in provenance[SIGN] else "force"
 
 
 def turned_over(test: Turned) -> Turned:

@@ -11,6 +11,7 @@ from springpot.errors import DataError
 from springpot.measurement import FILE_UNITS, LENGTH_UNITS, MODULUS_UNITS, known_unit, normal_unit
 from springpot.measurement.from_signals import stiffness_unit
 from springpot.rheology import Real
+from springpot.rheology.points import COLDEST
 
 from .choices import ask_units, in_hertz, in_units_of_file
 from .proposals import unit_proposal
@@ -147,7 +148,8 @@ def _column(like: Column, name: str, values: Real, unit: str = "Pa") -> Column:
 def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str, str]]:
     """The columns with their units, and a note where none are written.
 
-    A frequency is then in Hz, and moduli are in the units of the file.
+    A frequency is then in Hz, a temperature in degC where it cannot be in K, and moduli are in the
+    units of the file.
 
     Raises
     ------
@@ -156,9 +158,12 @@ def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str
     OpenQuestion
         If units are missing that must be known: all that are missing are asked for at once.
     """
+    taken, notes = dict(roles), dict[str, str]()
+    if "temperature" in roles:
+        taken["temperature"], notes = in_celsius(roles["temperature"])
     bare = [
         Heading(column.title, column.title, role, None)
-        for role, column in roles.items()
+        for role, column in taken.items()
         if column.unit is None and role in UNITS and role not in (*RATIOS, "storage_sd", "loss_sd")
     ]
     clock = [each for each in bare if each.role == "frequency"]
@@ -168,7 +173,6 @@ def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str
     if sizes and {each.role for each in sizes} != moduli:
         raise ask_units(bare)
     _require_known(roles)
-    taken, notes = dict(roles), {}
     if clock:
         taken["frequency"] = replace(roles["frequency"], unit="Hz")
         notes["note clock"] = in_hertz(clock[0])
@@ -176,6 +180,17 @@ def with_units(roles: Mapping[str, Column]) -> tuple[dict[str, Column], dict[str
         taken |= {role: replace(roles[role], unit=FILE_UNITS) for role in moduli}
         notes["note units"] = in_units_of_file(sizes)
     return taken, notes
+
+
+def in_celsius(warm: Column) -> tuple[Column, dict[str, str]]:
+    """Temperatures in their unit, or in degC, with a note, where no chamber is as cold in K."""
+    if warm.unit is not None or warm.is_empty:
+        return warm, {}
+    if not np.nanmin(warm.numbers(gaps=True)) < COLDEST:
+        return warm, {}
+    says = f"there is no unit, and degC is taken; write {warm.title} [degC]"
+    note = f"'{warm.title}': {says}, or if it is another one say 'FILE?temperature=degF'"
+    return replace(warm, unit="degC"), {"note celsius": note}
 
 
 def _require_known(roles: Mapping[str, Column]) -> None:

@@ -47,6 +47,7 @@ from ..readers.channels import STRAINS, STRESSES, channel_of, example_unit
 from ..readers.choices import ask_base, with_choice
 from ..readers.cleaning import cleaned, is_blank
 from ..readers.clock import sample_rate
+from ..readers.derived import in_celsius
 from ..readers.dynamic import columns_of, picked, spare_note, with_distinct_names
 from ..readers.grid import grid_of
 from ..readers.moduli import letter_of
@@ -203,7 +204,9 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
     kept = without_ties(clock, origin)
     temperature: float | Real | None = manner.temperature
     if temperature is None and others:
-        temperature = _temperature(others[0], kept, origin)
+        told, taken = in_celsius(others[0])
+        origin |= taken
+        temperature = _temperature(told, kept, origin)
     common: Given = {"temperature": temperature, "name": name, "provenance": origin}
     values = {role: column.numbers()[kept] for role, column in roles.items()}
     test = _made(clock[kept], values, roles, manner, common)

@@ -10,7 +10,7 @@ import springpot
 from springpot.measurement import OpenQuestion, Question
 
 ROWS = "".join(f"{i},{9 + i},{i}\n" for i in range(1, 9))
-WARM = ROWS.replace("\n", ",20\n")
+WARM = ROWS.replace("\n", ",293\n")
 TIMES = "".join(f"{i / 200},{i % 100 - 50},{(i + 5) % 100 - 50}\n" for i in range(1000))
 PARTS = "T = 20 °C\nf [Hz],G' [Pa],G'' [Pa]\n{0}\nT = 40 °C\nf [Hz],K' [N/mm],K'' [N/mm]\n{0}"
 FILES = {

@@ -88,11 +88,28 @@ def test_a_record_of_displacement_and_force_is_a_stiffness(tmp_path):
 
 
 def test_what_must_be_known_is_asked_for_with_all_that_lacks(tmp_path):
-    warm = np.full(len(OMEGA), 20.0)
+    warm = np.full(len(OMEGA), 300.0)
     path = table(tmp_path, "frequency,T,storage,loss", OMEGA, warm, K.real, K.imag)
     asked = "frequency=Hz,temperature=degC,storage=Pa,loss=Pa"
     with pytest.raises(DataError, match=asked):
         springpot.read(path)
+
+
+def test_a_temperature_colder_in_kelvin_than_any_chamber_is_in_degrees(tmp_path):
+    warm = np.repeat([20.0, 120.0], len(OMEGA))
+    omega, k = np.tile(OMEGA, 2), np.tile(K, 2)
+    sweep = table(tmp_path, "frequency [Hz],T,storage [Pa],loss [Pa]", omega, warm, k.real, k.imag)
+    found = springpot.read(sweep)
+    np.testing.assert_array_equal(found.conditions["temperature"], warm)
+    assert found.provenance["note celsius"].endswith(f"say '{sweep}?temperature=degF'")
+    cold = np.full(len(TIMES), 20.0)
+    step = springpot.read(table(tmp_path, "t [s],temperature,G [Pa]", TIMES, cold, 1.0 / TIMES))
+    assert step.temperature == 20.0
+    assert "degC is taken" in step.provenance["note celsius"]
+    hot = springpot.read(
+        table(tmp_path, "t [s],temperature,G [Pa]", TIMES, cold + 280, 1.0 / TIMES)
+    )
+    assert hot.temperature is None
 
 
 @pytest.mark.parametrize("head", ["time,relaxation", "time,relaxation modulus [Pa]"])
