@@ -179,7 +179,9 @@ def test_an_effect_explains_as_well_by_its_criterion_or_by_its_squares(
 ):
     def of(squares, delta, helps):
         judged = SimpleNamespace(misfit=True)
-        left = SimpleNamespace(squares=lambda noise: squares, beside=lambda noise: judged)
+        left = SimpleNamespace(
+            squares=lambda noise: squares, beside=lambda noise: judged, over=lambda noise: 1.0
+        )
         return SimpleNamespace(left=left, delta=delta, helps=helps)
 
     best = of(50.0, 100.0, True)
@@ -200,18 +202,31 @@ def test_an_effect_explains_as_well_by_its_criterion_or_by_its_squares(
 def test_a_rival_at_the_noise_is_excluded_only_beyond_the_scatter_of_the_lead(
     lead, helps, size, alike
 ):
-    noise = ResidualScatter(size, 0.0, 0.0, 1.0)
+    best, each, noise = with_lead(lead, size, helps)
+    assert explains_as_well(each, best, [noise]) is alike
+
+
+def with_lead(lead, size=1.0, helps=True):
+    """Two explanations of which one leaves so much more of each square (n,), and the noise."""
+    noise, n = ResidualScatter(size, 0.0, 0.0, 1.0), len(lead)
     # Up and down, as what repeats the sample before is no noise.
-    one = np.tile([1.0, -1.0], 100)
-    other = np.sqrt(1.12 + lead) * one
+    one = np.tile([1.0, -1.0], n // 2)
     best, each = (
         SimpleNamespace(
-            left=FitResiduals(1, (value,), (noise,), (np.zeros((0, 200)),), (np.zeros(200),)),
+            left=FitResiduals(1, (value,), (noise,), (np.zeros((0, n)),), (np.zeros(n),)),
             delta=delta,
             helps=helps,
         )
-        for value, delta in ((one, 100.0), (other, 60.0))
+        for value, delta in ((one, 100.0), (np.sqrt(1.12 + lead) * one, 60.0))
     )
+    return best, each, noise
+
+
+@pytest.mark.parametrize(("squares", "alike"), [(6.0, True), (12.0, False)])
+def test_no_effect_explains_as_well_that_leaves_more_than_the_noise_of_the_best(squares, alike):
+    """So few samples hardly tell how large the noise is, but it is the same for both."""
+    best, each, noise = with_lead(np.where(np.arange(40) < 3, squares, 0.0))
+    assert not each.left.beside([noise]).misfit
     assert explains_as_well(each, best, [noise]) is alike
 
 

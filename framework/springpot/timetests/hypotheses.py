@@ -626,6 +626,9 @@ def explains_as_well(each: Hypothesis, best: Hypothesis, noise: Sequence[Residua
     worse = each.left.squares(noise) - best.left.squares(noise)
     if worse <= EVIDENCE.rivals:
         return True
+    # However uncertain a noise is that was read from few samples: it is the same for both.
+    if each.left.over(noise) >= VERDICT.misfit:
+        return False
     if any(one.left.beside(noise).misfit for one in (best, each)):
         return False
     return not vuong_distinguishes(
