@@ -127,7 +127,7 @@ def next_test(case: TimeCase) -> NextExperiment | None:
 def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> list[tuple[str, str]]:
     """The first with each that these tests do not tell from it, however unlike their chances.
 
-    None where something else is believed in.
+    None of them where something else is believed in.
     """
     believed = [each for each in candidates[:1] if each.probability > EXPERIMENT.rival]
     alike = [name for each in believed for name in each.alike if name in fits]
