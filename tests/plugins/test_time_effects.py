@@ -83,6 +83,19 @@ def test_a_ramp_that_was_said_may_have_been_slower_or_quicker(effect, size):
     assert exact == pytest.approx(slope, rel=1e-4, abs=1e-4 * np.abs(slope).max())
 
 
+@pytest.mark.parametrize(("noise", "sought"), [(0.0, True), (0.002, False)])
+def test_a_target_does_not_tell_when_it_was_reached_and_a_transducer_does(noise, sought):
+    t = np.geomspace(0.03, 10.0, 60)
+    was = TimeTest.of_relaxation(t, t, "kPa", rise=0.12)
+    moved = 0.02 + 0.02 * noise * np.random.default_rng(4).normal(size=len(t))
+    force = 0.02 * recorded(MODEL, THETA, was).value
+    test = TimeTest.of_history(t, moved, force, "-", "kPa")
+    assert "risen evenly until then" in test.said_of_start
+    assert plugins().effect("finite-ramp").applies_to.suits(test) == sought
+    if sought:
+        assert held("finite-ramp", [0.12 - t[0]], test) == pytest.approx(force, rel=1e-6)
+
+
 def test_a_ramp_is_sought_before_the_first_sample_too():
     """Most steps are over when the first sample is taken: there the ramp is a small thing."""
     t = np.geomspace(0.04, 30.0, 25)
