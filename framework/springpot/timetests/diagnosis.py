@@ -43,7 +43,7 @@ from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_up import turned, turned_over
+from springpot.measurement.mixed_up import turned, turned_over, wrong_way
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import plain
@@ -355,7 +355,9 @@ def _turns(
     )
     if before - after < SEARCH.decisive:
         return (), base
-    return tuple(turning(spec, name, fit.relative_rms) for name, spec in specs.items()), base
+    whats = {test.name: wrong_way(test.provenance) for test in tests}
+    steps = [turning(spec, name, fit.relative_rms, whats[name]) for name, spec in specs.items()]
+    return tuple(steps), base
 
 
 def _finished(case: TimeCase, accuracy: Accuracy | None) -> TimeCase:
