@@ -17,7 +17,7 @@ from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.misfit.residuals_of_tests import SweepPart, parts_of_specimen
 from springpot.registry import plugins
 from springpot.thresholds import EVIDENCE, VERDICT
-from springpot.timetests import exponentials, hypotheses as trying, verdict
+from springpot.timetests import diagnosis, exponentials, hypotheses as trying, verdict
 
 
 def tried(name="friction", evidence=0.0, delta=0.0, helps=False, prior=1.0, fit=None, left=None):
@@ -394,3 +394,23 @@ def test_a_class_is_the_same_in_any_unit(unit, factor):
     )
     both, parts = ["force-drift", "thermal-force"], parts_of_specimen([test])
     assert trying.without_nested(both, [drift, grown], parts, 293.15) == both
+
+
+def test_of_each_test_it_is_told_what_is_the_wrong_way_round(monkeypatch):
+    """A sweep whose columns are exchanged has no force to turn."""
+    told = {
+        "record": {"note sign": "as if the force counted the other way, open 'a.csv?force=-N'"},
+        "sweep": {"note exchange": "if they are, open 'b.csv?storage=loss,loss=storage'"},
+    }
+    tests = [SimpleNamespace(name=name, provenance=said) for name, said in told.items()]
+    monkeypatch.setattr(diagnosis, "turned_over", lambda test: test)
+    monkeypatch.setattr(diagnosis, "parts_of_specimen", lambda given: None)
+    monkeypatch.setattr(diagnosis, "FitResiduals", SimpleNamespace(of=lambda fit, _: fit.bic))
+    monkeypatch.setattr(diagnosis, "bic_of", lambda bic: bic)
+    anew = SimpleNamespace(bic=0.0, relative_rms=0.01)
+    monkeypatch.setattr(diagnosis, "identify", lambda *_: anew)
+    steps, _ = diagnosis._turns(tests, None, SimpleNamespace(bic=1e3))
+    assert [step.says for step in steps] == [
+        "the force counts the other way: turn it",
+        "storage and loss stand in each other's place: exchange them",
+    ]

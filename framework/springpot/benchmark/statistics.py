@@ -502,11 +502,6 @@ class Pairings:
         tied = cubes[:, None] + cubes + 3.0 * (squares + squares.T)
         return cls(below @ counts.T, tied, values.shape[1])
 
-    @property
-    def chances(self) -> Real:
-        """`a12` of every row against every other, (k, k)."""
-        return self.wins / self.each**2
-
     @cached_property
     def p(self) -> Real:
         """Holm-adjusted two-sided p-values (k, k) of Mann and Whitney's test.

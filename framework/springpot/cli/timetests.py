@@ -62,7 +62,7 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
 
 
 def turned_data(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
-    """The data, each with its force turned where that seems to count the other way."""
+    """The data, each the right way round where a channel is to be turned or two exchanged."""
     from springpot.measurement.mixed_up import turned
     from springpot.measurement.reader import file_and_choice
 

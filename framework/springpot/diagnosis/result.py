@@ -440,8 +440,8 @@ class Diagnosis(Drawn, Printed):
         what = turns[0].says.removesuffix(f" {TURN}")
         first = f"{what} seems to count the other way: until it is turned nothing else holds"
         if turns[0].says.endswith(EXCHANGE):
-            what = what.removesuffix(f": {EXCHANGE.partition(': ')[2]}")
-            first = f"{what}, as it seems: until they are exchanged nothing else holds"
+            stand = turns[0].says.partition(": ")[0]
+            first = f"{stand}, as it seems: until they are exchanged nothing else holds"
         if isnan(after := turns[0].error_after):
             return replace(self, says=f"{first}; {self.says}")
         # The noise is read from what this model leaves, and tells nothing of the other.

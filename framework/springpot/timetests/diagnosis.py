@@ -43,7 +43,7 @@ from springpot.identification.material import is_material
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_up import turned, turned_over
+from springpot.measurement.mixed_up import turned, turned_over, wrong_way
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import plain
@@ -127,7 +127,7 @@ def next_test(case: TimeCase) -> NextExperiment | None:
 def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> list[tuple[str, str]]:
     """The first with each that these tests do not tell from it, however unlike their chances.
 
-    None where something else is believed in.
+    None of them where something else is believed in.
     """
     believed = [each for each in candidates[:1] if each.probability > EXPERIMENT.rival]
     alike = [name for each in believed for name in each.alike if name in fits]
@@ -355,7 +355,9 @@ def _turns(
     )
     if before - after < SEARCH.decisive:
         return (), base
-    return tuple(turning(spec, name, fit.relative_rms) for name, spec in specs.items()), base
+    whats = {test.name: wrong_way(test.provenance) for test in tests}
+    steps = [turning(spec, name, fit.relative_rms, whats[name]) for name, spec in specs.items()]
+    return tuple(steps), base
 
 
 def _finished(case: TimeCase, accuracy: Accuracy | None) -> TimeCase:

@@ -327,12 +327,21 @@ def _sought_where_it_misses(
     What the effect did to the model before it was there may hold it in another minimum: that no
     effect explains the tests is said of the best that each can do.
     """
+    from .fitting import identify
+
     best = min(found, key=lambda each: bic_of(each.left), default=None)
     if best is None or not best.left.misfit:
         return found
-    anew = _exact_fit(asked, best.effect, best.model, [best.theta], fitted, thorough=True)
-    if anew is None or bic_of(anew.left) >= bic_of(best.left):
+    try:
+        fit = identify(
+            asked.tests, best.model, seeds=[best.theta], noise=asked.known, thorough=True
+        )
+    except SpringpotError:
+        return found  # what was found before stands
+    anew = Hypothesis.exactly((best.effect,), fit, asked.parts)
+    if bic_of(anew.left) >= bic_of(best.left):
         return found
+    fitted(TriedEffect(best.effect, fit.model, fit.theta))
     return [anew if each is best else each for each in found]
 
 
