@@ -217,7 +217,12 @@ FAR = 10.0 + EVIDENCE.rivals
 
 def left(squares):
     judged = SimpleNamespace(misfit=squares > FAR)
-    return SimpleNamespace(squares=lambda noise: squares, misfit=False, beside=lambda noise: judged)
+    return SimpleNamespace(
+        squares=lambda noise: squares,
+        misfit=False,
+        beside=lambda noise: judged,
+        over=lambda noise: 1.0,
+    )
 
 
 def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():

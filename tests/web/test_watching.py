@@ -91,13 +91,13 @@ def test_what_the_open_data_hold_already_joins_once(tmp_path: Path, lines: list[
 
 
 def _warm(lines: list[bytes]) -> bytes:
-    return b"".join(line.replace(b",", b",20,", 1) for line in lines)
+    return b"".join(line.replace(b",", b",293,", 1) for line in lines)
 
 
 def test_what_a_reader_asks_is_answered_behind_the_folder(tmp_path: Path, lines: list[bytes]):
     (tmp_path / "a.csv").write_bytes(b"frequency,T,storage,loss\n" + _warm(lines[1:]))
     assert held(tmp_path)[1] is None
-    spec = f"{tmp_path}?frequency=Hz,temperature=degC,storage=kN/m,loss=kN/m"
+    spec = f"{tmp_path}?frequency=Hz,temperature=K,storage=kN/m,loss=kN/m"
     told = look(silent, spec)
     assert told["files"] == ["a.csv"]
     assert len(data_of(told["text"])) == 14
