@@ -186,7 +186,11 @@ def in_celsius(warm: Column) -> tuple[Column, dict[str, str]]:
     """Temperatures in their unit, or in degC, with a note, where no chamber is as cold in K."""
     if warm.unit is not None or warm.is_empty:
         return warm, {}
-    if not np.nanmin(warm.numbers(gaps=True)) < COLDEST:
+    try:
+        coldest = np.nanmin(warm.numbers(gaps=True))
+    except DataError:
+        return warm, {}  # words, such as RT, are in no unit
+    if not coldest < COLDEST:
         return warm, {}
     says = f"there is no unit, and degC is taken; write {warm.title} [degC]"
     note = f"'{warm.title}': {says}, or if it is another one say 'FILE?temperature=degF'"

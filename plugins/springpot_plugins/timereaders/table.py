@@ -311,7 +311,9 @@ def _in_units(
         # A displacement or a force by itself is of no use beside a modulus.
         moduli = [*found["relaxation"][:1], *found["compliance"][:1]]
         record = [*found["displacement"], *found["force"]]
-        wanted = record if found["displacement"] and found["force"] else moduli or record
+        wanted = moduli or record
+        if found["displacement"] and found["force"]:
+            wanted = record
     bare = [each for each in wanted if each.unit is None]
     if not bare:
         return found, {}

@@ -112,6 +112,13 @@ def test_a_temperature_colder_in_kelvin_than_any_chamber_is_in_degrees(tmp_path)
     assert hot.temperature is None
 
 
+def test_a_temperature_in_words_is_in_no_unit(tmp_path):
+    path = tmp_path / "warm.csv"
+    rows = "".join(f"{t},RT,{1.0 / t}\n" for t in TIMES)
+    path.write_text(f"time [s],T,G(t) [Pa]\n{rows}")
+    assert springpot.read(path).temperature is None
+
+
 @pytest.mark.parametrize("head", ["time,relaxation", "time,relaxation modulus [Pa]"])
 def test_a_time_without_a_unit_is_in_seconds(tmp_path, head):
     """It was refused; a note says what was taken and how another unit is said."""
