@@ -83,11 +83,7 @@ def test_no_test_is_planned_between_effects_that_nobody_believes_in(
 ) -> None:
     """Those ruled out, and those beside a likelier one that no such test can be planned for."""
     pairs = []
-    monkeypatch.setattr(
-        diagnosis_in_time,
-        "most_telling",
-        lambda plans, fits, parts, pair, odds: pairs.append(pair) or SimpleNamespace(action={1: 1}),
-    )
+    monkeypatch.setattr(diagnosis_in_time, "first_telling", lambda found, *_: pairs.extend(found))
     found = [
         SimpleNamespace(effect=name, probability=chance, alike=(), shelf=shelf)
         for name, chance, shelf in zip("abc", (0.9, 0.06, 0.04), shelves.split(), strict=True)

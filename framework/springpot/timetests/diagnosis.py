@@ -118,7 +118,7 @@ def next_test(case: TimeCase) -> NextExperiment | None:
         return None
     chances = {name: chance for name, chance in chances.items() if name in fits}
     parts = case.asked.parts
-    pairs = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
+    pairs = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, chances)
     return first_telling(pairs, fits, chances, parts, partial(planned_tests, parts))
 
 
