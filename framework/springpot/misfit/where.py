@@ -390,7 +390,7 @@ def _parts(frame: NoiseFrame) -> Iterator[PlaneOfFit]:
     if frame.turn is not None:
         # A noise of gain and phase weighs the parts along K: where K' is negative, they are no K'.
         along = 1.0 / frame.weights.real + 1.0j / frame.weights.imag
-        sd = turned_sd(along, np.conj(frame.turn))
+        sd = turned_sd(along.astype(np.complex128), np.conj(frame.turn))
         rows = residual.real / sd.real, residual.imag / sd.imag
     yield PlaneOfFit(units.storage, residual.real, residual.real / size, rows[0], "storage")
     yield PlaneOfFit(units.loss, residual.imag, residual.imag / size, rows[1], "loss")
