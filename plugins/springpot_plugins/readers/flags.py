@@ -150,7 +150,8 @@ def _zero_in_place_of(storage: Real, loss: Real) -> NDArray[np.bool_]:
     if not zero.any() or not len(measured):
         return np.zeros_like(zero)
     size = np.abs(storage[measured])
-    nearest = np.argmin(np.abs(np.arange(len(storage))[:, None] - measured), axis=1)
+    halfway = 0.5 * (measured[1:] + measured[:-1])
+    nearest = np.searchsorted(halfway, np.arange(len(storage)))
     return np.asarray(zero & (size[nearest] > np.median(size)))
 
 
