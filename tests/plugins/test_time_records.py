@@ -119,6 +119,19 @@ PUSHED = "".join(
 )
 
 
+def test_a_single_cycle_about_where_it_begins_does_not_move_one_way(tmp_path):
+    path = tmp_path / "cycle.csv"
+    t = np.linspace(0.0, 1.0, 41)
+    moved = np.sin(2.0 * np.pi * t)
+    rows = "".join(f"{a:.4g},{b:.6g},{3.0 * b:.6g}\n" for a, b in zip(t, moved, strict=True))
+    path.write_text("time [s],pos [mm],force [N]\n" + rows)
+    with pytest.raises(DataError) as refused:
+        open_in_time(path)
+    assert "no oscillation" not in str(refused.value)
+    [test] = open_in_time(f"{path}?2=displacement[mm]")
+    assert test.kind == "history"
+
+
 def test_a_compression_against_the_gap_is_told_as_no_oscillation(tmp_path):
     path = tmp_path / "sweet.csv"
     path.write_text("time [s],gap [mm],way,force [N]\n" + PUSHED)

@@ -8,6 +8,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import LENGTH_UNITS, known_unit
+from springpot.numerics import SMALLEST
 from springpot.rheology import Real
 
 from ..readers.blocks import Block
@@ -94,8 +95,8 @@ def _instead(block: Block, columns: Sequence[Column], place: int) -> str:
     distance = _numbers(columns, title.title)
     if _moves_once(distance):
         what += (
-            ", which moves one way: a compression or pull is no oscillation and has no storage and"
-            " loss modulus"
+            ", which moves one way, or once there and back: a compression or pull is no oscillation"
+            " and has no storage and loss modulus"
         )
     if title.role == "gap" or _falls_where_it_presses(distance, columns):
         # A gap is there before the specimen is touched, and falls where the force rises.
@@ -124,9 +125,16 @@ def _falls_where_it_presses(distance: Real, columns: Sequence[Column]) -> bool:
 
 
 def _moves_once(distance: Real) -> bool:
-    """Whether a distance passes its middle at most twice: there, and perhaps back."""
+    """Whether a distance passes its middle at most twice: there, and perhaps back.
+
+    A swing begins and ends between its extremes and passes it as seldom: one way has an extreme at
+    an end.
+    """
     known = distance[np.isfinite(distance)]
     if len(known) < 2:
         return False
-    beyond = known > 0.5 * (known.max() + known.min())
-    return int(np.count_nonzero(np.diff(beyond))) <= _THERE_AND_BACK
+    low, high = known.min(), known.max()
+    ends = (known[[0, -1]] - low) / max(high - low, SMALLEST)
+    beyond = known > 0.5 * (high + low)
+    swings = np.all(np.abs(ends - 0.5) < 0.4)
+    return not swings and int(np.count_nonzero(np.diff(beyond))) <= _THERE_AND_BACK
