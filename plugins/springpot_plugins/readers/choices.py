@@ -360,7 +360,7 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
         return _ask_frequency(says, headings)
     moduli = [each for each in headings if each.role is None and stated_unit(each) in MODULUS_UNITS]
     if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
-        return _ask_which_modulus(says, moduli[0], headings)
+        return _ask_which_modulus(says, moduli, headings)
     # A length that nobody names may be the amplitude, but also a gap: it is asked for, not taken.
     moved = next(
         (
@@ -437,16 +437,30 @@ def ask_clock(title: Heading, place: int) -> OpenQuestion:
     return OpenQuestion(says, [Question(title.title, "column", {"time": spec})])
 
 
-def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) -> OpenQuestion:
-    """The question whether a modulus beside a loss angle is the magnitude or the part in phase."""
-    called, unit = to_type(headings, headings.index(each) + 1), stated_unit(each)
-    hints = {f"{role}[{unit}]": f"{called}={role}[{unit}]" for role in ("magnitude", "storage")}
-    whole, part = hints.values()
+def _ask_which_modulus(
+    says: str, moduli: Sequence[Heading], headings: Sequence[Heading]
+) -> OpenQuestion:
+    """The question whether a modulus beside a loss angle is the magnitude or the part in phase.
+
+    With a second one it may be the first of both parts.
+    """
+    called = [
+        f"{to_type(headings, headings.index(each) + 1)}={{}}[{stated_unit(each)}]"
+        for each in moduli[:2]
+    ]
+    first, *other = called
+    hints = {role: first.format(role) for role in ("magnitude", "storage")}
+    beside = ""
+    if other:
+        hints["storage"] += f",{other[0].format('loss')}"
+        beside = f" and {moduli[1].title} that out of phase"
+    unit = stated_unit(moduli[0])
     hint = (
-        f"; if {each.title} is the whole one, open 'FILE?{whole}', if it is the part in phase,"
-        f" 'FILE?{part}'"
+        f"; if {moduli[0].title} is the whole one, open 'FILE?{hints['magnitude']}', if it is the"
+        f" part in phase{beside}, 'FILE?{hints['storage']}'"
     )
-    return OpenQuestion(f"{says}{hint}", [Question(each.title, "meaning", hints)])
+    asked = {f"{role}[{unit}]": spec for role, spec in hints.items()}
+    return OpenQuestion(f"{says}{hint}", [Question(moduli[0].title, "meaning", asked)])
 
 
 LOOP = (

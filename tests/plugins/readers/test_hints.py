@@ -182,3 +182,15 @@ def test_names_that_a_remark_parts_from_the_numbers_are_offered(tmp_path):
     assert "without names" not in str(asked.value)
     [test] = open_in_time(f"{path}?Value=compliance[1/Pa]")
     np.testing.assert_allclose(test.time, 5.0 * np.arange(1, 8))
+
+
+def test_of_two_moduli_beside_a_loss_angle_the_second_may_be_the_loss(tmp_path):
+    path = rig(
+        tmp_path, "f [Hz],E1 [MPa],E2 [MPa],tan d", SWEEP, 3.0 + SWEEP, 0.3 * SWEEP, 0.1 * SWEEP
+    )
+    with pytest.raises(DataError, match=r"if E1 .* is the whole one") as asked:
+        open_measurement(path)
+    hint = str(asked.value).rsplit("?", 1)[1].removesuffix("'")
+    assert hint == "2=storage[MPa],3=loss[MPa]"
+    found = open_measurement(f"{path}?{hint}")
+    np.testing.assert_allclose(found.loss, 0.3 * SWEEP, rtol=1e-6)
