@@ -29,7 +29,7 @@ from .pairs import with_pairs_apart
 from .proposals import proposal
 from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart
-from .signals_csv import read as read_record
+from .signals_csv import READER as RECORD
 from .text import head_text, text_of
 from .titles import SWEEPS, Heading, Vocabulary, is_dynamic
 from .transposed import upright
@@ -96,7 +96,7 @@ def read(path: Path, choice: Choice) -> Measurement:
         One line that says what was recognised and what is missing.
     """
     if _names_channels(choice):
-        return read_record(path, choice)
+        return RECORD.read(path, choice)
     grid = grid_of(text_of(path))
     blocks, pairs, notes = _blocks(grid, choice)
     return measurement_from(blocks, choice, path, {**facts_of(pairs), **notes}, further=True)

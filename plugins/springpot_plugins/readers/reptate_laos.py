@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+from springpot.measurement import Choice, Signals
 
-from .channels import channel_of, found_in, places_of, signals_from
+from .channels import channel_of, found_in, places_of, reader_of_signals, signals_from
 from .grid import MISSING
 from .reptate import CLOCKS, first_line, table_of
 from .text import head_text, text_of
@@ -67,15 +67,9 @@ def _with_unit(title: str) -> str:
     return next((known for known in _FORMAT if channel_of(known)[0] == channel), title)
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The measurement of one row that the signals give."""
-    return measurement_from_signals([signals(path, choice)])
-
-
-READER = Reader(
+READER = reader_of_signals(
     "reptate-laos",
     "RepTate .laos: strain and stress against time",
     recognises,
-    read,
-    signals=signals,
+    signals,
 )

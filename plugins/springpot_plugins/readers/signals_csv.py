@@ -17,9 +17,17 @@ from typing import IO
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+from springpot.measurement import Choice, Signals
 
-from .channels import UNITS, Places, channel_of, found_in, places_of, signals_from
+from .channels import (
+    UNITS,
+    Places,
+    channel_of,
+    found_in,
+    places_of,
+    reader_of_signals,
+    signals_from,
+)
 from .cleaning import unit_behind
 from .clock import sample_rate, seconds_of
 from .signal_layout import Layout, layout_of
@@ -125,15 +133,9 @@ def _with_units_of_cells(layout: Layout) -> tuple[list[str], list[str]]:
     return titles, units
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The measurement of one row that the signals give."""
-    return measurement_from_signals([signals(path, choice)])
-
-
-READER = Reader(
+READER = reader_of_signals(
     "signals-csv",
     "CSV of displacement and force against time: time [s], displacement [mm], force [N]",
     recognises,
-    read,
-    signals=signals,
+    signals,
 )

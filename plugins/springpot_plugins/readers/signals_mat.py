@@ -16,15 +16,12 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.measurement import (
     Choice,
-    Measurement,
-    Reader,
     Signals,
     budget_of,
     bytes_of,
-    measurement_from_signals,
 )
 
-from .channels import places_of, signals_from
+from .channels import places_of, reader_of_signals, signals_from
 from .matfile import HEADER, BrokenFile, arrays_in
 
 MOST_CHANNELS = 64
@@ -54,11 +51,6 @@ def signals(path: Path, choice: Choice) -> Signals:
         lengths = ", ".join(f"{titles[i]}: {len(columns[titles[i]])}" for i in places.columns)
         raise DataError(f"time, displacement and force differ in length ({lengths})")
     return signals_from(chosen, places, path, "MATLAB")
-
-
-def read(path: Path, choice: Choice) -> Measurement:
-    """The measurement of one row that the signals give."""
-    return measurement_from_signals([signals(path, choice)])
 
 
 def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
@@ -93,10 +85,9 @@ def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.flo
     return vectors
 
 
-READER = Reader(
+READER = reader_of_signals(
     "signals-mat",
     "MATLAB .mat (to version 7) with vectors of time, displacement and force",
     recognises,
-    read,
-    signals=signals,
+    signals,
 )

@@ -14,15 +14,12 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.measurement import (
     Choice,
-    Measurement,
-    Reader,
     Signals,
     budget_of,
-    measurement_from_signals,
 )
 from springpot.rheology import Real
 
-from .channels import channel_of, places_of, signals_from
+from .channels import channel_of, places_of, reader_of_signals, signals_from
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "units")
 _SAMPLE = 8
@@ -101,15 +98,9 @@ def _values(channel: Any, title: str, is_clock: bool) -> Real:
     return values.astype(float)
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The measurement of one row that the signals give."""
-    return measurement_from_signals([signals(path, choice)])
-
-
-READER = Reader(
+READER = reader_of_signals(
     "signals-tdms",
     "LabVIEW TDMS with channels of time (or a sampling interval), displacement and force",
     recognises,
-    read,
-    signals=signals,
+    signals,
 )

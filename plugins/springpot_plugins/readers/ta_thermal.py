@@ -9,10 +9,8 @@ import re
 from itertools import groupby
 from pathlib import Path
 
-from springpot.measurement import Choice, Measurement, Part, Reader
-
 from .blocks import Block
-from .dynamic import measurement_from, parts_from
+from .dynamic import reader_of_blocks
 from .grid import is_number, lines_of
 from .header_facts import facts_of, pairs_in
 from .text import head_text, text_of
@@ -32,8 +30,8 @@ def recognises(head: bytes) -> float:
     return 0.97
 
 
-def _blocks(path: Path) -> tuple[list[Block], list[list[str]]]:
-    """One block for each segment of the method, and the lines above the numbers as cells."""
+def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """One block for each segment of the method, and what the lines above the numbers say."""
     lines = lines_of(text_of(path))
     start = next((i + 1 for i, line in enumerate(lines) if line.startswith(_START)), len(lines))
     titles = [match[1].strip() for line in lines[:start] if (match := _SIGNAL.match(line))]
@@ -47,32 +45,13 @@ def _blocks(path: Path) -> tuple[list[Block], list[list[str]]]:
             # What is no row of all signals marks the end of a segment.
             cells, places = zip(*run, strict=True)
             blocks.append(Block(f"segment {len(blocks) + 1}", headings, cells, places))
-    return blocks, [line.split("\t") for line in lines[:start]]
+    return blocks, facts_of(pairs_in(line.split("\t") for line in lines[:start]))
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The oscillatory segments of a file.
-
-    Raises
-    ------
-    DataError
-        One line that says what was recognised and what is missing.
-    """
-    blocks, above = _blocks(path)
-    return measurement_from(
-        blocks, choice, path, {"format": "TA thermal analysis", **facts_of(pairs_in(above))}
-    )
-
-
-def parts(path: Path) -> tuple[Part, ...]:
-    """The segments of a file."""
-    return parts_from(_blocks(path)[0])
-
-
-READER = Reader(
+READER = reader_of_blocks(
     "ta-thermal",
     "TA Instruments DMA (Q800, RSA), exported as text with Sig1, Sig2 and so on",
     recognises,
-    read,
-    parts=parts,
+    _parsed,
+    "TA thermal analysis",
 )
