@@ -63,9 +63,9 @@ from springpot.measurement import (
 
 from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
+from ..readers.grid import text_of
 from ..readers.joining import joined
 from ..readers.table import Column, ParsedTable, name_and_unit, table_of
-from ..readers.text import text_of
 from .download import fetched, file_name, kept, missing
 from .names import inside, is_name
 
