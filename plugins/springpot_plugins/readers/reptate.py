@@ -199,13 +199,13 @@ def _laos_signals(path: Path, choice: Choice) -> Signals:
     for row, line in zip(rows, lines, strict=True):
         padded = [*row, *[""] * width]
         try:
-            values.append([_cell(padded[i].strip()) for i in places.columns])
+            values.append([_number(padded[i].strip()) for i in places.columns])
         except ValueError:
             raise DataError(f"line {line}: no number in its first {width} columns") from None
     return signals_from(list(np.array(values, dtype=float).T), places, path, "RepTate LAOS")
 
 
-def _cell(cell: str) -> float:
+def _number(cell: str) -> float:
     if cell in MISSING:
         return np.nan
     return float(cell.replace(",", "."))
