@@ -174,7 +174,7 @@ BOUNDARIES = {
     "framework/springpot/web/tasks.py:perform": TOP,
     "plugins/springpot_plugins/datasets/download.py:fetched": FOREIGN,
     "plugins/springpot_plugins/datasets/folders.py:_dataset": STRANGER,
-    "plugins/springpot_plugins/datasets/rheodata.py:_columns": FOREIGN,
+    "plugins/springpot_plugins/datasets/measured.py:_columns": FOREIGN,
     "plugins/springpot_plugins/optimisers/scipy_searches.py:guarded": CARRIED,
     "plugins/springpot_plugins/optimisers/libraries.py:values": CARRIED,
     "plugins/springpot_plugins/optimisers/nloptlib.py:_objective": CARRIED,
@@ -191,7 +191,7 @@ BOUNDARIES = {
     "framework/springpot/files.py:toml_in": STRANGER,
     "framework/springpot/limits.py:address_space": "a system without these counters",
     "framework/springpot/measurement/opening.py:tests": PLUGIN,
-    "plugins/springpot_plugins/datasets/manifest.py:read_manifest": STRANGER,
+    "plugins/springpot_plugins/datasets/folders.py:read_manifest": STRANGER,
 }
 """Every place that may catch a programming error, and why; a new one needs a reason as good."""
 
