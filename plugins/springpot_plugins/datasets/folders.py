@@ -3,7 +3,6 @@ r"""Data sets in folders of the directories that the environment variable SPRING
 Their manifests, ``dataset.toml``, say what the columns of a folder's file mean, and who measured
 them::
 
-
     summary = "what was measured"               # one sentence
     file = "normalized.csv"                     # or [files], below
     open = "#1?frequency=1[Hz]"                 # what a user would type behind its name; not
