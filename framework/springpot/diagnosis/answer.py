@@ -45,7 +45,6 @@ from .experiment import (
     experiment_on_points,
     experiment_on_unknown,
     experiment_on_untold,
-    first_telling,
     next_experiment,
     openness,
     worth_telling_apart,
@@ -485,8 +484,10 @@ def _chances(search: Search, evidence: Evidence) -> dict[str, float]:
 
 
 def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
-    """Single points first, then bands, then what only a period shows."""
-    yield from (outlier.place for outlier in outliers)
+    """Bands first, then what only a period shows, then the single points that were set aside.
+
+    The first place is told beside the effect that explains it, which a point is not.
+    """
     bands = []
     if verdict != "adequate":
         bands = where(search.frame)
@@ -498,6 +499,7 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
         and search.structure.parts["ripple"] < VERDICT.structure_alarm
     ):
         yield periodic(search.frame)
+    yield from (outlier.place for outlier in outliers)
 
 
 def _next_experiment(
@@ -550,9 +552,4 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
         # What was only fitted beside a rival of the leader has no curve to compare.
         chances = {name: chance for name, chance in chances.items() if name in fits}
-
-    def asked(pair: tuple[str, str]) -> NextExperiment:
-        first, second = pair
-        return next_experiment(fits[first], fits[second], pair, (chances[first], chances[second]))
-
-    return first_telling(worth_telling_apart(chances), asked)
+    return next_experiment(evidence.search.base, worth_telling_apart(chances), fits, chances)
