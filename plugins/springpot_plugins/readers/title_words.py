@@ -1,13 +1,15 @@
 """What a title says beside name and unit.
 
-That the column holds logarithms, and for which curve it is.
-
-``log10 G' [Pa]``, ``ln omega``; ``G' at 20 °C [Pa]``, ``tan d (1 Hz)``.
+That the column holds logarithms, and for which curve it is: ``log10 G' [Pa]``, ``ln omega``; ``G'
+at 20 °C [Pa]``, ``tan d (1 Hz)``. Which modulus it tells of: by its letter, as G' or E(t), or
+words, as shear or tensile. Whether an amplitude is counted from trough to crest, or from the
+middle.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -201,3 +203,69 @@ def curve_in_cell(text: str) -> CurveName:
         if match.end() == len(text) + 1 and not curve.bare:
             return curve
     return CurveName(text)
+
+
+_SWEEP = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za-z]))")
+"""``G'``, ``|E*|``, ``Storage modulus (G′)``; primes as programs spell them."""
+_TIMED = re.compile(r"(?:\A|[^A-Za-z])([GEJD])\s*\(t\)")
+"""``G(t)``, ``E(t)``, and the compliances J of shear and D of tension."""
+_OF_COMPLIANCE = {"J": "G", "D": "E"}
+_WORDS = {
+    "G": re.compile(r"\bshear\b", re.IGNORECASE),
+    "E": re.compile(r"\b(?:young|tensile|flexural|elongational)\b", re.IGNORECASE),
+    "K": re.compile(r"\bbulk\b", re.IGNORECASE),
+}
+
+
+def letter_of(titles: Iterable[str], is_modulus: bool) -> str:
+    """G, E or K (bulk modulus or stiffness) of the first title that tells; empty if none does."""
+    for title in titles:
+        match = _SWEEP.search(title) or _TIMED.search(title)
+        if match:
+            letter = _OF_COMPLIANCE.get(match[1], match[1])
+            # In N/mm a G is no modulus; in Pa a K may be the bulk modulus or any: it is better
+            # asked for.
+            if is_modulus == (letter != "K"):
+                return letter
+        named = [letter for letter, word in _WORDS.items() if word.search(title)]
+        if is_modulus and len(named) == 1:
+            return named[0]
+    return ""
+
+
+_WHOLE_SWING = re.compile(
+    # A title's underscore parts words as a blank does, and in a tidied unit "p-p" has become "p p".
+    r"(?<![^\W_])(?:pk|peak)[\s_-]*(?:to)?[\s_-]*(?:pk|peak)(?![^\W_])|(?<![^\W_])p[\s_]*[-/\s_][\s_]*p(?![^\W_])"
+    # In capitals PP may be polypropylene, the name of a curve.
+    r"|(?<![^\W_])pp$|(?<![^\W_])(?-i:pp)(?![^\W_])|(?<=mm)pp|両振幅|全振幅|双振幅"
+    r"|\bdouble[\s_]amplitude|\bdoppelamplitude|cr[êe]te[\s-]+(?:à|a)[\s-]+cr[êe]te|spitze[\s-]*(?:zu)?[\s-]*spitze",
+    re.IGNORECASE,
+)
+_FROM_ZERO = re.compile(
+    r"(?<![^\W_])(?:0|zero)[\s_-]*(?:to)?[\s_-]*(?:pk|peak|p)(?![^\W_])|±|\+/-", re.IGNORECASE
+)
+_PEAK = re.compile(r"\b(?:pk|peak)\b(?![\s-]*(?:to|pk|peak))", re.IGNORECASE)
+_LEFT = re.compile(r"[\[(]\s*[\])]")
+"""Brackets that held nothing else."""
+
+
+def says_whole_swing(text: str) -> bool:
+    """Whether a text says that an amplitude counts from trough to crest."""
+    return bool(_WHOLE_SWING.search(text))
+
+
+def without_swing(title: str) -> str:
+    """A title without the words that say plainly from where an amplitude counts.
+
+    A mere "peak" stays: the peak of a strain may have a static part.
+    """
+    return _tidied(_FROM_ZERO.sub(" ", _WHOLE_SWING.sub(" ", title)))
+
+
+def without_peak(unit: str) -> str:
+    """A unit without all of these words: ``mm`` of ``mm pk-pk`` and of ``mm peak``."""
+    return _PEAK.sub("", _FROM_ZERO.sub("", _WHOLE_SWING.sub("", unit))).strip(" -()")
+
+
+def _tidied(title: str) -> str:
+    return " ".join(_LEFT.sub(" ", title).split()).strip(" -_")

@@ -1,21 +1,105 @@
-"""TA Instruments TRIOS as JSON: column headers with units, and one object for each point."""
+"""TA Instruments: TRIOS as CSV or text, "export to LIMS" and JSON; text of thermal analysis.
+
+CSV and text have a header of keys and values, then steps of names, units and numbers. In an export
+to LIMS every line begins with a word that says what it is; JSON has column headers with units, and
+one object for each point. Thermal analysis (DMA Q800, RSA) lists its signals as ``Sig1 ...`` above
+``StartOfData``.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import islice
+from itertools import groupby, islice
 from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
 from springpot.measurement import json_of
 
-from .blocks import WIDEST, Block
+from .above import facts_of, pairs_in
+from .blocks import WIDEST, Block, blocks_of
 from .dynamic import reader_of_blocks
-from .grid import shortest
-from .header_facts import facts_of
-from .text import head_text, text_of
+from .grid import grid_of, head_text, is_number, lines_of, shortest, text_of
 from .titles import Heading, heading
+
+_STEP = re.compile(r"^[ \t]{0,20}\"?\[step\]", re.IGNORECASE | re.MULTILINE)
+_HEADER = re.compile(
+    r"^\"?(?:Filename|proceduresegments|Trios version|\[File Parameters\])\b", re.I | re.M
+)
+_LIMS = re.compile(r"LIMS export|^Variables\t", re.MULTILINE)
+
+
+def _is_text(head: bytes) -> float:
+    """High for the sections of a TRIOS export."""
+    text = head_text(head)
+    if _LIMS.search(text):
+        # The export to LIMS has a reader of its own.
+        return 0.0
+    return 0.5 * bool(_STEP.search(text)) + 0.48 * bool(_HEADER.search(text))
+
+
+def _of_text(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """The steps, and what stands above each of them."""
+    blocks, _ = blocks_of(grid_of(text_of(path)))
+    return blocks, facts_of(pairs_in(row for block in blocks for row in block.above))
+
+
+TRIOS_TEXT = reader_of_blocks(
+    "trios", "TA Instruments TRIOS, exported as CSV or text", _is_text, _of_text, "TA TRIOS"
+)
+
+
+def _is_lims(head: bytes) -> float:
+    """High for the first line or the lines of a step."""
+    text = head_text(head)
+    if "LIMS export format" in text[:500]:
+        return 1.0
+    if "\nVariables\t" not in text or "\nUnits\t" not in text:
+        return 0.0
+    return 0.95
+
+
+def _of_lims(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """The steps and what the header says."""
+    pairs: list[tuple[str, str]] = []
+    steps: list[list[tuple[int, list[str]]]] = []
+    for number, line in enumerate(lines_of(text_of(path)), 1):
+        if line.startswith(("[Step]", "[step]")):
+            steps.append([])
+        elif steps and "\t" in line:
+            steps[-1].append((number, line.split("\t")))
+        elif "\t" in line:
+            key, _, value = line.partition("\t")
+            pairs.append((key, value))
+    return [block for step in steps if (block := _block_of_lims(step)) is not None], facts_of(pairs)
+
+
+def _block_of_lims(step: list[tuple[int, list[str]]]) -> Block | None:
+    header = {
+        cells[0]: cells[1:] for _, cells in step if cells[0] in ("Step name", "Variables", "Units")
+    }
+    titles = [title.strip() for title in header.get("Variables", [])]
+    data = [(number, cells[1:]) for number, cells in step if cells[0] == "Data point"]
+    if not titles or not data:
+        return None
+    # The line of units ends where the last columns have none.
+    units = [*header.get("Units", []), *[""] * len(titles)]
+    headings = tuple(heading(title, unit) for title, unit in zip(titles, units, strict=False))
+    width = len(titles)
+    rows = [[*cells[:width], *[""] * (width - len(cells))] for _, cells in data]
+    return Block(
+        " ".join(header.get("Step name", [])).strip(),
+        headings,
+        rows,
+        [number for number, _ in data],
+    )
+
+
+TRIOS_LIMS = reader_of_blocks(
+    "trios-lims", "TA Instruments TRIOS, exported to LIMS", _is_lims, _of_lims, "TA TRIOS LIMS"
+)
+
 
 _MARKS = (
     "TRIOSJSONExportSchema",
@@ -44,7 +128,7 @@ A file may be nested as somebody likes.
 _STEPS = ("Results Step Id", "Procedure Step Id", "Step")
 
 
-def recognises(head: bytes) -> float:
+def _is_json(head: bytes) -> float:
     """High for JSON with the words of a TRIOS export."""
     text = head_text(head).lstrip("\ufeff \r\n\t")
     if not text.startswith("{"):
@@ -65,7 +149,7 @@ def _object(value: Any) -> dict[str, Any]:
     return {}
 
 
-def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+def _of_json(path: Path) -> tuple[list[Block], dict[str, str]]:
     """The tables of results, and what the file says of instrument and sample."""
     try:
         data = json_of(text_of(path).lstrip("\ufeff"))
@@ -233,6 +317,47 @@ def _pairs(root: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
                 yield "instrument type", value["Type"]
 
 
-READER = reader_of_blocks(
-    "trios-json", "TA Instruments TRIOS, exported as JSON", recognises, _parsed, "TA TRIOS JSON"
+TRIOS_JSON = reader_of_blocks(
+    "trios-json", "TA Instruments TRIOS, exported as JSON", _is_json, _of_json, "TA TRIOS JSON"
+)
+
+
+_SIGNAL = re.compile(r"^Sig\d{1,3}[ \t]+(\S.*)$")
+_START = "StartOfData"
+
+
+def _is_thermal(head: bytes) -> float:
+    """High for the list of signals; the numbers may begin far below."""
+    lines = head_text(head).splitlines()
+    named = sum(1 for line in lines if _SIGNAL.match(line))
+    announced = any(line.startswith(("Nsig", _START)) for line in lines)
+    if named < 2 or not announced:
+        return 0.0
+    return 0.97
+
+
+def _of_thermal(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """One block for each segment of the method, and what the lines above the numbers say."""
+    lines = lines_of(text_of(path))
+    start = next((i + 1 for i, line in enumerate(lines) if line.startswith(_START)), len(lines))
+    titles = [match[1].strip() for line in lines[:start] if (match := _SIGNAL.match(line))]
+    headings = tuple(map(heading, titles))
+    numbered = [(line.split(), i) for i, line in enumerate(lines[start:], start + 1)]
+    blocks: list[Block] = []
+    for is_row, run in groupby(
+        numbered, lambda row: len(row[0]) == len(titles) and all(map(is_number, row[0]))
+    ):
+        if is_row:
+            # What is no row of all signals marks the end of a segment.
+            cells, places = zip(*run, strict=True)
+            blocks.append(Block(f"segment {len(blocks) + 1}", headings, cells, places))
+    return blocks, facts_of(pairs_in(line.split("\t") for line in lines[:start]))
+
+
+THERMAL = reader_of_blocks(
+    "ta-thermal",
+    "TA Instruments DMA (Q800, RSA), exported as text with Sig1, Sig2 and so on",
+    _is_thermal,
+    _of_thermal,
+    "TA thermal analysis",
 )

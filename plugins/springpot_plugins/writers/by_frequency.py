@@ -1,10 +1,15 @@
-"""Abaqus: one material for time (a Prony series), one for steady-state dynamics (the model itself).
+"""Abaqus and Nastran, which take a table of K by the frequency, straight between its lines.
 
+Abaqus: one material for time (a Prony series), one for steady-state dynamics (the model itself).
 FREQUENCY and TIME exclude one another in a material of Abaqus, so that there are two. Elastic
 constants are E and nu, and what relaxes is the shear modulus (g) and the bulk modulus (k). The
 table of frequencies is of the model itself; where its shear modulus is a spring beside a springpot,
 it is the power law that Abaqus has built in (User's Guide 22.7.2): G' = G_inf (1 - w Im g*), G'' =
 G_inf w Re g*, and g* = g1* f^-a in FORMULA, f in cycles a unit of time.
+
+Nastran: a damper as PBUSH and PBUSHT, tables of stiffness and loss factor by the frequency. For
+direct frequency response (MSC and Siemens Nastran). K is K' and GE is K''/K', both against f in
+cycles a unit of time, straight between their points.
 """
 
 from __future__ import annotations
@@ -16,9 +21,18 @@ import numpy as np
 from springpot.rheology import Complex, Real
 from springpot.solvers import Handoff, Writer
 
-from .frequencies import frequencies
+FEWEST = 8
+"""Lines of a table at least, so that one of a narrow band is no straight line either."""
 
-PER_DECADE = 20
+
+def frequencies(handoff: Handoff, per_decade: int) -> Real:
+    """Angular frequencies (n,) over the whole of the band, equal steps of their logarithm."""
+    low, high = np.log10(handoff.prony.band)
+    steps = int(np.ceil(per_decade * (high - low)))
+    return np.logspace(low, high, max(FEWEST, steps + 1))
+
+
+ABAQUS_PER_DECADE = 20
 """Frequencies a decade of the table: straight lines between them are within 0.05 % of a power law.
 """
 STRAIGHT = 1e-9
@@ -85,7 +99,7 @@ def _of_bulk(handoff: Handoff, as_shear: str, nothing: str) -> str:
 
 def _at_frequencies(handoff: Handoff) -> list[str]:
     solid = handoff.solid
-    omega = frequencies(handoff, PER_DECADE)
+    omega = frequencies(handoff, ABAQUS_PER_DECADE)
     shear, spring = solid.shear_of(handoff.stiffness(omega)), solid.shear.equilibrium
     # Only of the model itself: a series is no power law.
     law = None
@@ -145,7 +159,7 @@ def power_law_of(omega: Real, k: Complex) -> PowerLaw | None:
     return PowerLaw(max(float(spring.mean()), least), size, order)
 
 
-WRITER = Writer(
+ABAQUS = Writer(
     "abaqus",
     to_abaqus,
     "Abaqus: *VISCOELASTIC in time (PRONY) and at frequencies (a table, or the power law of a"
@@ -153,5 +167,76 @@ WRITER = Writer(
     ".inp",
     solid=True,
     dashpot=False,
+    several="".join,
+)
+
+
+PROPERTY, STIFFNESS_TABLE, LOSS_TABLE = 100, 101, 102
+PER_MATERIAL = 3
+"""Numbers of the property and of both tables."""
+NASTRAN_PER_DECADE = 32
+"""Points a decade: straight lines between them are within 0.02 % of a power law."""
+PAIRS = 4
+"""Pairs of numbers on a line of TABLED1."""
+WIDTH = 8
+"""Signs of a field."""
+
+
+def field(number: float) -> str:
+    """A real number in eight signs, with the point that Nastran asks for."""
+    for digits in range(7, 0, -1):
+        text = f"{number:.{digits}g}"
+        if "e" in text:
+            # 1.5e-05 as 1.5-5: the sign tells where the exponent begins, and saves two signs.
+            mantissa, exponent = text.split("e")
+            text = f"{_with_point(mantissa)}{int(exponent):+d}"
+        text = _with_point(text)
+        if text.startswith("0.") and len(text) > WIDTH:
+            text = text.removeprefix("0")
+        if len(text) <= WIDTH:
+            return text
+    return f"{number:.1e}"
+
+
+def _with_point(text: str) -> str:
+    """A number that Nastran does not take for a whole one."""
+    if "." in text:
+        return text
+    return text + "."
+
+
+def _table(number: int, x: list[float], y: list[float]) -> list[str]:
+    lines = [f"TABLED1,{number}"]
+    pairs = [f"{field(a)},{field(b)}" for a, b in zip(x, y, strict=True)] + ["ENDT"]
+    lines += ["," + ",".join(pairs[i : i + PAIRS]) for i in range(0, len(pairs), PAIRS)]
+    return lines
+
+
+def to_nastran(handoff: Handoff) -> str:
+    """Property and tables, for a bush along the first axis of its element."""
+    omega = frequencies(handoff, NASTRAN_PER_DECADE)
+    stiffness = handoff.stiffness(omega)
+    frequency = (omega / (2.0 * np.pi)).tolist()
+    own, stiff, loss = (
+        tag + PER_MATERIAL * (handoff.number - 1) for tag in (PROPERTY, STIFFNESS_TABLE, LOSS_TABLE)
+    )
+    lines = [f"$ {line}" for line in handoff.heading()]
+    lines += [
+        "$ K is the storage stiffness, GE the loss factor K''/K', against f in Hz",
+        f"PBUSH,{own},K,{field(float(stiffness.real[0]))}",
+        f"PBUSHT,{own},K,{stiff}",
+        f",,GE,{loss}",
+        *_table(stiff, frequency, stiffness.real.tolist()),
+        *_table(loss, frequency, (stiffness.imag / stiffness.real).tolist()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+NASTRAN = Writer(
+    "nastran",
+    to_nastran,
+    "Nastran: PBUSH and PBUSHT with tables of stiffness and loss factor",
+    ".bdf",
+    damper=True,
     several="".join,
 )

@@ -1,9 +1,15 @@
-"""The oscillatory sets of the package rheopy-rheodata, read from its files without importing it."""
+"""Measured data sets that come with a package.
+
+The certified silicone fluid of NIST, SRM 2491, embedded with its uncertainties; and the oscillatory
+sets of the package rheopy-rheodata, read from its files without importing it.
+"""
 
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from functools import partial
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,6 +18,57 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.measurement import DataSet, Measurement, Units
 from springpot.rheology import Real
+
+from ..readers.springpot_csv import parse
+
+NAME = "nist-srm2491"
+CITATION = (
+    "Schultheisz, Flynn, Leigh: NIST Special Publication 260-147, Table 9; 10.6028/NIST.SP.260-147"
+)
+_COLUMNS = ("omega [rad/s]", "storage [Pa]", "loss [Pa]", "storage_sd [Pa]", "loss_sd [Pa]")
+DOI = "10.6028/NIST.SP.260-147"
+
+
+def _fluid() -> Measurement:
+    # By the package, which may be installed as a zip file.
+    text = files(__package__).joinpath(f"{NAME}.csv").read_text(encoding="utf-8")
+    return replace(parse(text, NAME), name=NAME)
+
+
+def _of_nist() -> list[DataSet]:
+    """One set of six temperatures, 0 to 50 degC, at 16 frequencies each."""
+    return [
+        DataSet(
+            NAME,
+            "polydimethylsiloxane melt, 6 temperatures, 0 to 50 degC, 0.1 to 100 rad/s, with"
+            " standard uncertainties",
+            _fluid,
+            licence="public domain (US government work)",
+            citation=CITATION,
+            doi=DOI,
+            origin="doi.org/10.6028/NIST.SP.260-147",
+            test=(
+                "small-strain oscillatory shear of a certified reference fluid, 16 frequencies at"
+                " each temperature"
+            ),
+            columns=(*_COLUMNS, "temperature [degC]"),
+            fit=(
+                "WLF: ln a = -C1 (T - T_R) / (C2 + T - T_R), C1 = 6.64, C2 = 299.4 K, T_R = 25"
+                " degC; vertical shift"
+            ),
+            aliases=("nist-srm2491-pdms",),
+            size=96,
+            physics=(
+                "entangled melt in its terminal zone: a viscous limit at low frequency",
+                (
+                    "thermorheologically simple: WLF with C1 = 6.64 (natural logarithm), C2 = 299.4"
+                    " K at 25 degC (NIST)"
+                ),
+                "a small vertical shift with density",
+            ),
+        )
+    ]
+
 
 INSTALL = "install it with: pip install 'springpot[data]' (or pip install rheopy-rheodata)"
 _FREQUENCY = "caggioni_linear_polymer_frequency_sweep"
@@ -44,7 +101,7 @@ def _columns(identifier: str) -> dict[str, Real]:
         ) from None
 
 
-def _load(identifier: str) -> Measurement:
+def _of_package(identifier: str) -> Measurement:
     columns = _columns(identifier)
     n = len(columns["Gp_Pa"])
     # The amplitude sweep was made at 1 rad/s, the frequency sweep at 0.5 % strain (dataset.yaml of
@@ -68,7 +125,7 @@ def _name(identifier: str) -> str:
     return f"rheodata-{identifier.removeprefix('caggioni_').replace('_', '-')}"
 
 
-def datasets() -> list[DataSet]:
+def _of_rheodata() -> list[DataSet]:
     """The frequency sweep and the amplitude sweep.
 
     Listed as unavailable where the package is absent.
@@ -90,7 +147,7 @@ def datasets() -> list[DataSet]:
         DataSet(
             _name(identifier),
             summary,
-            partial(_load, identifier),
+            partial(_of_package, identifier),
             licence="MIT",
             citation="Caggioni, community contribution to rheopy-rheodata 0.1.1",
             size=size,
@@ -99,3 +156,8 @@ def datasets() -> list[DataSet]:
         )
         for identifier, summary, size, physics in sets
     ]
+
+
+def datasets() -> list[DataSet]:
+    """The silicone fluid, and those of rheopy-rheodata where it is installed."""
+    return [*_of_nist(), *_of_rheodata()]

@@ -7,6 +7,10 @@ What was tested is read off the columns: ``time [s]`` with ``relaxation [kPa]``,
 then taken as it is, its real ramp included. What a file leaves open is said behind it:
 ``FILE?time=s,relaxation=Pa,temperature=160[degC],ramp=0.05[s],control=force``, and of a channel
 that counts the other way ``FILE?force=-N``.
+
+The binary files of laboratories and RepTate's .laos hold records of displacement and force. The
+readers that give a stiffness for each record know these formats; here the record itself is what was
+measured.
 """
 
 from __future__ import annotations
@@ -30,6 +34,8 @@ from springpot.measurement import (
     TIME_UNITS,
     Choice,
     OpenQuestion,
+    Reader,
+    Signals,
     TimeReader,
     TimeTest,
     known_unit,
@@ -42,22 +48,30 @@ from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 from springpot.rheology.points import HELD
 
-from ..readers.blocks import Block
-from ..readers.channels import STRAINS, STRESSES, channel_of, example_unit
-from ..readers.choices import ask_base, with_choice
-from ..readers.cleaning import cleaned, is_blank
-from ..readers.clock import sample_rate
-from ..readers.derived import in_celsius
-from ..readers.dynamic import columns_of, picked, spare_note, with_distinct_names
-from ..readers.grid import grid_of
-from ..readers.moduli import letter_of
-from ..readers.table import Column
-from ..readers.text import text_of
-from ..readers.titles import COMPLIANCE_UNITS
-from ..readers.written import OPPOSITE
-from .lacking import EXAMPLES, lacking
-from .tables import as_strain, holds_sweep, in_seconds, recognises, tables_of, without_ties
-from .words import STRETCH
+from .blocks import Block
+from .channels import STRAINS, STRESSES, channel_of, example_unit
+from .choices import ask_base, with_choice
+from .cleaning import cleaned, is_blank
+from .derived import in_celsius
+from .dynamic import columns_of, picked, spare_note, with_distinct_names
+from .grid import HEAD, grid_of, head_text, is_number, text_of
+from .reptate import LAOS, first_line
+from .signals_binary import MATLAB, TDMS
+from .signals_csv import sample_rate
+from .table import OPPOSITE, Column, value_of
+from .tables_in_time import (
+    EXAMPLES,
+    STRETCH,
+    as_strain,
+    holds_sweep,
+    in_seconds,
+    lacking,
+    recognises_table,
+    tables_of,
+    without_ties,
+)
+from .title_words import letter_of
+from .titles import COMPLIANCE_UNITS
 
 ANSWERS = ("relaxation", "compliance", "force")
 """Columns whose titles tell which modulus it is of."""
@@ -101,7 +115,7 @@ class Manner:
     planned: bool = False
 
 
-def read(path: Path, choice: Choice) -> list[TimeTest]:
+def _read_table(path: Path, choice: Choice) -> list[TimeTest]:
     """The tests in a file, or the chosen one.
 
     Raises
@@ -391,9 +405,72 @@ def _temperature(
     return np.asarray(warm, dtype=float)
 
 
-READER = TimeReader(
+TABLE = TimeReader(
     "time-table",
     "relaxation, compliance, or displacement and force against time: CSV, RheoCompass, TRIOS, MTS",
-    recognises,
-    read,
+    recognises_table,
+    _read_table,
+)
+
+
+_FORMATS = (LAOS, MATLAB, TDMS)
+
+
+def _is_record(head: bytes) -> float:
+    """High for what one of these formats is sure of."""
+    return max(reader.recognises(head) for reader in _FORMATS)
+
+
+def _read_record(path: Path, choice: Choice) -> list[TimeTest]:
+    """The record in a file; none where it holds something else, such as a sweep."""
+    with path.open("rb") as stream:
+        head = stream.read(HEAD)
+    reader = max(_FORMATS, key=lambda each: each.recognises(head))
+    manner, columns = manner_of(choice, path)
+    try:
+        signals = _signals(reader, path, replace(choice, columns=columns))
+    except DataError:
+        # What lacks is asked for by the reader that finds a stiffness, which knows sweeps in such
+        # files as well.
+        return []
+    known = (
+        np.isfinite(signals.time) & np.isfinite(signals.displacement) & np.isfinite(signals.force)
+    )
+    temperature = manner.temperature
+    if (
+        temperature is None
+        and (warm := first_line(head_text(head)).get("T")) is not None
+        and is_number(warm)
+    ):
+        temperature = value_of(warm)
+    test = TimeTest.of_history(
+        signals.time[known],
+        signals.displacement[known],
+        signals.force[known],
+        signals.displacement_unit,
+        signals.force_unit,
+        control=manner.control,
+        rise=manner.ramp,
+        temperature=temperature,
+        name=path.stem,
+        provenance={"file": path.name, **signals.provenance},
+    )
+    return [
+        replace(
+            test, provenance={**test.provenance, **sign_note(test, f"force=-{signals.force_unit}")}
+        )
+    ]
+
+
+def _signals(reader: Reader, path: Path, choice: Choice) -> Signals:
+    load = reader.signals
+    assert load is not None, "all of these formats hold signals"
+    return load(path, choice)
+
+
+RECORD = TimeReader(
+    "time-records",
+    "displacement and force against time in MATLAB .mat, TDMS and RepTate .laos",
+    _is_record,
+    _read_record,
 )

@@ -1,19 +1,22 @@
-"""Anton Paar RheoCompass and RheoPlus: short and full exports in the instrument's language."""
+"""Exports of Anton Paar RheoCompass and RheoPlus, and of Malvern rSpace.
+
+Those of Anton Paar are short or full, in the instrument's language; Malvern writes one table for
+all actions of a sequence, units in parentheses.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 
+from .above import facts_of, pairs_in, with_conditions_above
 from .blocks import Block, blocks_of
-from .conditions_above import with_conditions_above
 from .dynamic import reader_of_blocks
-from .grid import grid_of
-from .header_facts import facts_of, pairs_in
+from .grid import grid_of, head_text, text_of
 from .names import fold
-from .text import head_text, text_of
 
 _INTERVAL = re.compile(
     r"^[\" \t]{0,20}"
@@ -54,7 +57,7 @@ _INVALID = (
 )
 
 
-def recognises(head: bytes) -> float:
+def _is_rheocompass(head: bytes) -> float:
     """High for the lines that stand above an interval."""
     text = head_text(head)
     return min(
@@ -64,7 +67,7 @@ def recognises(head: bytes) -> float:
     )
 
 
-def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+def _of_rheocompass(path: Path) -> tuple[list[Block], dict[str, str]]:
     """The intervals and what stands above them."""
     blocks, _ = blocks_of(grid_of(text_of(path)))
     made, pairs, result = [], [], ""
@@ -99,10 +102,65 @@ def _is_invalid(row: Sequence[str]) -> bool:
     return any(word in marked for word in _INVALID)
 
 
-READER = reader_of_blocks(
+RHEOCOMPASS = reader_of_blocks(
     "rheocompass",
     "Anton Paar RheoCompass and RheoPlus, short or full, in any language",
-    recognises,
-    _parsed,
+    _is_rheocompass,
+    _of_rheocompass,
     "Anton Paar RheoCompass",
+)
+
+
+_MARKS = (
+    "(sequence)(s)",
+    "(action)(s)",
+    "(elastic component)",
+    "(viscous component)",
+    "Action Name",
+)
+
+
+def _is_malvern(head: bytes) -> float:
+    """High for the names of an rSpace table."""
+    first = head_text(head[:8000]).lstrip("\ufeff \r\n").splitlines()[:1]
+    # Two of these names are enough, one alone may be anybody's.
+    marks = [mark for line in first for mark in _MARKS if mark in line]
+    return min(1.0, 0.49 * len(marks))
+
+
+def _of_malvern(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """One block for each action, in order; the file says nothing of the instrument."""
+    blocks, _ = blocks_of(grid_of(text_of(path)))
+    made: list[Block] = []
+    for block in blocks:
+        place = next(
+            (i for i, h in enumerate(block.headings) if h.title.startswith("Action")), None
+        )
+        if place is None:
+            made.append(block)
+            continue
+        start = 0
+        # Only rows that follow one another: the same action may come again later in a sequence.
+        for name, run in groupby(row[place].strip() for row in block.rows):
+            stop = start + len(list(run))
+            made.append(
+                replace(
+                    block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]
+                )
+            )
+            start = stop
+    # The columns of all actions stand in one table: those of the others are empty.
+    return [_without_blank_columns(block) for block in made], {}
+
+
+def _without_blank_columns(block: Block) -> Block:
+    """The columns that hold anything, so that an action shows what it measured."""
+    filled = [any(row[i].strip() for row in block.rows) for i in range(len(block.headings))]
+    keep = [i for i, there in enumerate(filled) if there]
+    rows = [[row[i] for i in keep] for row in block.rows]
+    return replace(block, headings=tuple(block.headings[i] for i in keep), rows=rows)
+
+
+MALVERN = reader_of_blocks(
+    "malvern", "Malvern rSpace, exported as CSV", _is_malvern, _of_malvern, "Malvern rSpace"
 )
