@@ -508,6 +508,10 @@ class Units:
         """
         if self.is_modulus and self.amplitude in STRAIN_UNITS:
             return STRAIN_UNITS[self.amplitude], self.stiffness
+        own, _, below = self.stiffness.partition("/")
+        # As the file has it: a force of uN in N is nothing that anybody reads.
+        if self.stiffness in STIFFNESS_UNITS and below == self.amplitude:
+            return 1.0, own
         if self.stiffness in STIFFNESS_UNITS and self.amplitude in LENGTH_UNITS:
             return STIFFNESS_UNITS[self.stiffness] * LENGTH_UNITS[self.amplitude], "N"
         if self.stiffness in TORSION_UNITS and self.amplitude in ANGLE_UNITS:
