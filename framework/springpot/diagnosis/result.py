@@ -474,8 +474,11 @@ class Diagnosis(Drawn, Printed):
         """
         found = [each for each in self.candidates if self.shelf_of(each) == shelf]
         if shelf == "helps":
-            # What the headline names stands as it names it.
-            first = {name: place for place, name in enumerate(self.leading)}
+            # What the headline names stands as it names it; of what may be chance the likeliest.
+            named = self.leading
+            if self.verdict == "inconclusive":
+                named = named or tuple(each.effect for each in self.candidates[:1])
+            first = {name: place for place, name in enumerate(named)}
             found.sort(
                 key=lambda each: (
                     first.get(each.effect, len(first)),
