@@ -359,7 +359,7 @@ FACTS = {
     "rheology/points.py": "KELVIN GAS_CONSTANT FURTHEST",
     "rheology/terms.py": "FOUR_OVER_PI JOINED CALLED",
     "structure/answers.py": "LARGEST",
-    "structure/records.py": "ACCELERATIONS HEADER",
+    "structure/reading.py": "ACCELERATIONS HEADER",
     "testing/optimisers.py": "TRUTH",
     "testreport/code.py": "_KINDS MEANS",
     "testreport/quantities.py": "QUANTITIES",

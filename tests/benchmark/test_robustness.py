@@ -14,7 +14,7 @@ from springpot.benchmark.report.study import write_study_report
 from springpot.benchmark.robustness import WithoutSome, _moved, without_each
 from springpot.benchmark.standings import RANKING, study_tables
 from springpot.benchmark.statistics import ROPE, signed_rank_posterior
-from springpot.benchmark.traces import Traces
+from springpot.benchmark.trial import Traces
 
 SCALE = JudgingScale(1e-4, 100)
 

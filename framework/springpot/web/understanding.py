@@ -14,7 +14,7 @@ from springpot.measurement.opening import Test
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import Part, parts_as_opened
 from springpot.misfit.residuals_of_tests import parts_of_specimen
-from springpot.report.interactive.in_time import TimeScene
+from springpot.report.interactive.answers import TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.timetests.specimen import reference_of
 from springpot.writing import csv_text
