@@ -95,9 +95,8 @@ def test_a_model_that_holds_another_follows_it_everywhere():
 def test_where_no_measurement_tells_more_none_is_asked_for():
     """A measurement that leaves the odds as they are is no advice, and no number of it either."""
     _, best = explained("friction", AMPLITUDES, 3000.0)
-    advice = next_experiment(
-        best["friction"], best["friction"], ("friction", "friction too"), (0.5, 0.5)
-    )
+    fits = dict.fromkeys(("friction", "friction too"), best["friction"])
+    advice = next_experiment(best["friction"], [tuple(fits)], fits, dict.fromkeys(fits, 0.5))
     assert advice.says.startswith(
         "no feasible measurement tells friction from friction too: even the best ("
     )

@@ -127,16 +127,21 @@ def test_the_cheapest_question_comes_first(monkeypatch, state, question):
 
 
 @pytest.mark.parametrize(("telling", "found"), [({"b", "c"}, "b"), ({"c"}, "c"), (set(), "b")])
-def test_the_leader_is_told_from_the_next_rival_that_can_be_told_from_it(telling, found):
+def test_the_leader_is_told_from_the_next_rival_that_can_be_told_from_it(
+    monkeypatch, telling, found
+):
     chances = {"c": 0.2, "a": 0.5, "b": 0.29, "d": 1e-5}
     pairs = experiment.worth_telling_apart(chances)
     assert pairs == [("a", "b"), ("a", "c")]
 
-    def asked(pair):
-        return NextExperiment("", pair, 1.0, {"omega": [1.0]} if pair[1] in telling else {})
+    def asked(plans, fits, parts, names, shares):
+        assert (fits, shares) == (names, (chances["a"], chances[names[1]]))
+        return NextExperiment("", names, 1.0, {"omega": [1.0]} if names[1] in telling else {})
 
-    assert experiment.first_telling(pairs, asked).separates == ("a", found)
-    assert experiment.first_telling([], asked) is None
+    monkeypatch.setattr(experiment, "most_telling", asked)
+    known = {name: name for name in chances}, chances, (), None
+    assert experiment.first_telling(pairs, *known).separates == ("a", found)
+    assert experiment.first_telling([], *known) is None
 
 
 @pytest.mark.parametrize(("left", "explained"), [(60.0, 40.0), (100.0, 0.0), (130.0, 0.0)])

@@ -45,7 +45,6 @@ from .experiment import (
     experiment_on_points,
     experiment_on_unknown,
     experiment_on_untold,
-    first_telling,
     next_experiment,
     openness,
     worth_telling_apart,
@@ -550,9 +549,4 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
         # What was only fitted beside a rival of the leader has no curve to compare.
         chances = {name: chance for name, chance in chances.items() if name in fits}
-
-    def asked(pair: tuple[str, str]) -> NextExperiment:
-        first, second = pair
-        return next_experiment(fits[first], fits[second], pair, (chances[first], chances[second]))
-
-    return first_telling(worth_telling_apart(chances), asked)
+    return next_experiment(evidence.search.base, worth_telling_apart(chances), fits, chances)

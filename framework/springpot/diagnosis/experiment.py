@@ -303,15 +303,30 @@ def worth_telling_apart(chances: Mapping[str, float]) -> list[tuple[str, str]]:
 
 
 def first_telling(
-    pairs: Iterable[tuple[str, str]], asked: Callable[[tuple[str, str]], NextExperiment]
+    pairs: Iterable[tuple[str, str]],
+    fits: Mapping[str, FittedModel],
+    chances: Mapping[str, float],
+    parts: Sequence[TestPart],
+    plans: Callable[[FittedModel], Iterable[Planned]],
 ) -> NextExperiment | None:
-    """The measurement for the first of these pairs that any tells apart.
+    """The measurement for the first of these pairs of effects that any tells apart.
 
     Where none does, what the first pair promises; None without pairs.
+
+    Parameters
+    ----------
+    pairs : iterable of (str, str)
+        Effects, those first that are asked for first.
+    fits, chances : mapping
+        With each of them the fit, and how likely it is.
+    parts, plans
+        As for `most_telling`.
     """
     promised = None
     for pair in pairs:
-        found = asked(pair)
+        first, second = pair
+        both = fits[first], fits[second]
+        found = most_telling(plans, both, parts, pair, (chances[first], chances[second]))
         if found.action:
             return found
         promised = promised or found
@@ -555,22 +570,22 @@ def planned_sweeps(made: SweepPart, fit: FittedModel) -> Iterator[Planned]:
 
 
 def next_experiment(
-    first: Refit, second: Refit, names: tuple[str, str], chances: Pair
-) -> NextExperiment:
-    """The action that should best separate two explanations of a sweep for its effort.
+    base: Refit,
+    pairs: Iterable[tuple[str, str]],
+    fits: Mapping[str, FittedModel],
+    chances: Mapping[str, float],
+) -> NextExperiment | None:
+    """The action that should best separate two explanations of a sweep; see `first_telling`.
 
     Parameters
     ----------
-    first, second : Refit
-        The two fitted explanations.
-    names : tuple of str
-        The effects that set them apart.
-    chances : tuple of float
-        Their probabilities.
+    base : Refit
+        Any fit to the sweep, which knows its noise.
+    pairs, fits, chances
+        As for `first_telling`.
     """
-    made = SweepPart(first.fit.measurement, noise=real_form(first.noise.sd))
-    plans = partial(planned_sweeps, made)
-    return most_telling(plans, (first, second), (made,), names, chances)
+    made = SweepPart(base.fit.measurement, noise=real_form(base.noise.sd))
+    return first_telling(pairs, fits, chances, (made,), partial(planned_sweeps, made))
 
 
 def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> NextExperiment:

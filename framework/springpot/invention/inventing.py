@@ -302,23 +302,15 @@ def _next(verdict: Verdict, laws: Sequence[Weighed]) -> NextExperiment | None:
     """What would tell the likeliest law from the next one that it can be told from."""
     if verdict != "class":
         return None
-    first, *others = laws
-    asked = (
-        next_experiment(
-            first.grown.refit,
-            other.grown.refit,
-            (formula_of(first.effect), formula_of(other.effect)),
-            (first.probability, other.probability),
-        )
-        for other in others[:ASKED]
-    )
+    asked: dict[str, Weighed] = {}
+    for each in laws[: 1 + ASKED]:
+        # Told by their formulas: of one in two planes the likelier.
+        asked.setdefault(formula_of(each.effect), each)
+    fits = {formula: each.grown.refit for formula, each in asked.items()}
+    chances = {formula: each.probability for formula, each in asked.items()}
+    first, *others = asked
     # A limit of the first, such as a saturation far outside, nothing tells from it.
-    tried: list[NextExperiment] = []
-    for experiment in asked:
-        if experiment.action:
-            return experiment
-        tried.append(experiment)
-    return tried[0]
+    return next_experiment(fits[first], [(first, other) for other in others], fits, chances)
 
 
 def _notes(measurement: Measurement, model: Model, conditions: Sequence[str]) -> Iterator[str]:

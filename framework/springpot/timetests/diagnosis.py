@@ -23,7 +23,6 @@ from springpot.diagnosis.experiment import (
     WORKED_FOR,
     Planned,
     first_telling,
-    most_telling,
     planned_sweeps,
     worth_telling_apart,
 )
@@ -113,15 +112,8 @@ def next_test(case: TimeCase) -> NextExperiment | None:
         each.effect: each.probability for each in case.diagnosis.candidates if each.effect in fits
     }
     parts = case.asked.parts
-    plans = partial(planned_tests, parts)
-
-    def asked(pair: tuple[str, str]) -> NextExperiment:
-        first, second = pair
-        both = (fits[first], fits[second])
-        return most_telling(plans, both, parts, pair, (chances[first], chances[second]))
-
     pairs = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
-    return first_telling(pairs, asked)
+    return first_telling(pairs, fits, chances, parts, partial(planned_tests, parts))
 
 
 def _of_one_class(candidates: Sequence[Candidate], fits: Collection[str]) -> list[tuple[str, str]]:
