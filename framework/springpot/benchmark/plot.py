@@ -1,6 +1,4 @@
-"""
-
-Line plots as inline SVG.
+"""Line plots as inline SVG.
 
 Sharp at every width, searchable, with nothing to load and no library to install.
 """

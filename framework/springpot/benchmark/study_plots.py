@@ -1,6 +1,4 @@
-"""
-
-Pictures of a study: profiles, shares of targets, anytime curves, critical differences.
+"""Pictures of a study: profiles, shares of targets, anytime curves, critical differences.
 
 Which optimiser to use if nothing is known of the problem.
 
