@@ -125,7 +125,7 @@ TOP = "the top of a process: what comes this far is told as a fault, with exit c
 CARRIED = "kept here and raised again behind a library that would swallow it"
 BOUNDARIES = {
     "framework/springpot/benchmark/archive.py:_one_line": STRANGER,
-    "framework/springpot/benchmark/engine.py:close": FOREIGN,
+    "framework/springpot/benchmark/runner.py:close": FOREIGN,
     "framework/springpot/benchmark/fork_server.py:serve": (
         "streams that an optimiser closed or replaced; what it printed is not worth a trial"
     ),
@@ -139,8 +139,8 @@ BOUNDARIES = {
     ),
     "plugins/springpot_plugins/optimisers/libraries.py:descend": FOREIGN,
     "plugins/springpot_plugins/optimisers/nloptlib.py:search": FOREIGN,
-    "framework/springpot/benchmark/engine.py:_dask": FOREIGN,
-    "framework/springpot/benchmark/engine.py:_submit": FOREIGN,
+    "framework/springpot/benchmark/runner.py:_dask": FOREIGN,
+    "framework/springpot/benchmark/runner.py:_submit": FOREIGN,
     "framework/springpot/benchmark/fork_server.py:_be_born": TOP,
     "framework/springpot/benchmark/fork_server.py:main": TOP,
     "framework/springpot/benchmark/summary.py:load_script": PLUGIN,

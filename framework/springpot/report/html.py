@@ -35,8 +35,7 @@ from .answers import (
 from .canvas import require_matplotlib
 from .figures import scene_of
 from .fit_text import parameters_table
-from .interactive.answers import drawn, rungs
-from .interactive.in_time import DrawnTests, TimeScene
+from .interactive.answers import DrawnTests, TimeScene, drawn, rungs
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, data_of, draw_ladder, remarks, steps_table
 from .network import network_svg
@@ -335,7 +334,8 @@ def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield ranking(diagnosis, shown).as_html()
     yield physics(shown, LISTED).as_html()
     yield from _note(effects_note(data_of(step), (row.effect for row in shown)))
-    yield left_out(diagnosis.left_out).as_html()
+    judged = [row.effect for row in diagnosis.candidates]
+    yield left_out(diagnosis.left_out, judged).as_html()
     if diagnosis.verdict != "adequate":
         yield not_shown(diagnosis, shown).as_html()
     yield from _note(absent_text(diagnosis))

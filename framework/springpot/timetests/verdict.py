@@ -176,7 +176,7 @@ class TimeCase(NamedTuple):
     asked : AskedTests
         The tests and effects behind it.
     aside : tuple of (int, int, float), optional
-        A sample at the end of a test that is all that is missed, see `Slip`.
+        A sample that is all that is missed, see `Slip`.
     """
 
     diagnosis: Diagnosis

@@ -17,12 +17,13 @@ import numpy as np
 from springpot.rheology.points import Real
 from springpot.writing import Html, joined, number, tag
 
-from ..comparison import OVER_ALL, CellScores, MeanRanks, ProblemRace, profiles
-from ..statistics import Interval, cliques, expected_running_time, wilson_over
+from .comparison import OVER_ALL, CellScores, MeanRanks, ProblemRace, profiles
 from .plot import Dot, Pen, PlotAxis, Ranked, StepLine, critical_differences, key, plot, scatter
+from .statistics import Interval, cliques, expected_running_time, wilson_over
 
 if TYPE_CHECKING:
-    from ..standings import Findings
+    from .standings import Findings
+
 
 BANDS = 3
 """Optimisers whose quartiles are drawn on a problem; more would hide each other."""

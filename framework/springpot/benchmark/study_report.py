@@ -20,7 +20,7 @@ from springpot.report.tables import element_of
 from springpot.report.text import seconds
 from springpot.writing import NAMED, Html, counted, joined, number, table, tag, wide, wide_table
 
-from ..robustness import OF_ITS_OWN, fairness
+from .robustness import OF_ITS_OWN, fairness
 from .study_plots import (
     Pens,
     Pool,

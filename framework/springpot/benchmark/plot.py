@@ -15,7 +15,7 @@ from springpot.report.canvas import COLOURS, INK, QUIET
 from springpot.rheology.points import Real
 from springpot.writing import Html, joined, tag
 
-from ...numerics import ALIKE
+from ..numerics import ALIKE
 
 WIDTH, HEIGHT = 420.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0
