@@ -24,7 +24,6 @@ from springpot.measurement import (
     known_unit,
     normal_unit,
 )
-from springpot.numerics import SMALLEST
 from springpot.rheology import Real
 
 from .above import with_conditions_above
@@ -268,7 +267,7 @@ def _moves_once(distance: Real) -> bool:
     if len(known) < 2:
         return False
     low, high = known.min(), known.max()
-    ends = (known[[0, -1]] - low) / max(high - low, SMALLEST)
+    ends = (known[[0, -1]] - low) / (high - low or 1.0)
     beyond = known > 0.5 * (high + low)
     swings = np.all(np.abs(ends - 0.5) < 0.4)
     return not swings and int(np.count_nonzero(np.diff(beyond))) <= _THERE_AND_BACK
