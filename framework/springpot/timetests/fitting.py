@@ -34,6 +34,7 @@ from springpot.misfit.residuals_of_tests import (
     TestPart,
     parts_of_specimen,
     reach_of,
+    residual_of,
 )
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
@@ -121,14 +122,12 @@ class InTimeProblem(SpecimenProblem):
         # Counted here, where every evaluation passes, so that none goes past the recorder.
         self.tally.points += 1
         try:
-            residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
+            value, by_theta = residual_of(self.parts, self.model, theta, self.reference)
         except SpringpotError:
             # Somewhere in the box a model may leave what can be followed: an optimiser goes on from
             # elsewhere.
             count = sum(part.count() for part in self.parts)
             return np.full(count, np.inf), np.zeros((count, len(x)))
-        value = np.concatenate([each.value for each in residuals])
-        by_theta = np.concatenate([each.by_theta for each in residuals])
         return value, by_theta @ self.space.jacobian(x)
 
 

@@ -40,6 +40,7 @@ from springpot.misfit.residuals_of_tests import (
     SweepPart,
     TestPart,
     reach_of,
+    residual_of,
     typical_stiffness,
 )
 from springpot.rheology.model import Model
@@ -222,10 +223,8 @@ class TimeSearch:
     ) -> tuple[Real, Real]:
         """Residuals (m,) of all parts and their derivative (p, m) by u."""
         theta = self.theta(u)
-        residuals = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
-        by_theta = np.concatenate([each.by_theta for each in residuals]).T.copy()
-        value = np.concatenate([each.value for each in residuals])
-        return value, self.coordinates.carry(by_theta, theta, self.size)
+        value, by_theta = residual_of(parts, self.model, theta, self.reference, coarse)
+        return value, self.coordinates.carry(by_theta.T.copy(), theta, self.size)
 
     def quickly(self, parts: Sequence[TestPart]) -> Sequence[TestPart]:
         """These parts by fixed exponentials; asked again, with all that is known of them."""
