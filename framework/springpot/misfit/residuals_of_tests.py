@@ -648,14 +648,6 @@ def _told_together(tests: tuple[TimeTest, ...]) -> dict[Test, TestPart]:
     return parts
 
 
-def residual_of(
-    parts: Sequence[TestPart], model: Model, theta: Real, reference: float, coarse: bool = False
-) -> Residual:
-    """The residuals of all tests of a specimen one after the other; see `TestPart.residual`."""
-    each = [part.residual(model, theta, reference, coarse) for part in parts]
-    return Residual(*map(np.concatenate, zip(*each, strict=True)))
-
-
 def reach_of(parts: Sequence[TestPart]) -> float:
     """Largest displacement of all tests; one where none tells it, as nothing hangs on it then."""
     return max(part.reach for part in parts) or 1.0

@@ -34,7 +34,6 @@ from springpot.misfit.residuals_of_tests import (
     TestPart,
     parts_of_specimen,
     reach_of,
-    residual_of,
 )
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model, sorted_out
@@ -47,7 +46,7 @@ from .hypotheses import FitResiduals
 from .material import FoundLines, UntoldError, coordinates_around, ends_of_material, spectral
 from .native import STARTS, Minimum, TimeSearch
 from .score import TimeScan
-from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
+from .specimen import at_rigs, reference_of, require_tests, residual_of, rig_of_sweeps
 from .temperatures import is_material_alone
 from .valley import with_intervals
 

@@ -18,13 +18,14 @@ from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
 from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
-from springpot.misfit.residuals_of_tests import InTimePart, Test, TestPart, residual_of
+from springpot.misfit.residuals_of_tests import InTimePart, Test, TestPart
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST, TWO_DEVIATIONS
+from .specimen import residual_of
 
 APART = 16
 """Samples between two of the kicks that are tried, in turn up and down."""

@@ -40,7 +40,6 @@ from springpot.misfit.residuals_of_tests import (
     SweepPart,
     TestPart,
     reach_of,
-    residual_of,
     typical_stiffness,
 )
 from springpot.rheology.model import Model
@@ -50,7 +49,7 @@ from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, FAR, MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
-from .specimen import Scales, tries_of, words_of
+from .specimen import Scales, residual_of, tries_of, words_of
 
 QUICK = 20
 """Steps with some of the samples."""
