@@ -305,7 +305,7 @@ def test_inspect_of_a_record_tells_both_ways_on(springpot, write):
     shown = springpot(
         "inspect", write(f"time [s],displacement [mm],force [N]\n{rows}", "record.csv")
     ).out
-    assert "next: springpot identify " in shown
+    assert "next: springpot diagnose " in shown
     assert "steadily: springpot signals " in shown
 
 

@@ -323,3 +323,15 @@ def test_a_curve_that_does_not_fall_has_no_limit():
     """No power follows it, and from one step to the next it grew beyond all numbers."""
     storage = np.array([4.4886772, 4.4679704, 4.53676006, 4.51014181, 4.5284023])
     assert linear_limit(np.log(np.geomspace(0.1, 1.0, 5)), storage) is None
+
+
+def test_of_a_liquid_that_creeps_a_free_spectrum_gives_no_loss_factor():
+    """Storage is that of the last of its times, which no share of the spectrum moves."""
+    clock = np.geomspace(0.01, 0.03, 30)
+    noise = 1.0 + 0.03 * np.random.default_rng(1).normal(size=len(clock))
+    creep = springpot.TimeTest.of_compliance(clock, 2.0 * clock * noise, "Pa")
+    found = quantities(creep, "material")
+    told_of = {row.name: row.value for row in found.rows}
+    assert "loss factor" not in told_of
+    assert "the loss factor is not bounded by these data" in found.notes
+    assert told_of["|G*|"].low < told_of["|G*|"].value < told_of["|G*|"].high

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -13,7 +14,7 @@ from springpot import TimeTest
 from springpot.diagnosis.experiment import Contest, _answer
 from springpot.errors import DataError, ModelError
 from springpot.misfit.residuals_of_tests import parts_of_specimen
-from springpot.timetests import identify
+from springpot.timetests import diagnosis as diagnosis_in_time, identify
 from springpot.timetests.diagnosis import _of_one_class, planned_tests
 
 MODEL = springpot.parse_model("fractional-zener")
@@ -66,6 +67,34 @@ def test_once_it_is_measured_the_question_is_closed(open_question) -> None:
     assert odds["thermal-transient"] > 100.0 * odds.get("thermal-force", 0.0)
     before = {each.effect: each.probability for each in open_question.candidates}
     assert before["thermal-transient"] < 10.0 * before["thermal-force"]
+
+
+@pytest.mark.parametrize(
+    ("shelves", "fitted", "asked"),
+    [
+        ("helps helps ruled-out", "abc", ("a", "b")),
+        ("ruled-out ruled-out ruled-out", "abc", None),
+        ("helps ruled-out ruled-out", "abc", None),
+        ("explains explains explains", "bc", None),
+    ],
+)
+def test_no_test_is_planned_between_effects_that_nobody_believes_in(
+    monkeypatch, shelves, fitted, asked
+) -> None:
+    """Those ruled out, and those beside a likelier one that no such test can be planned for."""
+    pairs = []
+    monkeypatch.setattr(diagnosis_in_time, "first_telling", lambda found, *_: pairs.extend(found))
+    found = [
+        SimpleNamespace(effect=name, probability=chance, alike=(), shelf=shelf)
+        for name, chance, shelf in zip("abc", (0.9, 0.06, 0.04), shelves.split(), strict=True)
+    ]
+    answer = SimpleNamespace(
+        verdict="inconclusive", candidates=found, shelf_of=operator.attrgetter("shelf")
+    )
+    tried = [SimpleNamespace(effect=SimpleNamespace(name=name), fit=name) for name in fitted]
+    case = SimpleNamespace(diagnosis=answer, tried=tried, asked=SimpleNamespace(parts=()))
+    diagnosis_in_time.next_test(case)
+    assert pairs[:1] == ([asked] if asked else [])
 
 
 @pytest.mark.soak

@@ -344,11 +344,23 @@ def of_fit(
         band = band[0] - REACH, band[1] + REACH
     model = OfModel(known, conditions, band, limits=not free)
     found = list(model.quantities())
-    at = model.at(frequency or usual((low, high), known.units.clock))
+    at: Iterable[Quantity | str] = model.at(frequency or usual((low, high), known.units.clock))
+    if free:
+        at = map(_if_bounded, at)
     sweeps = [of_amplitude(test) for test in tests if isinstance(test, Measurement)]
     rows, notes = parted([*_lacking(found, free), *found, *at, *chain.from_iterable(sweeps)])
     rows = tuple(replace(row, at=known.named(row.at)) for row in rows)
     return Quantities(name, of, known.units, rows, notes, left)
+
+
+def _if_bounded(row: Quantity) -> Quantity | str:
+    """A quantity of a free spectrum, or what to tell of one that no share of it moves.
+
+    It follows from the last of its relaxation times, which stand where they were put.
+    """
+    if row.value.high - row.value.low > ALIKE * row.value.value:
+        return row
+    return f"the {row.name} is not bounded by these data"
 
 
 def parted(told: Iterable[Quantity | str]) -> tuple[tuple[Quantity, ...], tuple[str, ...]]:

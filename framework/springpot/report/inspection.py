@@ -244,10 +244,11 @@ def in_time_text(
     blocks = [
         _test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)
     ]
-    following = (
-        f"next: {suggested('identify', spec, '--model', 'EXPR')}"
-        f"   ({suggested('list models')} shows all)"
-    )
+    # No model is known to follow a test of another kind.
+    following = f"next: {suggested('diagnose', spec)}"
+    if any(isinstance(test, OtherTest) for test in tests):
+        following = f"next: {suggested('identify', spec, '--model', 'EXPR')}"
+        following += f"   ({suggested('list models')} shows all)"
     # A steady sine is a point of a sweep as well.
     if any(test.kind == HISTORY for test in tests):
         following += "\nor, if it swings steadily: "

@@ -108,11 +108,17 @@ def next_test(case: TimeCase) -> NextExperiment | None:
     if case.diagnosis.verdict == "adequate":
         return None
     fits = {each.effect.name: each.fit for each in case.tried if each.fit is not None}
-    chances = {
-        each.effect: each.probability for each in case.diagnosis.candidates if each.effect in fits
-    }
+    # What is ruled out is no rival of anything.
+    believed = [
+        each for each in case.diagnosis.candidates if case.diagnosis.shelf_of(each) != "ruled-out"
+    ]
+    chances = {each.effect: each.probability for each in believed}
+    # Whether the likeliest holds is the question; of the others alone it is none.
+    if not chances or max(chances, key=chances.__getitem__) not in fits:
+        return None
+    chances = {name: chance for name, chance in chances.items() if name in fits}
     parts = case.asked.parts
-    pairs = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, fits)
+    pairs = worth_telling_apart(chances) or _of_one_class(case.diagnosis.candidates, chances)
     return first_telling(pairs, fits, chances, parts, partial(planned_tests, parts))
 
 

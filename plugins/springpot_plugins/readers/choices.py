@@ -449,38 +449,50 @@ def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) ->
     return OpenQuestion(f"{says}{hint}", [Question(each.title, "meaning", hints)])
 
 
-_LOOP = (
+LOOP = (
     "of which the first goes back and forth, as a displacement does; of a loop say how many samples"
     " there are a second, such as 'FILE?1=displacement[mm],2=force[N],rate=100[Hz]', or strain[-]"
     " and stress[Pa]"
 )
-"""What two columns are that no clock and no frequency leads."""
+"""What columns are that no clock and no frequency leads."""
+
+CLOCK = "of which the first begins at 0, as a time does"
+"""What columns are that a clock leads."""
 
 
-def ask_columns(count: int, is_loop: bool = False) -> OpenQuestion:
-    """The question for columns that have no names, the first of which may be a displacement."""
+def ask_columns(count: int, leading: str = "", separator: str = ",") -> OpenQuestion:
+    """The question for columns that have no names, the first of which may be LOOP or CLOCK."""
     spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
-    weights = ""
-    if count > 3:
-        weights = "; further columns, such as weights, are left out"
-    message = (
-        f"{count} columns of numbers without names; say what they are, such as {spec}{weights}"
-    )
-    if count < 3:
-        # Storage and loss often stand one below the other, as a program for graphs writes them.
-        message = (
-            f"{count} columns of numbers without names, where frequency, storage and loss are"
-            " needed; of tables one below the other write a line of titles above each, such as"
-            ' "frequency [Hz], G\' [Pa]"'
-        )
-    if is_loop:
-        message = f"{count} columns of numbers without names, {_LOOP}"
+    usual = FIRST_COLUMNS
+    message = f"{count} columns of numbers without names"
+    if leading == LOOP:
+        message += f", {LOOP}"
         if count > 2:
             message += f"; of a sweep open {spec}"
+    elif leading == CLOCK:
+        usual = ("time[s]", "displacement[mm]", "force[N]")
+        message += f", {CLOCK}"
+        if count > 2:
+            message += (
+                "; say what the others are, such as 'FILE?1=time[s],2=displacement[mm],3=force[N]',"
+                " or strain[-] and stress[Pa]"
+            )
+        message += OR_IN_TIME
+    elif count > 2:
+        message += f"; say what they are, such as {spec}"
+        if count > 3:
+            message += "; further columns, such as weights, are left out"
+        message += OR_IN_TIME
     else:
-        message += OR_IN_TIME.replace("FIRST", "1").replace("SECOND", "2")
+        # Storage and loss often stand one below the other, as a program for graphs writes them.
+        between = {"\t": "<TAB>", ",": ", "}.get(separator, separator)
+        message += (
+            ", where frequency, storage and loss are needed; of tables one below the other write a"
+            f' line of titles above each, such as "frequency [Hz]{between}G\' [Pa]"{OR_IN_TIME}'
+        )
+    message = message.replace("FIRST", "1").replace("SECOND", "2")
     return OpenQuestion(
-        message, ask_each({str(i): f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS)
+        message, ask_each({str(i): f"column {i}" for i in range(1, count + 1)}, usual)
     )
 
 

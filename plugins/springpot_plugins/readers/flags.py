@@ -86,17 +86,21 @@ def flags_in(
     if storage is not None:
         count = len(storage)
     clipped = np.array([CLIPPED in each for each in words] or [False] * count, dtype=bool)
+    zero = np.zeros_like(clipped)
     if storage is not None and loss is not None:
-        clipped |= _at_limit(storage, loss)
+        zero = _zero_in_place_of(storage, loss)
+        clipped |= _at_limit(storage, loss) | zero
     notes = _flag_note(words)
     # Flags of other kinds are told and change nothing: what they mean differs from instrument to
     # instrument.
     if not clipped.any():
         return Flags(~clipped, notes)
-    what = (
-        f"{int(clipped.sum())} of {count} rows have a storage that was not measured (tan delta at"
-        " its limit)"
-    )
+    why = "tan delta at its limit"
+    if zero.any():
+        why = "0 beside large ones"
+        if (clipped & ~zero).any():
+            why += ", or tan delta at its limit"
+    what = f"{int(clipped.sum())} of {count} rows have a storage that was not measured ({why})"
     if ignored:
         return Flags(
             np.ones(count, dtype=bool), {**notes, "note clipped": f"{what}; kept as you said"}
@@ -134,6 +138,20 @@ def _at_limit(storage: Real, loss: Real) -> NDArray[np.bool_]:
     with np.errstate(all="ignore"):
         rows = np.abs(loss / storage / TANGENT_LIMIT - 1.0) < ROUNDING
     return np.asarray(rows & (rows.sum() > 1))
+
+
+def _zero_in_place_of(storage: Real, loss: Real) -> NDArray[np.bool_]:
+    """Rows of a storage of 0 beside large ones: written for what was negative or not measured.
+
+    Beside the small values of a column it is rounded, and nothing but zeros is a liquid's.
+    """
+    zero = (storage == 0.0) & (loss != 0.0)
+    measured = np.flatnonzero(~zero)
+    if not zero.any() or not len(measured):
+        return np.zeros_like(zero)
+    size = np.abs(storage[measured])
+    nearest = np.argmin(np.abs(np.arange(len(storage))[:, None] - measured), axis=1)
+    return np.asarray(zero & (size[nearest] > np.median(size)))
 
 
 def raw_phase_note(raw: Column | None, frequency: Real) -> dict[str, str]:

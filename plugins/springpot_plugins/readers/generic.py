@@ -18,7 +18,16 @@ from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reade
 
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS, found_in
-from .choices import ask_clock, ask_columns, ask_each, numbered, unknown_in, with_choice
+from .choices import (
+    CLOCK,
+    LOOP,
+    ask_clock,
+    ask_columns,
+    ask_each,
+    numbered,
+    unknown_in,
+    with_choice,
+)
 from .conditions_above import with_conditions_above
 from .dynamic import columns_of, measurement_from, parts_from
 from .grid import COMMENT, MISSING, Grid, grid_of, head_grid, holds_number, is_number
@@ -155,7 +164,7 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     width = len(block.headings)
     # With names the question can show them; without, only the number of the columns is known.
     if block.headings == numbered(width):
-        raise ask_columns(width, _goes_back_and_forth(block, choice))
+        raise ask_columns(width, _leading(block, choice), grid.separator)
     if block.is_steady:
         raise DataError(block.holds())
     terms = [i for i, each in enumerate(block.headings) if each.role == "relaxation_time"]
@@ -164,15 +173,21 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     raise _ask_which(block.headings)
 
 
-def _goes_back_and_forth(block: Block, choice: Choice) -> bool:
-    """Whether the first column does: blocks one below the other only begin anew."""
+def _leading(block: Block, choice: Choice) -> str:
+    """What the first column can be: the words of `ask_columns`, or "" where it may be anything."""
     try:
         first = columns_of(block, with_choice(block.headings, choice))[0].numbers(gaps=True)
     except DataError:
-        return False
-    steps = np.diff(first[np.isfinite(first)])
+        return ""
+    first = first[np.isfinite(first)]
+    steps = np.diff(first)
     back, onward = int((steps < 0.0).sum()), int((steps > 0.0).sum())
-    return min(back, onward) > _BACK * (back + onward)
+    # Blocks one below the other only begin anew, and go neither back nor forth.
+    if min(back, onward) > _BACK * (back + onward):
+        return LOOP
+    if onward and not back and first[0] == 0.0:
+        return CLOCK
+    return ""
 
 
 def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
@@ -201,11 +216,8 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
         raise DataError(
             "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
         )
+    kept = _without_margins(kept, start)
     width = len(kept[start][0])
-    # Cells behind the last separator of each line, which no name stands above, are no column.
-    if not any("".join(row[width - 1 : width]).strip() for row, _ in kept):
-        kept = [(row[: width - 1], n) for row, n in kept]
-        width -= 1
     # A row of numbers above the names is no data: it tells the curves apart.
     if start + 2 < len(kept) and _names(kept[start + 1][0], width):
         start += 2
@@ -214,14 +226,43 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
         if len(row) != width:
             raise DataError(f"line {number}: {len(row)} cells where the first row has {width}")
     above = [[cell.strip() for cell in row] for row, _ in kept[:start]]
-    headings = numbered(width)
-    if above and len(above[-1]) == width:
-        units = []
-        # A row of units alone belongs to the names above it, whatever these mean.
-        if units_in(above[-1]) and len(above) > 1 and _names(above[-2], width):
-            units = [above.pop()]
-        headings = headings_of(above.pop(), units, width, words)
+    headings, above = _headings(above, width, words)
     return Block("", headings, rows, lines, above, words=words)
+
+
+def _headings(
+    above: list[list[str]], width: int, words: Vocabulary
+) -> tuple[tuple[Heading, ...], list[list[str]]]:
+    """The names of columns in the rows above them, and the rows that are none."""
+    # What is said of the specimen may stand between the names and the numbers.
+    place = next((i for i in reversed(range(len(above))) if _names(above[i], width)), None)
+    if above and len(above[-1]) == width and not units_in(above[-1]):
+        place = len(above) - 1
+    if place is None:
+        return numbered(width), above
+    names, units = above[place], []
+    # A row of units alone belongs to the names above it, whatever these mean.
+    if units_in(names) and place and _names(above[place - 1], width):
+        place -= 1
+        names, units = above[place], [names]
+    rest = [*above[:place], *above[place + 1 + len(units) :]]
+    return headings_of(names, units, width, words), rest
+
+
+def _without_margins(kept: list[tuple[list[str], int]], start: int) -> list[tuple[list[str], int]]:
+    """The rows without the columns at either side that hold nothing and have no name."""
+    width = len(kept[start][0])
+    # Names may lack the separator with which each line of numbers begins.
+    above = [row for row, _ in kept[:start] if len(row) == width]
+    while not any(row[0].strip() for row, _ in kept[start:]) and not any(
+        r[0].strip() for r in above
+    ):
+        kept = [*kept[:start], *((row[1:], n) for row, n in kept[start:])]
+        width, above = width - 1, [row for row, _ in kept[:start] if len(row) == width - 1]
+    # Cells behind the last separator of each line, which no name stands above, are no column.
+    if not any("".join(row[width - 1 : width]).strip() for row, _ in kept):
+        kept = [(row[: width - 1], n) for row, n in kept]
+    return kept
 
 
 def _is_gappy(row: Sequence[str]) -> bool:

@@ -157,3 +157,28 @@ def test_of_signals_without_their_last_sensor_its_column_is_asked_for(tmp_path):
     path = rig(tmp_path, "time [s],Displacement (mm),Force (N)", CLOCK, MOVED, PULLED)
     with pytest.raises(DataError, match="no column of force"):
         signals_to_measurement([f"{path}?3=ignore"])
+
+
+def test_of_numbers_without_names_that_begin_at_0_the_hint_says_a_time_first(tmp_path):
+    """No frequency is 0, and the hint opens the file as it is printed."""
+    path = tmp_path / "record.txt"
+    np.savetxt(path, np.column_stack([CLOCK, MOVED, PULLED]))
+    with pytest.raises(DataError, match="the first begins at 0, as a time does") as asked:
+        open_measurement(path)
+    hint = str(asked.value).split("record.txt?")[1].split("'")[0]
+    assert hint == "1=time[s],2=displacement[mm],3=force[N]"
+    [test] = open_in_time(f"{path}?{hint}")
+    np.testing.assert_allclose(test.response, PULLED)
+
+
+def test_names_that_a_remark_parts_from_the_numbers_are_offered(tmp_path):
+    path = tmp_path / "clot.txt"
+    rows = "\n".join(f"\t\t{i}\t{5 * i}\t{0.25 + i**0.5}" for i in range(1, 8))
+    path.write_text(f"NAME\tCHANNEL\tSeq\tTime(sec)\tValue\nSample C\t3\n{rows}\n")
+    with pytest.raises(
+        DataError, match=r"columns:? NAME, CHANNEL, Seq, Time\(sec\), Value"
+    ) as asked:
+        open_measurement(path)
+    assert "without names" not in str(asked.value)
+    [test] = open_in_time(f"{path}?Value=compliance[1/Pa]")
+    np.testing.assert_allclose(test.time, 5.0 * np.arange(1, 8))

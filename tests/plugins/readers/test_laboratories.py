@@ -88,6 +88,19 @@ def test_clipped_values_are_told_without_a_status_column(folder):
     assert len(found) == 3
 
 
+def test_a_zero_beside_large_moduli_was_not_measured(folder):
+    """A program's word for a negative one; beside small ones it is rounded."""
+    row = "{},{},{}\n".format
+    falling = "frequency [Hz],G' [Pa],G'' [Pa]\n" + row(10, 0, 4.73) + row(5, 0.46, 0.47)
+    falling += row(2, 0.27, 0.29) + row(1, 0.2, 0.2) + row(0.5, 0.01, 0.02) + row(0.2, 0, 0.01)
+    found = folder.open(falling)
+    np.testing.assert_allclose(found.stiffness.real, [0.46, 0.27, 0.2, 0.01, 0])
+    assert "1 of 6 rows" in found.provenance["note clipped"]
+    assert "0 beside large ones" in found.provenance["note clipped"]
+    liquid = "frequency [Hz],G' [Pa],G'' [Pa]\n" + row(1, 0, 1) + row(2, 0, 2) + row(3, 0, 3)
+    assert len(folder.open(liquid)) == 3
+
+
 def test_when_nothing_was_measured_it_says_what_to_type(folder):
     content = rheocompass([(MODULI, UNITS, [clipped(row) for row in ROWS])])
     with pytest.raises(DataError, match=r"5 of 5 rows .* '.*\?status=ignore'"):

@@ -220,6 +220,15 @@ def test_nothing_behind_the_last_separator_is_no_column(folder):
     same(folder.open(ended, BARE))
 
 
+def test_names_that_lack_the_separator_before_each_row_are_names(folder):
+    """Not columns of numbers without names, one of them empty."""
+    text = "\t".join(("sample A (rad/s)", "run 1", "run 2")) + "\n"
+    text += "".join(f"\t{line}\n" for line in moduli("\t").splitlines())
+    with pytest.raises(DataError, match=r"among the columns sample A \(rad/s\), run 1, run 2"):
+        folder.open(text)
+    same(folder.open(text, BARE))
+
+
 def test_weights_may_be_left_out_or_named(folder):
     text = rows((OMEGA, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + 2, 0 * OMEGA + 3), " ")
     with pytest.raises(DataError, match="weights"):
@@ -386,7 +395,7 @@ def test_two_tables_without_titles_one_below_the_other_are_told_what_they_lack(f
     """No column 3 is asked for where there are two."""
     blocks = "0.5\t3.07\n1\t7.02\n5\t42.9\n\t\n\t\n0.5\t9.78\n1\t20.7\n5\t20.7\n"
     with pytest.raises(
-        DataError, match=r"2 columns of numbers without names.*titles above each"
+        DataError, match=r"2 columns of numbers without names.*titles above each.*Hz\]<TAB>G'"
     ) as refused:
         folder.open(blocks)
     assert "3=loss" not in str(refused.value)
