@@ -15,7 +15,6 @@ import pytest
 import springpot as library
 from springpot.cli import diagnose, group
 from springpot.cli.common import of_each
-from springpot.cli.diagnose import unlike
 from springpot.identification import Value
 from springpot.measurement import joined
 from springpot.report.text import TextTable, shown, width, wrapped
@@ -228,19 +227,6 @@ def test_only_who_interrupts_is_told_how_far_it_came(capsys, monkeypatch, raised
     assert capsys.readouterr().err == said
 
 
-def test_sweeps_judged_one_by_one_that_are_not_alike_are_told_of():
-    """Each by itself is adequate, and no one specimen has them all."""
-
-    def of(name: str, **values: float) -> tuple[str, dict[str, Value]]:
-        return name, {k: Value(v, 0.99 * v, 1.01 * v, "kN/m") for k, v in values.items()}
-
-    alike = [of("a", k=400.0, c=60.0), of("b", k=404.0, c=60.5)]
-    assert unlike(alike) == ""
-    assert unlike([of("a", k=400.0), of("b", c=500.0)]) == ""
-    says = unlike([*alike, of("c", k=440.0, c=60.2), of("d", k=400.0)])
-    assert says.startswith("each was judged by itself, and k of a, b, c and 1 more differ by more")
-
-
 @pytest.mark.parametrize(("verdict", "told"), [("adequate", True), ("effect-missing", False)])
 def test_only_sweeps_that_the_model_follows_are_compared(monkeypatch, capsys, verdict, told):
     """What is missing bends the parameters otherwise in each band."""
@@ -255,4 +241,10 @@ def test_only_sweeps_that_the_model_follows_are_compared(monkeypatch, capsys, ve
     monkeypatch.setattr(diagnose.timetests, "named_tests", lambda data, geometry: None)
     monkeypatch.setattr(diagnose, "_answer", answered)
     assert group.run(["diagnose", "a", "b", "-m", "kelvin"]) == 0
-    assert ("note: each was judged by itself" in capsys.readouterr().out) is told
+    note = "note: each was judged by itself"
+    assert (note in capsys.readouterr().out) is told
+    # Each line of JSON is an answer.
+    assert group.run(["diagnose", "a", "b", "-m", "kelvin", "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert note not in out
+    assert (note in err) is told

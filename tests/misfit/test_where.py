@@ -96,6 +96,25 @@ def test_the_sentence_of_the_issue():
     assert found.endswith("the same at all temperatures")
 
 
+def test_noise_of_gain_and_phase_does_not_turn_the_sides_of_storage_and_loss():
+    """Beyond a resonance K' is negative: along K a K' that is too low there is one too high."""
+    omega = 2.0 * np.pi * np.geomspace(0.1, 100.0, 30)
+    modelled = stiffness(omega) - 0.002 * omega**2
+    size = np.abs(modelled)
+    rng = np.random.default_rng(1)
+    along = size * (0.01 * rng.normal(size=30) + 0.005j * rng.normal(size=30))
+    phase = modelled / size
+    measured = modelled + np.where(omega > 100.0, 0.2 * size, -0.1 * size) + along * phase
+    weights = 1.0 / (0.01 * size) + 1.0j / (0.005 * size)
+    nothing = np.zeros((0, 30), dtype=complex)
+    data = Measurement(omega, measured, units=Units("kN/m", "mm"))
+    found = where(NoiseFrame(data, modelled, weights, nothing, turn=np.conj(phase)))
+    assert [place.part for place in found] == ["storage", "storage"]
+    below, above = sorted(found, key=lambda place: place.low)
+    assert "too high below" in below.says
+    assert "too low above" in above.says
+
+
 def test_a_ripple_fixed_in_hertz_is_not_told_wave_by_wave():
     def off(f, t, x):
         return 0.05 * np.sin(2 * np.pi * 3.0 * np.log10(f))

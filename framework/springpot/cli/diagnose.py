@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import combinations
-from math import hypot
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.writing import NAMED, accepting, listed, with_model
+from springpot.writing import accepting, with_model
 
 from . import timetests
 from .common import (
@@ -38,7 +37,6 @@ from .hints import Waiting, suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
-    from springpot.identification.value import Value
     from springpot.measurement.opening import Test
 
 
@@ -94,23 +92,17 @@ def command(
             return partial(_json, line=len(named) < len(data))
         return partial(_text, verbose=verbose, named=named, model=model)
 
-    adequate: list[tuple[str, Mapping[str, Value]]] = []
+    found: list[Diagnosis] = []
 
     def answer(name: str) -> None:
         if name != data[0] and not as_json:
             print()
         # Opened here: data that cannot be used end their own answer, not the others'.
-        found = _answer([opened(name, geometry)], arguments, shown(name))
-        # What is missing elsewhere bends the parameters, as far as the sweep happens to show it.
-        if found.verdict == "adequate":
-            adequate.append((found.data, found.parameters))
+        found.append(_answer([opened(name, geometry)], arguments, shown(name)))
 
     if tests is None:
         code = of_each(data, answer)
-        if not as_json and (says := unlike(adequate)):
-            from springpot.report.text import wrapped
-
-            print("\n" + wrapped(f"note: {says}", window()))
+        _differences(found, as_json)
         return code
     _answer(tests, arguments, shown(*data))
     return 0
@@ -132,31 +124,16 @@ def _answer(tests: Sequence[Test], arguments: dict[str, Any], shown: Shown) -> D
     return answered
 
 
-def unlike(adequate: Sequence[tuple[str, Mapping[str, Value]]]) -> str:
-    """That sweeps judged one by one are not alike; nothing where their parameters are.
+def _differences(found: Sequence[Diagnosis], as_json: bool) -> None:
+    """What the answers say together; beside JSON, which has a line for each, on stderr."""
+    from springpot.diagnosis.notes import unlike
+    from springpot.report.text import wrapped
 
-    Parameters
-    ----------
-    adequate : sequence of (str, mapping)
-        Of each sweep that the model follows the name and the parameters.
-    """
-    apart: dict[str, None] = {}
-    for (_, one), (_, other) in combinations(adequate, 2):
-        for name, a in one.items():
-            b = other.get(name)
-            if b is None or a.unit != b.unit:
-                continue
-            # Twice the interval of their difference: of many pairs some are that far by chance.
-            if abs(a.value - b.value) > hypot(a.high - a.low, b.high - b.low):
-                apart[name] = None
-    if not apart:
-        return ""
-    return (
-        f"each was judged by itself, and {listed(list(apart))} of"
-        f" {listed([name for name, _ in adequate], NAMED)} differ by more than their intervals: of"
-        " one specimen under the same conditions that is a calibration, an area or gap, a"
-        " temperature or an age"
-    )
+    if says := unlike(found):
+        out = sys.stdout
+        if as_json:
+            out = sys.stderr
+        print("\n" + wrapped(f"note: {says}", window()), file=out)
 
 
 def _json(diagnosis: Diagnosis, tests: Sequence[Test], line: bool) -> None:

@@ -484,8 +484,10 @@ def _chances(search: Search, evidence: Evidence) -> dict[str, float]:
 
 
 def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
-    """Single points first, then bands, then what only a period shows."""
-    yield from (outlier.place for outlier in outliers)
+    """Bands first, then what only a period shows, then the single points that were set aside.
+
+    The first place is told beside the effect that explains it, which a point is not.
+    """
     bands = []
     if verdict != "adequate":
         bands = where(search.frame)
@@ -497,6 +499,7 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
         and search.structure.parts["ripple"] < VERDICT.structure_alarm
     ):
         yield periodic(search.frame)
+    yield from (outlier.place for outlier in outliers)
 
 
 def _next_experiment(

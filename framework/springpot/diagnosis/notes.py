@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations
+from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,11 +39,11 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
-from springpot.writing import FEW, NAMED, suggested
+from springpot.writing import FEW, NAMED, listed, suggested
 
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
-from .result import Candidate, Verdict
+from .result import Candidate, Diagnosis, Verdict
 
 if TYPE_CHECKING:
     from .evidence import Evidence
@@ -498,3 +500,32 @@ def _growth(measurement: Measurement, share: Real, rows: NDArray[np.int64]) -> s
     if error < 0.7 and abs(named - slope) < max(VERDICT.close_power, 2 * error):
         meaning = f", {MEANINGS[named]}"
     return f", growing as amplitude^{slope:.2g} ± {2 * error:.1g}{meaning}"
+
+
+def unlike(judged: Iterable[Diagnosis]) -> str:
+    """That sweeps judged one by one are not alike; nothing where their parameters are.
+
+    Parameters
+    ----------
+    judged : iterable of Diagnosis
+        The answers, of which those count that the model follows.
+    """
+    # What is missing elsewhere bends the parameters, as far as the sweep happens to show it.
+    followed = [one for one in judged if one.verdict == "adequate"]
+    apart: dict[str, None] = {}
+    for one, other in combinations(followed, 2):
+        for name, a in one.parameters.items():
+            b = other.parameters.get(name)
+            if b is None or a.unit != b.unit:
+                continue
+            # Twice the interval of their difference: of many pairs some are that far by chance.
+            if abs(a.value - b.value) > hypot(a.high - a.low, b.high - b.low):
+                apart[name] = None
+    if not apart:
+        return ""
+    return (
+        f"each was judged by itself, and {listed(list(apart))} of"
+        f" {listed([one.data for one in followed], NAMED)} differ by more than their intervals: of"
+        " one specimen under the same conditions that is a calibration, an area or gap, a"
+        " temperature or an age"
+    )

@@ -12,6 +12,7 @@ from springpot.distributions import chi2_sf
 from springpot.measurement.independence import HELD_ALIKE, frequency_numbers
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
+from springpot.measurement.scatter import turned_sd
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, read
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
@@ -386,6 +387,11 @@ def _parts(frame: NoiseFrame) -> Iterator[PlaneOfFit]:
     size = frame.measurement.magnitude
     units = frame.measurement.units
     rows = frame.residual[:n], frame.residual[n:]
+    if frame.turn is not None:
+        # A noise of gain and phase weighs the parts along K: where K' is negative, they are no K'.
+        along = 1.0 / frame.weights.real + 1.0j / frame.weights.imag
+        sd = turned_sd(along.astype(np.complex128), np.conj(frame.turn))
+        rows = residual.real / sd.real, residual.imag / sd.imag
     yield PlaneOfFit(units.storage, residual.real, residual.real / size, rows[0], "storage")
     yield PlaneOfFit(units.loss, residual.imag, residual.imag / size, rows[1], "loss")
 

@@ -186,7 +186,7 @@ def change(ratio: float) -> str:
     if ratio < 1.0 / LOST:
         return f"fell more than {LOST:.0f}-fold"
     if ratio > 1.0 / NEGLIGIBLE:
-        return "rose beyond all bounds"
+        return "rose from nothing"
     if ratio > LOST:
         return f"rose more than {LOST:.0f}-fold"
     # Beyond half and double per cent mislead: -90 % is a tenth, +90 % is not ten times.
