@@ -33,7 +33,7 @@ from paper.asking import asking
 from springpot.benchmark import Table, save_table
 from springpot.benchmark.statistics import wilson
 from springpot.testreport import LoopRecord
-from springpot.testreport.certifying import certify
+from springpot.testreport.certificate import certify
 from springpot.testreport.code import TestCode, read_code
 from springpot.testreport.deciding import CONFORMING, FAILING, DecidedRow
 

@@ -15,7 +15,7 @@ import numpy as np
 from springpot import plugins
 from springpot.benchmark import Study
 from springpot.benchmark.plan import RaceCase, problem_of, reference_of
-from springpot.benchmark.report.plot import Dot, Pen, PlotAxis, key, scatter
+from springpot.benchmark.plot import Dot, Pen, PlotAxis, key, scatter
 from springpot.benchmark.statistics import expected_running_time
 from springpot.identification.problem import SpecimenProblem
 from springpot.measurement import DataSet, Measured, Measurement, Suite

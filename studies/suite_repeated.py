@@ -32,11 +32,10 @@ from paper.asking import asking
 from springpot import plugins
 from springpot.benchmark import Store, Study, Table, save_table
 from springpot.benchmark.archive import Archive, take_over, write_archive
-from springpot.benchmark.engine import make_engine
 from springpot.benchmark.plan import Plan
-from springpot.benchmark.runner import provenance
+from springpot.benchmark.runner import make_engine, provenance
 from springpot.benchmark.statistics import Interval, expected_running_time, goal_of, hitting_time
-from springpot.benchmark.traces import unpack
+from springpot.benchmark.trial import unpack
 from springpot.rheology import Real
 from suite import SUITE, sweeps
 from suite_race import RIVALS

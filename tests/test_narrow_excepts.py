@@ -125,7 +125,7 @@ TOP = "the top of a process: what comes this far is told as a fault, with exit c
 CARRIED = "kept here and raised again behind a library that would swallow it"
 BOUNDARIES = {
     "framework/springpot/benchmark/archive.py:_one_line": STRANGER,
-    "framework/springpot/benchmark/engine.py:close": FOREIGN,
+    "framework/springpot/benchmark/runner.py:close": FOREIGN,
     "framework/springpot/benchmark/fork_server.py:serve": (
         "streams that an optimiser closed or replaced; what it printed is not worth a trial"
     ),
@@ -137,10 +137,10 @@ BOUNDARIES = {
     "framework/springpot/processes.py:kept_surroundings": (
         "what a plugin changed and cannot be put back is told as changed"
     ),
-    "plugins/springpot_plugins/optimisers/minuit.py:descend": FOREIGN,
+    "plugins/springpot_plugins/optimisers/libraries.py:descend": FOREIGN,
     "plugins/springpot_plugins/optimisers/nloptlib.py:search": FOREIGN,
-    "framework/springpot/benchmark/engine.py:_dask": FOREIGN,
-    "framework/springpot/benchmark/engine.py:_submit": FOREIGN,
+    "framework/springpot/benchmark/runner.py:_dask": FOREIGN,
+    "framework/springpot/benchmark/runner.py:_submit": FOREIGN,
     "framework/springpot/benchmark/fork_server.py:_be_born": TOP,
     "framework/springpot/benchmark/fork_server.py:main": TOP,
     "framework/springpot/benchmark/summary.py:load_script": PLUGIN,
@@ -174,16 +174,16 @@ BOUNDARIES = {
     "framework/springpot/web/tasks.py:perform": TOP,
     "plugins/springpot_plugins/datasets/download.py:fetched": FOREIGN,
     "plugins/springpot_plugins/datasets/folders.py:_dataset": STRANGER,
-    "plugins/springpot_plugins/datasets/rheodata.py:_columns": FOREIGN,
-    "plugins/springpot_plugins/optimisers/annealing.py:guarded": CARRIED,
-    "plugins/springpot_plugins/optimisers/minion.py:values": CARRIED,
+    "plugins/springpot_plugins/datasets/measured.py:_columns": FOREIGN,
+    "plugins/springpot_plugins/optimisers/scipy_searches.py:guarded": CARRIED,
+    "plugins/springpot_plugins/optimisers/libraries.py:values": CARRIED,
     "plugins/springpot_plugins/optimisers/nloptlib.py:_objective": CARRIED,
     "plugins/springpot_plugins/optimisers/unified.py:_attempt": OPTIMISER,
-    "plugins/springpot_plugins/readers/archive.py:check_archive": FOREIGN,
+    "plugins/springpot_plugins/readers/excel.py:check_archive": FOREIGN,
     "plugins/springpot_plugins/readers/excel.py:_sheets": FOREIGN,
-    "plugins/springpot_plugins/readers/old_excel.py:sheets_of": FOREIGN,
-    "plugins/springpot_plugins/readers/signals_tdms.py:signals": FOREIGN,
-    "plugins/springpot_plugins/readers/trios_json.py:_parsed": STRANGER,
+    "plugins/springpot_plugins/readers/excel.py:_old_sheets": FOREIGN,
+    "plugins/springpot_plugins/readers/signals_binary.py:_of_tdms": FOREIGN,
+    "plugins/springpot_plugins/readers/ta_instruments.py:_of_json": STRANGER,
     "framework/springpot/cli/group.py:_table": PLUGIN,
     "framework/springpot/files.py:_is_stdout": "a stream that has no number, as a test's has none",
     "framework/springpot/identification/searching.py:action": OPTIMISER,
@@ -191,7 +191,7 @@ BOUNDARIES = {
     "framework/springpot/files.py:toml_in": STRANGER,
     "framework/springpot/limits.py:address_space": "a system without these counters",
     "framework/springpot/measurement/opening.py:tests": PLUGIN,
-    "plugins/springpot_plugins/datasets/manifest.py:read_manifest": STRANGER,
+    "plugins/springpot_plugins/datasets/folders.py:read_manifest": STRANGER,
 }
 """Every place that may catch a programming error, and why; a new one needs a reason as good."""
 

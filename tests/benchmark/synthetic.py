@@ -13,8 +13,7 @@ from benchmark_fakes import TRUTH, Walk, measurement
 from springpot.benchmark import Store, Study
 from springpot.benchmark.plan import Plan
 from springpot.benchmark.runner import provenance
-from springpot.benchmark.traces import pack
-from springpot.benchmark.trial import Status, TrialResult
+from springpot.benchmark.trial import Status, TrialResult, pack
 from springpot.measurement import DataSet
 
 BUDGET = 8000

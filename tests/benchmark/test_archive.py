@@ -16,8 +16,7 @@ from springpot.benchmark.archive import Archive, opened, study_of, take_over, wr
 from springpot.benchmark.exporting import export
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.summary import TrialRow
-from springpot.benchmark.traces import pack
-from springpot.benchmark.trial import Status
+from springpot.benchmark.trial import Status, pack
 from springpot.errors import StudyError
 from springpot.measurement import DataSet
 

@@ -28,7 +28,7 @@ from springpot.benchmark.comparison import (
 from springpot.benchmark.standings import TABLES, rank_table, tables_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.benchmark.summary import CellRow, ProblemRow
-from springpot.benchmark.traces import at
+from springpot.benchmark.trial import at
 
 INF = np.inf
 SCALE = JudgingScale(1e-6, 2000)

@@ -21,8 +21,8 @@ from benchmark_fakes import (
 )
 
 from soaked import soaked
-from springpot.benchmark import FORMATS, Status, Store, engine, run_study, supervisor
-from springpot.benchmark.engine import ExecutorEngine
+from springpot.benchmark import FORMATS, Status, Store, run_study, runner, supervisor
+from springpot.benchmark.runner import ExecutorEngine
 from springpot.errors import StudyError
 
 ACCURACY = [f"summary.{suffix}" for suffix, _ in FORMATS.values()]
@@ -221,9 +221,9 @@ def test_unknown_engines_and_missing_dask_are_one_line(tmp_path, monkeypatch):
 
 
 def test_an_executor_has_a_batch_for_each_worker_and_one_that_waits(monkeypatch):
-    monkeypatch.setattr(engine.Parcel, "of", lambda *given, **more: None)
+    monkeypatch.setattr(runner.Parcel, "of", lambda *given, **more: None)
     executor = SimpleNamespace(submit=None)
-    assert engine.make_engine(None, None, 3, executor)._width == 6
+    assert runner.make_engine(None, None, 3, executor)._width == 6
 
 
 def test_batches_grow_while_they_come_back_at_once_and_shrink_when_they_do_not():

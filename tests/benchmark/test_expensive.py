@@ -17,7 +17,7 @@ from springpot.benchmark.bias import Formless, Ripples
 from springpot.benchmark.expensive import OnThreads, Site, asked, expensive_table, paced_run
 from springpot.errors import StudyError
 from springpot.identification import AskingOptimiser, Card, Enquiry, Optimiser, run
-from springpot_plugins.optimisers import surrogate
+from springpot_plugins.optimisers import libraries
 
 ALIKE = Site(workers=4, seconds=0.05, spread=0.0)
 
@@ -161,7 +161,7 @@ def test_the_surrogate_tells_heights_of_the_logarithm_and_none_that_is_infinite(
     module.BayesianOptimization, module.acquisition = Library, acquisition
     monkeypatch.setitem(sys.modules, "bayes_opt", module)
     monkeypatch.setitem(sys.modules, "bayes_opt.acquisition", acquisition)
-    enquiry = surrogate.ExpectedImprovement(initial=2).enquiry(3, 20, np.random.default_rng(1))
+    enquiry = libraries.ExpectedImprovement(initial=2).enquiry(3, 20, np.random.default_rng(1))
     for value in (100.0, np.inf, 1e-3, 0.0):
         enquiry.tell(enquiry.ask(), value)
     assert [target for _, target in enquiry._search.known] == [-2.0, 3.0, 12.0]
@@ -169,7 +169,7 @@ def test_the_surrogate_tells_heights_of_the_logarithm_and_none_that_is_infinite(
 
 @pytest.mark.skipif(find_spec("bayes_opt") is None, reason="pip install 'springpot[surrogate]'")
 def test_the_surrogate_draws_from_its_generator_only_and_beats_blind_search():
-    kind, before = surrogate.ExpectedImprovement(), np.random.get_state()[1].copy()  # noqa: NPY002
+    kind, before = libraries.ExpectedImprovement(), np.random.get_state()[1].copy()  # noqa: NPY002
     found, again = (paced_run(kind, Bowl(2), 30, ALIKE, 1) for _ in range(2))
     np.testing.assert_array_equal(found.values, again.values)
     np.testing.assert_array_equal(np.random.get_state()[1], before)  # noqa: NPY002

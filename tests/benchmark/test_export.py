@@ -11,7 +11,7 @@ import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
 from springpot.benchmark import Store, export, frame, run_study
-from springpot.benchmark.traces import at
+from springpot.benchmark.trial import at
 from springpot.errors import OutputError, SpringpotError, StudyError
 
 

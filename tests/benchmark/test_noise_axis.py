@@ -13,8 +13,8 @@ from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.columns import trial_columns
 from springpot.benchmark.gate.baseline import baseline_of
 from springpot.benchmark.plan import WorkOrder, drawn
-from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import study_tables
+from springpot.benchmark.study_report import study_html
 from springpot.benchmark.trial import TwinProblem, Workshop
 from springpot.errors import StudyError
 from springpot.identification import run

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from springpot.benchmark.report import plot
-from springpot.benchmark.report.plot import (
+from springpot.benchmark import plot
+from springpot.benchmark.plot import (
     NAMES,
     ROW,
     WIDTH,

@@ -10,11 +10,11 @@ from synthetic import synthetic_store
 from springpot.benchmark import Findings, Store, run_study, statistics, store_path
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
 from springpot.benchmark.plan import stream_of
-from springpot.benchmark.report.study import write_study_report
 from springpot.benchmark.robustness import WithoutSome, _moved, without_each
 from springpot.benchmark.standings import RANKING, study_tables
 from springpot.benchmark.statistics import ROPE, signed_rank_posterior
-from springpot.benchmark.traces import Traces
+from springpot.benchmark.study_report import write_study_report
+from springpot.benchmark.trial import Traces
 
 SCALE = JudgingScale(1e-4, 100)
 

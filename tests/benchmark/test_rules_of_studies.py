@@ -11,18 +11,10 @@ import numpy as np
 import pytest
 from benchmark_fakes import OMEGA, TRUTH, Moody, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import (
-    fork_server,
-    plan as plans,
-    runner,
-    study as studies,
-    summary,
-    traces,
-    trial,
-)
-from springpot.benchmark.engine import ExecutorEngine
+from springpot.benchmark import fork_server, plan as plans, runner, study as studies, summary, trial
 from springpot.benchmark.fork_server import Parcel
 from springpot.benchmark.plan import BLOCK, WorkOrder
+from springpot.benchmark.runner import ExecutorEngine
 from springpot.benchmark.trial import Bell, Status, TrialResult, TwinProblem, Workshop
 from springpot.errors import OptionError, StudyError
 from springpot.identification import BatchedOptimiser, Card, Optimiser, run
@@ -203,20 +195,20 @@ def test_progress_is_told_at_tenths_and_not_more_often_than_every_ten_seconds(mo
 
 
 def test_traces_are_told_at_any_evaluation():
-    assert traces.improvements(np.array([3.0, 3.0, 2.0, 5.0, 1.0])) == [
+    assert trial.improvements(np.array([3.0, 3.0, 2.0, 5.0, 1.0])) == [
         (1, 3.0),
         (3, 2.0),
         (5, 1.0),
     ]
-    numbers, values = traces.unpack(traces.pack([(1, 3.0), (300, 2.0)]))
+    numbers, values = trial.unpack(trial.pack([(1, 3.0), (300, 2.0)]))
     assert (numbers.tolist(), values.tolist()) == ([1, 300], [3.0, 2.0])
     asked = np.array([1, 299, 300, 900])
-    assert traces.at(numbers, values, asked).tolist() == [3.0, 3.0, 2.0, 2.0]
-    assert traces.at(np.array([5]), np.array([1.0]), np.array([4])).tolist() == [np.inf]
-    grid = traces.geometric_grid(1000)
+    assert trial.at(numbers, values, asked).tolist() == [3.0, 3.0, 2.0, 2.0]
+    assert trial.at(np.array([5]), np.array([1.0]), np.array([4])).tolist() == [np.inf]
+    grid = trial.geometric_grid(1000)
     assert (grid[0], grid[-1], len(np.unique(grid)) == len(grid)) == (1, 1000, True)
-    assert traces.geometric_grid(1).tolist() == [1]
-    assert traces.unpack_values(traces.pack_values(np.array([1.5, 2.5]))).tolist() == [1.5, 2.5]
+    assert trial.geometric_grid(1).tolist() == [1]
+    assert trial.unpack_values(trial.pack_values(np.array([1.5, 2.5]))).tolist() == [1.5, 2.5]
 
 
 def test_errors_are_relative_unless_the_truth_is_nothing():

@@ -11,8 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from springpot.benchmark import Status, Store
 from springpot.benchmark.schema import SCHEMA
-from springpot.benchmark.traces import pack, unpack
-from springpot.benchmark.trial import TrialResult
+from springpot.benchmark.trial import TrialResult, pack, unpack
 from springpot.errors import StudyError
 
 

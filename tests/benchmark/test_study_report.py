@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from benchmark_fakes import Moody, Walk, artificial, small_study
 
-from springpot.benchmark import Findings, Store, run_study
-from springpot.benchmark.report import study as study_report
-from springpot.benchmark.report.plot import (
+from springpot.benchmark import Findings, Store, run_study, study_report
+from springpot.benchmark.plot import (
     Dot,
     Pen,
     PlotAxis,
@@ -24,9 +23,9 @@ from springpot.benchmark.report.plot import (
     plot,
     scatter,
 )
-from springpot.benchmark.report.study import study_html, write_study_report
-from springpot.benchmark.report.study_plots import pools, share_text, verdict
 from springpot.benchmark.statistics import wilson
+from springpot.benchmark.study_plots import pools, share_text, verdict
+from springpot.benchmark.study_report import study_html, write_study_report
 from springpot.identification import Optimiser
 from springpot.writing import joined
 

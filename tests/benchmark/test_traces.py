@@ -10,8 +10,15 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 from springpot import parse_model, plugins
 from springpot.benchmark import Store, run_study
 from springpot.benchmark.schema import seal
-from springpot.benchmark.traces import Traces, at, geometric_grid, improvements, pack, unpack
-from springpot.benchmark.trial import TwinProblem
+from springpot.benchmark.trial import (
+    Traces,
+    TwinProblem,
+    at,
+    geometric_grid,
+    improvements,
+    pack,
+    unpack,
+)
 from springpot.identification import Problem, Recorder, all_points, run, run_batch
 
 NOISY = artificial(0.05, "noisy")

@@ -19,11 +19,10 @@ from springpot.benchmark.columns import trace_columns, trial_columns
 from springpot.benchmark.comparison import with_truth
 from springpot.benchmark.exporting import WRITERS
 from springpot.benchmark.gate import baseline, regression
-from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import study_tables
+from springpot.benchmark.study_report import study_html
 from springpot.benchmark.summary import TrialRow
-from springpot.benchmark.traces import pack, pack_values
-from springpot.benchmark.trial import Status, TrialResult
+from springpot.benchmark.trial import Status, TrialResult, pack, pack_values
 from springpot.measurement import DataSet
 
 BUDGET = 2500

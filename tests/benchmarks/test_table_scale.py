@@ -22,7 +22,7 @@ from synthetic import fallen, synthetic_store
 
 from springpot.benchmark import Store
 from springpot.benchmark.standings import TABLES, study_tables
-from springpot.benchmark.traces import Traces
+from springpot.benchmark.trial import Traces
 
 SHAPES = {
     1000: (2, 10, 50),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.result import leaving_out, splitting, turning
+from springpot.diagnosis.result import NextExperiment, leaving_out, splitting, turning
 from springpot.measurement.mixed_up import sign_note, turned, wrong_way
 from springpot.registry import of_each
 from springpot.report.text import percent
@@ -83,6 +83,8 @@ def test_that_it_is_to_be_turned_is_said_first(apart):
     told = replace(apart, steps=(*apart.steps, turning("rig.csv?force=-N"))).behind_a_sign()
     assert told.says.startswith("the force seems to count the other way")
     assert told.says.endswith(f"; {apart.says}")
+    planned = replace(told, next_experiment=NextExperiment("repeat", (), None))
+    assert planned.behind_a_sign().next_experiment is None
     assert replace(apart, verdict="adequate", steps=told.steps).behind_a_sign().says == apart.says
 
 

@@ -15,7 +15,7 @@ from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.ladder import FoundSet, Rungs, rung_of
 from springpot.diagnosis.result import silent
 from springpot.diagnosis.scan import scan_effects
-from springpot.diagnosis.search import _less_one, search_from
+from springpot.diagnosis.search import _less_one, go_on_from, search_from
 from springpot.misfit.error import Error
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.refit import refit
@@ -299,6 +299,10 @@ def test_of_a_pair_what_can_be_spared_goes(stiffness, left):
     less = _less_one(search, [pair])
     assert [grown.names for grown in less] == left
     assert all(grown.predicted == scanned.scores[0].predicted for grown in less)
+    # In another noise too, where the search anew found neither.
+    before = Search(base, base.frame(), scanned, None, [pair])
+    after = go_on_from(Search(base, base.frame(), scanned, None), before, np.random.default_rng(1))
+    assert {grown.key for grown in after.grown} == {pair.key, *left}
     search.grown.append(pair)
     assert _less_one(search, [pair]) == [], "no better than what is known"
 

@@ -76,6 +76,15 @@ def test_without_a_name_the_best_help_is_offered_and_said_to_be_no_proof(found):
     assert nameless.onward == "helps, but is no proof"
 
 
+def test_of_what_may_be_chance_the_likeliest_is_offered_though_another_leaves_less(found):
+    """A headline named one effect, and the command below it accepted another."""
+    nameless = replace(found, verdict="unexplained", leading=())
+    likeliest = next(row for row in found.candidates if row.effect == names(nameless, "helps")[1])
+    rest = tuple(row for row in found.candidates if row is not likeliest)
+    open_ended = replace(nameless, verdict="inconclusive", candidates=(likeliest, *rest))
+    assert open_ended.offered == names(open_ended, "helps")[0] == likeliest.effect
+
+
 def test_an_effect_that_leaves_the_error_is_never_offered(found):
     stays = tuple(
         replace(row, alone=AsTold(found.error.relative_rms), beside=AsTold())

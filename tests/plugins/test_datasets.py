@@ -8,16 +8,8 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import PROMISED, open_measurement, select
-from springpot_plugins.datasets import (
-    artificial,
-    folders,
-    manifest,
-    nist,
-    reconstructions,
-    rheodata,
-    springpot_datasets,
-)
-from springpot_plugins.datasets.artificial import TRUTH
+from springpot_plugins.datasets import computed, folders, measured, springpot_datasets
+from springpot_plugins.datasets.computed import TRUTH
 
 SHARED = Path(
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
@@ -75,9 +67,9 @@ def test_artificial_kelvin_data_are_those_of_eq_22():
 @pytest.mark.parametrize("model", TRUTH)
 def test_noise_has_its_seed_its_size_and_its_sides(model):
     exact = opened(f"artificial-{model}")
-    one, again = opened(f"artificial-{model}-noise1"), artificial.artificial(model, 0.01)
+    one, again = opened(f"artificial-{model}-noise1"), computed.artificial(model, 0.01)
     assert one.stiffness.tobytes() == again.stiffness.tobytes()
-    assert one.stiffness.tobytes() != artificial.artificial(model, 0.01, seed=1).stiffness.tobytes()
+    assert one.stiffness.tobytes() != computed.artificial(model, 0.01, seed=1).stiffness.tobytes()
     for name, bound in (
         ("noise1", 0.011),
         ("noise2", 0.022),
@@ -87,7 +79,7 @@ def test_noise_has_its_seed_its_size_and_its_sides(model):
         error = np.abs(opened(f"artificial-{model}-{name}").stiffness / exact.stiffness - 1)
         assert 0.1 * bound < error.max() < bound
     with pytest.raises(DataError, match="no artificial data"):
-        artificial.artificial("maxwell")
+        computed.artificial("maxwell")
 
 
 def test_makris_reconstruction_is_eq_54():
@@ -115,7 +107,7 @@ def test_an_absent_branch_in_table_4_is_its_limit():
     for name in ("standard", "zener"):
         found = opened(f"reconstruction-pdms-table4-{name}")
         assert np.isfinite(found.stiffness).all()
-    assert len(reconstructions.datasets()) == 1 + 4 + 3 + 6 + 7
+    assert len(computed._reconstructions()) == 1 + 4 + 3 + 6 + 7
 
 
 def test_nist_fluid_has_uncertainties_temperatures_and_the_printed_values():
@@ -125,14 +117,14 @@ def test_nist_fluid_has_uncertainties_temperatures_and_the_printed_values():
     assert found.stiffness[0] == 1.124 + 96.363j
     assert found.sd[0] == 0.329 + 1.281j
     assert "10.6028/NIST.SP.260-147" in found.provenance["citation"]
-    whole = nist.datasets()[0].open()
+    whole = measured._of_nist()[0].open()
     assert np.unique(whole.conditions["temperature"]).tolist() == [0, 10, 20, 30, 40, 50]
     assert np.median(np.abs(whole.conditions["nist_storage"] / whole.storage - 1)) < 0.02
 
 
 def test_rheodata_is_offered_or_said_to_be_missing(monkeypatch):
-    monkeypatch.setattr(rheodata, "find_spec", lambda name: None)
-    for data in rheodata.datasets():
+    monkeypatch.setattr(measured, "find_spec", lambda name: None)
+    for data in measured._of_rheodata():
         assert "pip install" in data.unavailable
         with pytest.raises(DataError, match="pip install"):
             data.open()
@@ -146,7 +138,7 @@ def test_rheodata_frequency_sweep():
 
 
 def test_choosing_rows():
-    whole = nist.datasets()[0].open()
+    whole = measured._of_nist()[0].open()
     assert len(select(whole, {"temperature": "20.3"})) == 16
     with pytest.raises(
         DataError, match=r"no temperature near 25 \(there are: 0, 10, 20, 30, 40, 50\)"
@@ -229,7 +221,7 @@ def test_directories_that_are_not_there_hold_nothing(monkeypatch):
 def test_every_shipped_manifest_opens_its_folder(monkeypatch):
     monkeypatch.setenv(folders.VARIABLE, str(SHARED))
     found = {data.name: data for data in folders.datasets()}
-    shipped = {path.stem for path in (Path(manifest.__file__).parent / "manifests").glob("*.toml")}
+    shipped = {path.stem for path in (Path(folders.__file__).parent / "manifests").glob("*.toml")}
     assert shipped & {path.name for path in SHARED.iterdir()} == set(found)
     for data in found.values():
         measured = data.open()

@@ -15,7 +15,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot_plugins.datasets import download, folders, springpot_datasets
-from springpot_plugins.datasets.manifest import read_manifest
+from springpot_plugins.datasets.folders import read_manifest
 
 CONTENT = b"f;Ks;Kl\n1;2;3\n2;3;4\n"
 MANIFEST = """

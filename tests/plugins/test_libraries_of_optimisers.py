@@ -15,22 +15,13 @@ from springpot.errors import ModelError
 from springpot.identification import run
 from springpot.registry import plugins
 from springpot.testing import check_optimiser
-from springpot_plugins.optimisers import (
-    dfo,
-    families,
-    lipo_library,
-    minion,
-    minuit,
-    nevergrad_library,
-    pymoo_library,
-    surrogate,
-)
+from springpot_plugins.optimisers import libraries
 from springpot_plugins.optimisers.cube import integer
 
 OF = {
-    **dict.fromkeys(minion.MEMBERS, "minionpy"),
-    **dict.fromkeys(pymoo_library.MEMBERS, "pymoo"),
-    **dict.fromkeys(nevergrad_library.MEMBERS, "nevergrad"),
+    **dict.fromkeys(libraries.MINION, "minionpy"),
+    **dict.fromkeys(libraries.PYMOO, "pymoo"),
+    **dict.fromkeys(libraries.NEVERGRAD, "nevergrad"),
 }
 EXTRA = {"minionpy": "race", "pymoo": "pymoo", "nevergrad": "nevergrad"}
 
@@ -45,22 +36,22 @@ def test_it_keeps_the_contract(name):
 
 
 @pytest.mark.parametrize(
-    ("of", "prefix", "extra"),
+    ("prefix", "extra"),
     [
-        (minion, "minion-", "race"),
-        (pymoo_library, "pymoo-", "pymoo"),
-        (minuit, "minuit-", "race"),
-        (dfo, "dfo-", "race"),
-        (nevergrad_library, "nevergrad-", "nevergrad"),
-        (surrogate, "bayesian-", "surrogate"),
-        (lipo_library, "lipo-", "lipo"),
+        ("minion-", "race"),
+        ("pymoo-", "pymoo"),
+        ("minuit-", "race"),
+        ("dfo-", "race"),
+        ("nevergrad-", "nevergrad"),
+        ("bayesian-", "surrogate"),
+        ("lipo-", "lipo"),
     ],
 )
-def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, of, prefix, extra):
-    for module in (families, dfo):
-        monkeypatch.setattr(module, "find_spec", lambda _: None)
+def test_a_library_that_is_absent_says_how_to_get_it(monkeypatch, prefix, extra):
+    monkeypatch.setattr(libraries, "find_spec", lambda _: None)
+    family = next(each for each in libraries.FAMILIES if each.prefix == prefix)
     with pytest.raises(ModelError, match=rf"optimisers {prefix}.*springpot\[{extra}\]"):
-        of.FAMILY.members()
+        family.members()
 
 
 class Unread:
@@ -81,7 +72,7 @@ def test_a_descent_that_minuit_cannot_read_is_over_and_no_failure(monkeypatch):
     library = ModuleType("iminuit")
     library.Minuit = Unread
     monkeypatch.setitem(sys.modules, "iminuit", library)
-    done = run(minuit.Migrad(), artificial("fractional-kelvin"), 35, np.random.default_rng(1))
+    done = run(libraries.Migrad(), artificial("fractional-kelvin"), 35, np.random.default_rng(1))
     assert (done.evaluations, done.failed) == (35, False)
 
 
@@ -101,7 +92,7 @@ def test_minionpy_is_told_of_enough_evaluations_where_fewer_end_the_process(
             self.function(self.points)
 
     monkeypatch.setitem(sys.modules, "minionpy", SimpleNamespace(Minimizer=Minimizer))
-    kind = minion.MEMBERS[f"minion-{name}"]
+    kind = libraries.MINION[f"minion-{name}"]
     found = run(kind(), artificial("springpot"), 5, np.random.default_rng(1))
     assert asked == [told]
     assert found.evaluations == 5
@@ -124,7 +115,7 @@ def test_lipo_is_told_each_value_at_its_own_candidate_in_any_order(monkeypatch):
     module = ModuleType("lipo")
     module.GlobalOptimizer = Candidates
     monkeypatch.setitem(sys.modules, "lipo", module)
-    enquiry = lipo_library.MaxLipo().enquiry(3, 10, np.random.default_rng(1))
+    enquiry = libraries.MaxLipo().enquiry(3, 10, np.random.default_rng(1))
     points = [enquiry.ask() for _ in range(3)]
     for i, value in ((2, 5.0), (0, 7.0), (1, np.inf)):
         enquiry.tell(points[i], value)
@@ -156,7 +147,7 @@ def test_lipo_evaluates_what_its_library_does_alone(function):
         random_state=integer(np.random.default_rng(3)),
     )
     search.run(60)
-    enquiry = lipo_library.MaxLipo().enquiry(2, 60, np.random.default_rng(3))
+    enquiry = libraries.MaxLipo().enquiry(2, 60, np.random.default_rng(3))
     for _ in range(60):
         u = enquiry.ask()
         through.append((*u, function(*u)))

@@ -13,7 +13,7 @@ from springpot import plugins
 from springpot.benchmark.bias import Formless
 from springpot.identification import Recorder, run
 from springpot.testing import check_optimiser
-from springpot_plugins.optimisers import lshade, minion, spso
+from springpot_plugins.optimisers import evolution, libraries, swarm
 
 generator = np.random.default_rng
 OUTSIDE = {"dfo-ls": "dfols", "dfo-bobyqa": "pybobyqa", "minuit-migrad": "iminuit"}
@@ -54,14 +54,14 @@ def test_residuals_alone_are_no_derivative():
 
 def test_the_population_of_l_shade_shrinks_evenly_to_four(monkeypatch):
     sizes = []
-    shrink = lshade._Search._shrink
+    shrink = evolution._Search._shrink
 
     def watched(search):
         shrink(search)
         sizes.append((search.cube.problem.evaluations, len(search.x), len(search.beaten)))
 
-    monkeypatch.setattr(lshade._Search, "_shrink", watched)
-    run(lshade.LShade(), Rastrigin(1), 4000, generator(1))
+    monkeypatch.setattr(evolution._Search, "_shrink", watched)
+    run(evolution.LShade(), Rastrigin(1), 4000, generator(1))
     evaluations, size, beaten = np.array(sizes).T
     np.testing.assert_array_equal(size, np.round(72 + (4 - 72) * evaluations / 4000))
     assert size[-1] == 4
@@ -71,7 +71,9 @@ def test_the_population_of_l_shade_shrinks_evenly_to_four(monkeypatch):
 @pytest.mark.soak
 def test_l_shade_finds_the_lowest_of_many_minima_in_most_runs():
     """As that of minionpy does: 20 of 20 in six parameters, by 11,280 evaluations (median)."""
-    done = [run(lshade.LShade(), Rastrigin(s), 6000, generator(s), target=1e-6) for s in range(5)]
+    done = [
+        run(evolution.LShade(), Rastrigin(s), 6000, generator(s), target=1e-6) for s in range(5)
+    ]
     assert sum(found.status == "target" for found in done) >= 4
 
 
@@ -88,7 +90,7 @@ def test_no_direction_is_special_to_the_standard_swarm():
             return np.asarray(np.sum(z * z * [1.0, 100.0], axis=-1))
 
     along, across = (
-        [run(spso.StandardSwarm(), Valley(turn), 2000, generator(s)).best for s in range(8)]
+        [run(swarm.StandardSwarm(), Valley(turn), 2000, generator(s)).best for s in range(8)]
         for turn in (0.0, 0.7)
     )
     assert abs(np.log10(np.median(along) / np.median(across))) < 1.5
@@ -98,7 +100,7 @@ def test_no_direction_is_special_to_the_standard_swarm():
 @pytest.mark.skipif(find_spec("minionpy") is None, reason="minionpy is not installed")
 @pytest.mark.parametrize("pair", [("l-shade", "minion-lshade"), ("spso-2011", "minion-spso-2011")])
 def test_it_does_as_the_library_of_the_competitions_does(pair):
-    assert minion.FAMILY.members()
+    assert libraries.MINION
     ours, theirs = (
         np.log10([
             run(plugins().find("optimiser", name)(), Rastrigin(s), 4000, generator(s)).best

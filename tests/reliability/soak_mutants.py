@@ -117,7 +117,7 @@ HARMLESS = {
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",
     (
-        "testreport/local.py",
+        "testreport/record.py",
         "fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) > SIGNALS.ruled_out)",
         "chi2_sf(left, np.maximum(freedom, 1.0)) >= SIGNALS.ruled_out",
     ): "a chance that is a level to the last bit",
@@ -142,7 +142,7 @@ HARMLESS = {
         "len(column) >= len(row)",
     ): "how a square table lies in memory",
     (
-        "testreport/local.py",
+        "testreport/record.py",
         "len(channel.within(each.time - half, each.time + half)[0]) > 2 * SMOOTH + 2",
         "1",
     ): "times and values are as many",

@@ -112,7 +112,7 @@ def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(
 
 @pytest.mark.soak
 def test_no_scheduler_is_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr("springpot.benchmark.engine.ANSWER", 0.5)
+    monkeypatch.setattr("springpot.benchmark.runner.ANSWER", 0.5)
     with pytest.raises(
         StudyError, match=r"no dask scheduler answers at tcp://127\.0\.0\.1:9"
     ) as caught:

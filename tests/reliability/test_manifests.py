@@ -12,8 +12,8 @@ from springpot.errors import DataError
 from springpot.hooks import GROUP
 from springpot.registry import Registry
 from springpot_plugins.datasets import folders, springpot_datasets
-from springpot_plugins.datasets.manifest import checked, picked
-from springpot_plugins.datasets.names import inside, is_name
+from springpot_plugins.datasets.download import inside, is_name
+from springpot_plugins.datasets.folders import checked, picked
 
 GOOD = """
 summary = "a damper"

@@ -9,7 +9,7 @@ from test_whole_report import MODEL, OMEGA, THETA, TIME, UNITS, levels, noisy, r
 import springpot
 from springpot.measurement import Loading, TimeTest
 from springpot.report import html, page
-from springpot.report.interactive import answers, in_time, scene
+from springpot.report.interactive import answers, scene
 
 SHORT = 7.0
 """Amplitude of a history, in its own unit."""
@@ -96,7 +96,7 @@ TESTS = {
 
 @pytest.mark.parametrize("name", list(TESTS))
 def test_rows_and_curve_of_tests_in_time(name, stays):
-    page = in_time.TimeScene(TESTS[name]())
+    page = answers.TimeScene(TESTS[name]())
     theta = 1.1 * THETA
     stays(
         plain(
@@ -122,7 +122,7 @@ def test_rungs_of_a_ladder(stays):
 def test_a_rung_of_tests_in_time(stays):
     tests = [relaxed()]
     ladder = springpot.discover(tests, MODEL, accept=[], only=["force-drift", "series-spring"])
-    stays(plain(answers.drawn(ladder, in_time.TimeScene(tests))), within=1e-3)
+    stays(plain(answers.drawn(ladder, answers.TimeScene(tests))), within=1e-3)
     # What a page, a report and a further rung ask of sweeps they ask of these.
     (step,) = ladder.steps
     case, drift = step.examined, springpot.plugins().effect("force-drift")

@@ -11,7 +11,7 @@ from test_whole_report import MODEL, OMEGA, THETA, UNITS, levels, noisy
 import springpot
 from springpot.identification.result import Value
 from springpot.registry import parse_model
-from springpot.report import fit_text, html, ladder_text, population as of_populations
+from springpot.report import figures as of_populations, fit_text, html, ladder_text
 from springpot.report.interactive import answers, scene
 from springpot.report.text import as_text
 

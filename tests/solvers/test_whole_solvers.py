@@ -17,7 +17,7 @@ from springpot.solvers import (
     Prony,
     Writer,
     exported,
-    placing,
+    exporting,
     prony_of,
     solid_of,
     young_of,
@@ -137,7 +137,7 @@ def test_files_of(card, folder, stays, monkeypatch):
         kept.extend([] if kept else [prony_of(spectrum, **how)])
         return kept[0]
 
-    monkeypatch.setattr(placing, "prony_of", once)
+    monkeypatch.setattr(exporting, "prony_of", once)
     found = {}
     for writer in plugins().items("writer"):
         made = answer(partial(exported, source, writer.name, **asked))

@@ -13,7 +13,7 @@ from springpot.errors import DataError
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, GroundMotion, simulate
 from springpot.structure.answers import RecordSuite, described_suite
-from springpot.structure.records import read_record, records_meant
+from springpot.structure.reading import read_record, records_meant
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

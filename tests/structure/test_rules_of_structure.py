@@ -21,7 +21,6 @@ from springpot.structure import (
     motion_of,
     next_test,
     reading,
-    records,
     shown,
 )
 
@@ -153,9 +152,9 @@ def test_a_number_is_finite_and_between_its_ends(value, ends, wanted):
 def test_units_of_a_record_are_those_of_its_first_line(header, factor):
     if factor is None:
         with pytest.raises(DataError):
-            records._acceleration_unit(header, Path("quake.csv"))
+            reading._acceleration_unit(header, Path("quake.csv"))
     else:
-        assert records._acceleration_unit(header, Path("quake.csv")) == factor
+        assert reading._acceleration_unit(header, Path("quake.csv")) == factor
 
 
 def test_parameters_of_a_damper_may_stand_in_tables():
@@ -248,7 +247,7 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
 def test_the_pull_of_the_earth_is_the_same_in_every_unit(tmp_path, unit, earth):
     path = tmp_path / "record.csv"
     path.write_text(f"time [s],acceleration [{unit}]\n0,0\n0.1,{earth}\n0.2,0\n")
-    record = records.read_record(str(path), np.random.default_rng(0))
+    record = reading.read_record(str(path), np.random.default_rng(0))
     assert record.acceleration == pytest.approx([0.0, 9.80665, 0.0])
 
 

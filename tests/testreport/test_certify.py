@@ -125,7 +125,7 @@ def test_what_goes_with_the_temperature_is_told_where_no_diagnosis_can_be(tests,
     def refused(*given):
         raise DataError("too short")
 
-    monkeypatch.setattr("springpot.testreport.certifying.diagnose", refused)
+    monkeypatch.setattr("springpot.testreport.certificate.diagnose", refused)
     rows = np.arange(361) / 60.0
     record(tests / "design-2.csv", lambda x, v: (0.6 * DAMPING * v) * np.exp(-0.03 * rows))
     certificate = springpot.certify(tests, CODES / "viscous-damper.toml")

@@ -7,8 +7,7 @@ from known_loops import OMEGA, STROKE, loop, noisy
 import springpot
 from springpot.errors import DataError, OptionError
 from springpot.testreport import LoopRecord
-from springpot.testreport.local import Channel, polynomial_at
-from springpot.testreport.record import find_cycles
+from springpot.testreport.record import Channel, find_cycles, polynomial_at
 from springpot.testreport.summary import evaluate
 
 KINDS = ("linear", "coulomb", "power", "bilinear")

@@ -5,9 +5,17 @@ import pytest
 from known_loops import loop
 
 from springpot.testreport import LoopRecord
-from springpot.testreport.budget import BudgetLine, ErrorBudget, combined, sensitivity
 from springpot.testreport.code import StatedError
-from springpot.testreport.deciding import CONFORMING, FAILING, UNDECIDED, decided
+from springpot.testreport.deciding import (
+    CONFORMING,
+    FAILING,
+    UNDECIDED,
+    BudgetLine,
+    ErrorBudget,
+    combined,
+    decided,
+    sensitivity,
+)
 from springpot.testreport.summary import EvaluatedTest, Told, evaluate
 
 STORAGE, LOSS, STROKE, CYCLES, TESTS = 3.0, 1.0, 10.0, 5, 4

@@ -10,15 +10,8 @@ from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
 from springpot.report import tables
-from springpot.testreport import (
-    certifying,
-    code,
-    deciding,
-    local,
-    quantities,
-    summary,
-)
-from springpot.testreport.local import Channel
+from springpot.testreport import certificate, code, deciding, quantities, record, summary
+from springpot.testreport.record import Channel
 
 
 @pytest.mark.parametrize(
@@ -64,7 +57,7 @@ def test_units_of_different_things_have_no_ratio(written, wanted):
 def test_a_trend_and_its_error_are_those_of_a_straight_line():
     number, values = np.arange(3.0, 10.0), np.array([1.0, 3.0, 2.0, 5.0, 4.0, 8.0, 6.0])
     wanted = linregress(number, values)
-    assert certifying._trend(number, values) == pytest.approx((wanted.slope, wanted.stderr))
+    assert certificate._trend(number, values) == pytest.approx((wanted.slope, wanted.stderr))
 
 
 @pytest.mark.parametrize(("noise", "digit"), [(0.05, 0.0), (0.0, 0.2)])
@@ -73,8 +66,8 @@ def test_noise_of_a_channel_is_its_scatter_or_its_digit(noise, digit):
     values = np.sin(phase) + noise * np.random.default_rng(1).normal(size=4000)
     if digit:
         values = digit * np.round(values / digit)
-    assert local.noise_of(values) == pytest.approx(noise + digit / np.sqrt(12.0), rel=0.05)
-    assert local.noise_of(np.full(50, 3.0)) == pytest.approx(12.0 * np.finfo(float).eps)
+    assert record.noise_of(values) == pytest.approx(noise + digit / np.sqrt(12.0), rel=0.05)
+    assert record.noise_of(np.full(50, 3.0)) == pytest.approx(12.0 * np.finfo(float).eps)
 
 
 @pytest.mark.parametrize("noises", [(0.03, 0.005), (0.001, 0.03), (0.02, 0.03)])
@@ -100,23 +93,23 @@ def test_a_force_that_falls_as_a_power_of_the_time_is_followed_to_its_turning_po
     side, size = np.where(away < 0.0, 1.0, -1.0), np.abs(away)
     even = 3.0 + 0.4 * away**2 - 0.2 * away**4
     force = even + side * size**0.6 * (0.5 + 0.3 * away**2)
-    assert local._power_of(away, force) == pytest.approx(0.6, abs=1e-4)
-    *_, shape = local._shapes(away, 0.6)
+    assert record._power_of(away, force) == pytest.approx(0.6, abs=1e-4)
+    *_, shape = record._shapes(away, 0.6)
     solution, *_ = np.linalg.lstsq(shape.columns, force, rcond=None)
     np.testing.assert_allclose(shape.columns @ solution, force, atol=1e-12)
     assert shape.at_turning @ solution == pytest.approx(3.0)
     # A jump is told by how the force was before it, whatever its slope and bend behind.
     force = even + side * (0.7 + 0.3 * size - 0.1 * size**3)
-    shape = list(local._shapes(away, 0.6))[2]
+    shape = list(record._shapes(away, 0.6))[2]
     solution, *_ = np.linalg.lstsq(shape.columns, force, rcond=None)
     np.testing.assert_allclose(shape.columns @ solution, force, atol=1e-12)
     assert shape.at_turning @ solution == pytest.approx(3.7)
 
 
 def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
-    time, alarm = np.linspace(-1.0, 1.0, 2001), local.SIGNALS.ruled_out
-    turning = local.Turning(0.0, 0.05, local.Estimate(1.0, 0.0))
-    around = local._around(Channel(time, time, 0.1), turning, 0.5)
+    time, alarm = np.linspace(-1.0, 1.0, 2001), record.SIGNALS.ruled_out
+    turning = record.Turning(0.0, 0.05, record.Estimate(1.0, 0.0))
+    around = record._around(Channel(time, time, 0.1), turning, 0.5)
     # That often a turning point is further off than this, on one side or the other.
     assert np.abs(around.values).min() == pytest.approx(0.05 * norm.isf(alarm / 2.0), abs=1e-3)
     assert around.moment_sd == pytest.approx(0.1)

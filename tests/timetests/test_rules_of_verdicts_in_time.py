@@ -180,7 +180,7 @@ def candidate(delta=50.0, alike=("friction",), over_floor=1.1, lowers=True):
 @pytest.mark.parametrize(
     ("says", "candidates", "more", "told"),
     [
-        ("adequate", [candidate()], {}, f": {BY_ITSELF}"),
+        ("adequate", [candidate()], {}, f", which so few samples leave to chance: {BY_ITSELF}"),
         ("inconclusive", [], {}, ": what is left is hardly noise alone, which may be chance;"
          " measure longer or repeat it"),
         ("inconclusive", [candidate(1.0)], {}, ": what is left is hardly noise alone, which may be"

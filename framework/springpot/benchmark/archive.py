@@ -38,8 +38,7 @@ from .statistics import goal_of
 from .store import Store
 from .study import OWN, Study
 from .summary import SUFFIX, CellRow, ProblemRow, TrialRow
-from .traces import pack, pack_values
-from .trial import Status, TrialResult, contradiction
+from .trial import Status, TrialResult, contradiction, pack, pack_values
 
 SCHEMA = "springpot.archive/2"
 FAULTS = (

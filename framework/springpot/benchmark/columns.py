@@ -17,7 +17,7 @@ from .statistics import goal_of, hitting_time
 from .store import Store
 from .study import Study
 from .summary import CellRow, TrialRow, store_path
-from .traces import at, geometric_grid
+from .trial import at, geometric_grid
 
 Columns = dict[str, list[Any]]
 """Values by column, all of one length; None where there is nothing to say."""

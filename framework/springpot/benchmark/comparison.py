@@ -49,7 +49,7 @@ from .statistics import (
 )
 from .store import Store
 from .summary import CellRow, CellTrials, ProblemRow, TrialRow
-from .traces import Traces, at, geometric_grid
+from .trial import Traces, at, geometric_grid
 
 MARKS = (100, 500, 2000, 8000, 40_000, 200_000, 1_000_000)
 """Budgets at which optimisers are compared, beside a study's own.

@@ -35,7 +35,7 @@ from .columns import TABLES, required
 from .store import Store
 from .study import Study
 from .summary import CellRow, ProblemRow, TrialRow, median_of, store_path
-from .traces import at, geometric_grid
+from .trial import at, geometric_grid
 
 CLOCKS = ("processor", "processor_batched")
 """Times of a trial that say what it costs: those of a call that served several would not."""

@@ -19,17 +19,6 @@ from typing import Any, TypeVar
 from springpot.errors import StudyError
 from springpot.writing import suggested
 
-from .database import (
-    connect,
-    fold,
-    lenient,
-    one_line,
-    refuse_foreign,
-    remove_log,
-    replace_store,
-    require_tables,
-    transaction,
-)
 from .plan import ASKED, COMMON, Plan
 from .schema import (
     ALL_LEAST,
@@ -47,16 +36,25 @@ from .schema import (
     broken_row,
     cell_columns,
     cells_told,
+    connect,
     create,
     expected,
+    fold,
     insertion,
+    lenient,
+    one_line,
     optima_told,
     problem_columns,
     problem_of,
+    refuse_foreign,
+    remove_log,
+    replace_store,
+    require_tables,
     save,
     seal,
     sound,
     trace_columns,
+    transaction,
     trial_columns,
     trial_fields,
     whole,

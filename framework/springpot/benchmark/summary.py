@@ -31,8 +31,7 @@ from springpot.rheology.points import Real
 from .plan import stream_of
 from .statistics import Interval, median, medians, running_time_interval, wilson
 from .study import Study
-from .traces import unpack, unpack_values
-from .trial import Status, TrialResult
+from .trial import Status, TrialResult, unpack, unpack_values
 
 
 def load_script(path: Path) -> ModuleType:

@@ -442,11 +442,13 @@ class Diagnosis(Drawn, Printed):
         if " and " in what:
             stand = f"{what} stand in each other's place, as it seems"
             first = f"{stand}: until they are exchanged nothing else holds"
+        # Nor does what would be measured next, turned as it is.
+        bare = replace(self, next_experiment=None)
         if isnan(after := turns[0].error_after):
-            return replace(self, says=f"{first}; {self.says}")
+            return replace(bare, says=f"{first}; {self.says}")
         # The noise is read from what this model leaves, and tells nothing of the other.
         before = percent(self.error.relative_rms)
-        return replace(self, says=f"{first}; the error is {before}, and {percent(after)} turned")
+        return replace(bare, says=f"{first}; the error is {before}, and {percent(after)} turned")
 
     def shelf_of(self, candidate: Candidate) -> Shelf:
         """What an effect does for the misfit of this model.
@@ -472,8 +474,11 @@ class Diagnosis(Drawn, Printed):
         """
         found = [each for each in self.candidates if self.shelf_of(each) == shelf]
         if shelf == "helps":
-            # What the headline names stands as it names it.
-            first = {name: place for place, name in enumerate(self.leading)}
+            # What the headline names stands as it names it; of what may be chance the likeliest.
+            named = self.leading
+            if self.verdict == "inconclusive":
+                named = named or tuple(each.effect for each in self.candidates[:1])
+            first = {name: place for place, name in enumerate(named)}
             found.sort(
                 key=lambda each: (
                     first.get(each.effect, len(first)),

@@ -397,7 +397,8 @@ def go_on_from(search: Search, before: Search, rng: np.random.Generator) -> Sear
     base = search.base
     again = refit(known.refit.model, base.data, base.noise, [known.refit.theta], starts=0)
     if again.log_evidence > search.best.log_evidence + SEARCH.better:
-        search.grown += clear(search, [replace(known, refit=again)])
+        found = [replace(known, refit=again)]
+        search.grown += clear(search, [*found, *_less_one(search, found)])
         # What is narrow is scanned only where it is asked for.
         there = [score.influence.effect.name for score in search.scan.scores]
         asked = set(known.names).difference(there)

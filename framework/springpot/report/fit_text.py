@@ -18,8 +18,7 @@ from springpot.writing import FEW, counted, number
 
 from ..numerics import NEGLIGIBLE
 from .answers import quantities_passages, reference_note
-from .figures import beside_floors, in_words
-from .population import population_passages
+from .figures import beside_floors, in_words, population_passages
 from .text import (
     OPEN,
     Listing,

@@ -35,8 +35,7 @@ from .answers import (
 from .canvas import require_matplotlib
 from .figures import scene_of
 from .fit_text import parameters_table
-from .interactive.answers import drawn, rungs
-from .interactive.in_time import DrawnTests, TimeScene
+from .interactive.answers import DrawnTests, TimeScene, drawn, rungs
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, data_of, draw_ladder, remarks, steps_table
 from .network import network_svg

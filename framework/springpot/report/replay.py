@@ -23,7 +23,7 @@ from springpot.rheology.points import Complex, Points, Real
 
 from . import views
 from .canvas import COLOURS as LINES, QUIET, blank, check_figure_path, logarithmic
-from .interactive.in_time import PLANE, TimeScene
+from .interactive.answers import PLANE, TimeScene
 from .ladder_text import ROOM, draw_ladder, entitled
 from .residuals import symmetric, with_noise_of
 from .views import DrawnFit, Scene

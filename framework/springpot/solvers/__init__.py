@@ -8,13 +8,12 @@ from springpot.lazy import offered
 
 if TYPE_CHECKING:
     from .exporting import exported as exported
-    from .handoff import Handoff as Handoff
+    from .handoff import Handoff as Handoff, Writer as Writer
     from .prony import (
         Prony as Prony,
         prony_of as prony_of,
         solid_of as solid_of,
         young_of as young_of,
     )
-    from .writer import Writer as Writer
 
 __getattr__, __dir__ = offered(__name__)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .certifying import certify as certify
+    from .certificate import certify as certify
     from .record import LoopRecord as LoopRecord
     from .report import cycles as cycles
 

@@ -17,10 +17,12 @@ from springpot.numerics import SMALLEST, evenly
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
-from .local import (
+from .record import (
     EIGHTH,
     Channel,
     Estimate,
+    Found,
+    LoopRecord,
     Turning,
     forces_at_turnings,
     noise_of,
@@ -28,7 +30,6 @@ from .local import (
     turning_point,
     value_at,
 )
-from .record import Found, LoopRecord
 
 
 class LoopQuantity(NamedTuple):

@@ -16,9 +16,8 @@ from springpot.numerics import FEWEST
 from springpot.rheology.points import STEADY, Real
 from springpot.thresholds import INTERVAL, WHERE
 
-from .local import EIGHTH, Estimate
 from .quantities import BY_NAME, QUANTITIES, Cycle, cycles_of, energy_of
-from .record import Found, LoopRecord, find_cycles
+from .record import EIGHTH, Estimate, Found, LoopRecord, find_cycles
 
 
 class Told(NamedTuple):

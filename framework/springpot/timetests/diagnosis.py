@@ -322,7 +322,7 @@ def examine(
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
     case = _judged(given, model, library, base, None, fitted)
-    # A sample at an end that is all that is missed says nothing of the specimen.
+    # A sample that is all that is missed says nothing of the specimen.
     while case.aside is not None:
         given = _without(given, *case.aside)
         case = _judged(given, model, library, None, None, fitted)

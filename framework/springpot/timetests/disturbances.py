@@ -28,7 +28,6 @@ from springpot.measurement.hum import (
 )
 from springpot.measurement.imposed import ORDER, imposed_noise
 from springpot.measurement.rounding import is_even
-from springpot.measurement.timenoise import ORDER as ENDS
 from springpot.misfit.coloured_noise import UPPER
 from springpot.misfit.error import plain
 from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, rougher, scatter_of
@@ -46,7 +45,7 @@ BESIDE = 3
 
 
 class Jump(NamedTuple):
-    """What slips or lets go at one instant of one test, or a sample at an end that is off.
+    """What slips or lets go at one instant of one test, or a sample that is off.
 
     Attributes
     ----------
@@ -98,17 +97,17 @@ def likeliest_jump(
     missed = tangent.left(value)
     rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
     followed = [i for i, weight in enumerate(weights) if weight is not None]
-    places = sum(len(white[i]) for i in followed), 2 * ENDS * len(followed)
+    places = sum(len(white[i]) for i in followed)
     # None is better than one that is not there.
-    best, found, column = -np.inf, Jump(0, 0, [], np.zeros(0), places[0]), np.zeros(len(value))
+    best, found, column = -np.inf, Jump(0, 0, [], np.zeros(0), places), np.zeros(len(value))
     for i, which in product(followed, (0, 1)):
         told = np.asarray(weights[i]), noise[i], missed[rows[i]], tangent.basis[rows[i]]
         drops, columns = (_jumps, _strays)[which](*told)
         k = int(np.argmax(drops))
         # The choice of its place costs as much as two numbers.
-        gain = float(drops[k]) - 2.0 * float(np.log(places[which]))
+        gain = float(drops[k]) - 2.0 * float(np.log(places))
         if drops[k] > 0.0 and gain > best:
-            best, found = gain, Jump(i, k, [], np.zeros(0), places[which], alone=which == 1)
+            best, found = gain, Jump(i, k, [], np.zeros(0), places, alone=which == 1)
             column = np.zeros(len(value))
             column[rows[i]] = columns(k)
     alone = tangent.left(column)
@@ -124,21 +123,41 @@ def likeliest_jump(
 def _strays(
     weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
 ) -> tuple[Real, Callable[[int], Real]]:
-    """By how much the sum of squares of a test falls without each of the samples (m,) at its ends.
+    """By how much the sum of squares of a test falls without each of its samples (m,).
 
-    And the whitened column (m,) of one of them. Of the others their neighbours tell.
+    And the whitened column (m,) of one of them, which is a jump there and one back at the next.
     """
-    count, drops = len(weight), np.zeros(len(weight))
+    at, after = _whitened_jumps(weight, scatter)
+    back = np.append((after - at)[1:], 0.0)
+
+    def onto(columns: Real) -> Real:
+        """Products (m, c) of each with columns (m, c)."""
+        later = np.vstack([columns[1:], 0.0 * columns[:1]])
+        return np.asarray(at[:, None] * columns + back[:, None] * later, dtype=float)
+
+    drops = _drops(at**2 + back**2, onto(missed[:, None]), onto(basis))
 
     def column(k: int) -> Real:
-        return scatter.whitened(weight * (np.arange(count) == k))
+        one = np.zeros(len(at) + 1)
+        one[k : k + 2] = at[k], back[k]
+        return one[:-1]
 
-    for k in {*range(min(ENDS, count)), *range(max(count - ENDS, 0), count)}:
-        one = column(k)
-        left = one @ one - np.sum((basis.T @ one) ** 2)
-        if left > ALIKE * (one @ one):
-            drops[k] = (one @ missed) ** 2 / left
     return drops, column
+
+
+def _whitened_jumps(weight: Real, scatter: ResidualScatter) -> tuple[Real, Real]:
+    """What is left of a jump over white noise at its first sample, and at those behind it (m,)."""
+    # Behind a jump each sample differs from its forerunner by as much as before: only the noise's
+    # memory is left of it.
+    after, at = scatter.whitened(weight), weight / scatter.size
+    at[1:] /= np.sqrt(1.0 - scatter.memory**2)
+    return at, after
+
+
+def _drops(alone: Real, fall: Real, taken: Real) -> Real:
+    """By how much a sum of squares falls with each column (m,), the model making way for it."""
+    left = alone - np.sum(taken**2, axis=1)
+    return np.where(left > ALIKE * alone, fall[:, 0] ** 2 / np.maximum(left, SMALLEST), 0.0)
 
 
 def _jumps(
@@ -148,15 +167,10 @@ def _jumps(
 
     And the whitened column (m,) of one of them.
     """
-    # Behind a jump each sample differs from its forerunner by as much as before: only the noise's
-    # memory is left of it.
-    after, at = scatter.whitened(weight), weight / scatter.size
-    at[1:] /= np.sqrt(1.0 - scatter.memory**2)
-    fall = _from_each(at, after, missed[:, None])[:, 0]
-    taken = _from_each(at, after, basis)
+    at, after = _whitened_jumps(weight, scatter)
     alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
-    left = alone - np.sum(taken**2, axis=1)
-    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, SMALLEST), 0.0)
+    fall = _from_each(at, after, missed[:, None])
+    drops = _drops(alone, fall, _from_each(at, after, basis))
     edge = edge_of(len(drops))
     drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0
 
@@ -186,7 +200,7 @@ class Slip(NamedTuple):
     shown : bool
         Whether the two samples beside it differ as it says.
     aside : tuple of (int, int, float), optional
-        Of a sample at an end that is off by itself: the number of its test and its own, and by how
+        Of a sample that is off by itself: the number of its test and its own, and by how
         many times the noise it is off.
     """
 

@@ -131,7 +131,9 @@ def sentence(
     if jump:
         return f"{size}; {jump}, explains more than any known effect{place}"
     if verdict == "adequate":
-        return f"{size}: nothing is missing that these tests could show"
+        # Few samples know their noise to a factor of two.
+        few = ", which so few samples leave to chance" if error.over_floor > VERDICT.misfit else ""
+        return f"{size}{few}: nothing is missing that these tests could show"
     if verdict == "inconclusive":
         hint = "what is left is hardly noise alone"
         if candidates and candidates[0].delta_bic > VERDICT.clear_evidence:
@@ -174,7 +176,7 @@ class TimeCase(NamedTuple):
     asked : AskedTests
         The tests and effects behind it.
     aside : tuple of (int, int, float), optional
-        A sample at the end of a test that is all that is missed, see `Slip`.
+        A sample that is all that is missed, see `Slip`.
     """
 
     diagnosis: Diagnosis

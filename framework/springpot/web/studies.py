@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from springpot.benchmark.report.study import study_html
-from springpot.benchmark.report.study_plots import attained
 from springpot.benchmark.standings import Findings, tables_of
 from springpot.benchmark.store import Store
+from springpot.benchmark.study_plots import attained
+from springpot.benchmark.study_report import study_html
 from springpot.errors import DataError, SpringpotError
 from springpot.report.tables import Table
 from springpot.writing import DIGITS, suggested

@@ -36,6 +36,7 @@ from springpot.rheology.model import Family, Model
 from springpot.writing import suggested
 
 from . import leaving
+from .leaving import curves_in_time, understood
 from .sessions import (
     State,
     data_of,
@@ -66,7 +67,6 @@ from .trying import (
     tried,
     with_law,
 )
-from .understanding import curves_in_time, understood
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"

@@ -28,8 +28,13 @@ from springpot.misfit.refit import Refit
 from springpot.misfit.residuals_of_tests import units_of
 from springpot.numerics import evenly
 from springpot.registry import parse_model
-from springpot.report.interactive.answers import Preview, drawn_at_once, preview
-from springpot.report.interactive.in_time import DrawnTests, TimeScene
+from springpot.report.interactive.answers import (
+    DrawnTests,
+    Preview,
+    TimeScene,
+    drawn_at_once,
+    preview,
+)
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
 from springpot.rheology.grammar import LONGEST

@@ -11,13 +11,10 @@ from springpot.measurement import DataSet
 @hookimpl
 def springpot_datasets() -> Iterable[DataSet]:
     """All of them; nothing is loaded before it is used."""
-    from . import artificial, folders, hidden, nist, reconstructions, rheodata
+    from . import computed, folders, measured
 
     return (
-        *artificial.datasets(),
-        *hidden.datasets(),
-        *reconstructions.datasets(),
-        *nist.datasets(),
-        *rheodata.datasets(),
+        *computed.datasets(),
+        *measured.datasets(),
         *folders.datasets(),
     )

@@ -1,12 +1,14 @@
 """Data sets from their public origin.
 
-Fetched once, checked against a checksum, kept in the user's cache.
+Fetched once, checked against a checksum, kept in the user's cache. Names that others choose for
+files and data sets: which are taken, and that a file lies where its name says.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
@@ -17,7 +19,35 @@ from urllib.parse import unquote, urljoin, urlparse
 
 from springpot.errors import DataError
 
-from .names import inside, is_name
+_NAME = re.compile(r"\w(?:[\w.+=,() -]{0,98}[\w)])?")
+"""Letters and digits of any language, and signs without a meaning to file systems and shells."""
+
+
+def is_name(text: str) -> bool:
+    """Whether this may name a file or a data set."""
+    return _NAME.fullmatch(text) is not None
+
+
+def inside(folder: Path, name: str) -> Path:
+    """The file of that name in `folder`; parts of a name are joined by ``/``.
+
+    Raises
+    ------
+    DataError
+        If the name has other signs than those allowed, or leads out of the folder, by a link too.
+    """
+    parts = name.split("/")
+    if not all(map(is_name, parts)):
+        raise DataError(
+            f"'{name:.80}' names no file: use letters, digits and . _ + - = , ( ) and blanks"
+        )
+    path = folder.joinpath(*parts)
+    # Resolved, since a link within the folder may lead anywhere. One that leads to itself stays,
+    # and opens nothing.
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
+        raise DataError(f"{path} leads out of its folder; put the file itself there")
+    return path
+
 
 CACHE = "SPRINGPOT_CACHE"
 """Environment variable that names another place for downloads."""

@@ -5,6 +5,7 @@ A step that took time, play in a joint, a bearing that holds.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -121,17 +122,40 @@ def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
     x, behind, slope = loading.value, np.empty(len(loading.value)), np.zeros(len(loading.value))
     moves = np.sign(np.diff(x))
     turns = np.flatnonzero((moves[1:] != moves[:-1]) & (moves[1:] != 0.0)) + 1
-    behind[0] = x[0]
+    behind[0] = held = x[0]
+    ends = [*turns, len(x) - 1]
     # Between two turns the load moves one way, so that no sample has to wait for the one before it.
-    for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
+    for first, last, (when, furthest) in zip(
+        [0, *turns], ends, _turned(loading, ends), strict=True
+    ):
         run = slice(first + 1, last + 1)
         way = 1.0
         if x[last] < x[first]:
             way = -1.0
-        pulled = way * x[run] - reach > way * behind[first]
-        behind[run] = np.where(pulled, x[run] - way * reach, behind[first])
+        pulled = way * x[run] - reach > way * held
+        behind[run] = np.where(pulled, x[run] - way * reach, held)
         slope[run] = np.where(pulled, -way, slope[first])
+        # It may turn between two samples, and pulls until it does.
+        held = way * max(way * held, way * furthest - reach)
+        if when < loading.time[last]:
+            behind[last] = held
     return replace(loading, value=behind), (Loading(loading.time, slope),)
+
+
+def _turned(loading: Loading, turns: Sequence[int]) -> list[tuple[float, float]]:
+    """When a load turned about each of these samples, and at which value."""
+    at, x = np.array(turns), loading.value
+    if len(loading.jumps[0]) or loading.motion is None:
+        return list(zip(loading.time[at].tolist(), x[at].tolist(), strict=True))
+    ends = np.clip(at + np.array([[-1], [1]]), 0, len(x) - 1)
+    near = np.linspace(loading.time[ends[0]], loading.time[ends[1]], 9)
+    motion = loading.motion.at(near.ravel())
+    found = []
+    for k, first, last in zip(at, *np.searchsorted(motion.time, near[[0, -1]]), strict=True):
+        value = motion.value[first : last + 1]
+        furthest = first + int(np.argmax(np.sign(x[k] - x[k - 1]) * value))
+        found.append((float(motion.time[furthest]), float(motion.value[furthest])))
+    return found
 
 
 def stiffened(loading: Loading, rate: Any) -> tuple[Loading, tuple[Loading]]:

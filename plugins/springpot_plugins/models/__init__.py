@@ -1,4 +1,4 @@
-"""The built-in models, one small file for each family.
+"""The built-in models, one file for each family.
 
 Files are imported when they are asked for.
 """
@@ -15,15 +15,15 @@ from springpot.rheology.model import Family
 @hookimpl
 def springpot_models() -> Iterable[Model | Family]:
     """All of them."""
-    from . import asphalt, classical, fluids, fractional, paper, passive, relaxation, spectra
+    from . import asphalt, classical, fractional, paper, relaxation
 
     return (
         *paper.MODELS,
-        *fluids.MODELS,
+        *paper.FLUIDS,
         *classical.MODELS,
         *fractional.MODELS,
         *asphalt.MODELS,
         *relaxation.MODELS,
-        *passive.MODELS,
-        *spectra.FAMILIES,
+        *fractional.PASSIVE,
+        *classical.FAMILIES,
     )

@@ -4,11 +4,13 @@ Springpots where the classical models have dashpots.
 
 Aliases are the names those tools use, in lower case. ``fractional-maxwell-gel`` and ``-liquid`` are
 no aliases: pyRheo and RheoJAX give the two names to each other's networks.
+
+And any linear passive material: the model of all networks of springs, dashpots and springpots.
 """
 
 from __future__ import annotations
 
-from springpot.rheology import Model, Node, dashpot, parallel, series, spring, springpot
+from springpot.rheology import Continuum, Model, Node, dashpot, parallel, series, spring, springpot
 
 REVIEW = "Bonfanti, Kaplan, Charras & Kabla (2020), 10.1039/D0SM00354A"
 SCHIESSEL = "Schiessel, Metzler, Blumen & Nonnenmacher (1995), 10.1088/0305-4470/28/23/012"
@@ -94,5 +96,17 @@ MODELS = (
         series(spring("k1"), _pot(1, "alpha"), parallel(spring("k2"), _pot(2, "beta"))),
         "fractional Maxwell element in series with a fractional Kelvin element",
         REVIEW,
+    ),
+)
+
+
+PASSIVE = (
+    Model(
+        "material",
+        Continuum(),
+        "any linear passive material: a spectrum of relaxation times, the least error that any"
+        " model reaches",
+        "Ferry, Viscoelastic Properties of Polymers (1980), ch. 3",
+        aliases=("any-material", "free-spectrum"),
     ),
 )

@@ -1,4 +1,4 @@
-"""The built-in optimisers, one small file for each library or family.
+"""The built-in optimisers, one file for each library or family.
 
 Files are imported when they are asked for.
 """
@@ -17,31 +17,18 @@ if TYPE_CHECKING:
 @hookimpl
 def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
-    from . import (
-        annealing,
-        auto,
-        evolution,
-        hopping,
-        leastsquares,
-        lshade,
-        native,
-        nloptlib,
-        presets,
-        sampling,
-        spso,
-        swarm,
-    )
+    from . import auto, cube, evolution, leastsquares, nloptlib, scipy_searches, swarm
 
     return (
         swarm.PaperSwarm,
         swarm.ScalarSwarm,
-        spso.StandardSwarm,
+        swarm.StandardSwarm,
         evolution.CmaEs,
         evolution.BipopCmaEs,
-        presets.IpopCmaEs,
+        evolution.IpopCmaEs,
         evolution.DifferentialEvolution,
-        presets.StornPrice,
-        lshade.LShade,
+        evolution.StornPrice,
+        evolution.LShade,
         nloptlib.Crs,
         nloptlib.Isres,
         nloptlib.Esch,
@@ -51,40 +38,22 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         nloptlib.Bobyqa,
         nloptlib.NelderMead,
         nloptlib.Lbfgs,
-        annealing.DualAnnealing,
-        annealing.ScipyDirect,
-        hopping.BasinHopping,
-        hopping.Cobyqa,
-        hopping.Shgo,
+        scipy_searches.DualAnnealing,
+        scipy_searches.ScipyDirect,
+        scipy_searches.BasinHopping,
+        scipy_searches.Cobyqa,
+        scipy_searches.Shgo,
         leastsquares.LeastSquares,
         leastsquares.AlternatingLeastSquares,
-        native.Native,
+        leastsquares.Native,
         auto.Auto,
-        sampling.RandomSearch,
+        cube.RandomSearch,
     )
 
 
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    from . import (
-        dfo,
-        lipo_library,
-        minion,
-        minuit,
-        nevergrad_library,
-        pymoo_library,
-        surrogate,
-        unified,
-    )
+    from . import libraries, unified
 
-    return (
-        unified.FAMILY,
-        minion.FAMILY,
-        dfo.FAMILY,
-        minuit.FAMILY,
-        pymoo_library.FAMILY,
-        nevergrad_library.FAMILY,
-        surrogate.FAMILY,
-        lipo_library.FAMILY,
-    )
+    return (unified.FAMILY, *libraries.FAMILIES)

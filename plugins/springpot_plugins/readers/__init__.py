@@ -7,22 +7,16 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.measurement import Reader, TimeReader
 
-from ..timereaders import records as time_records, reptate as time_reptate, table as time_table
 from . import (
     excel,
     generic,
-    malvern,
     reptate,
-    reptate_laos,
-    rheocompass,
+    rheometers,
+    signals_binary,
     signals_csv,
-    signals_mat,
-    signals_tdms,
     springpot_csv,
-    ta_thermal,
-    trios_json,
-    trios_lims,
-    trios_text,
+    ta_instruments,
+    tests_in_time,
 )
 
 
@@ -32,17 +26,17 @@ def springpot_readers() -> Iterable[Reader]:
     return (
         springpot_csv.READER,
         signals_csv.READER,
-        rheocompass.READER,
-        trios_text.READER,
-        trios_lims.READER,
-        trios_json.READER,
-        ta_thermal.READER,
-        malvern.READER,
-        reptate.READER,
-        reptate_laos.READER,
+        rheometers.RHEOCOMPASS,
+        ta_instruments.TRIOS_TEXT,
+        ta_instruments.TRIOS_LIMS,
+        ta_instruments.TRIOS_JSON,
+        ta_instruments.THERMAL,
+        rheometers.MALVERN,
+        reptate.SWEEP,
+        reptate.LAOS,
         excel.READER,
-        signals_mat.READER,
-        signals_tdms.READER,
+        signals_binary.MATLAB,
+        signals_binary.TDMS,
         generic.READER,
     )
 
@@ -50,4 +44,4 @@ def springpot_readers() -> Iterable[Reader]:
 @hookimpl
 def springpot_time_readers() -> Iterable[TimeReader]:
     """Those of tests in time."""
-    return (time_reptate.READER, time_records.READER, time_table.READER)
+    return (reptate.TEST, tests_in_time.RECORD, tests_in_time.TABLE)

@@ -10,11 +10,10 @@ from functools import cached_property
 from springpot.errors import DataError
 from springpot.measurement import FORCE_UNITS, LENGTH_UNITS, MOST_TABLES, normal_unit
 
-from .cleaning import unit_behind
+from .cleaning import unit_behind, with_pairs_apart
 from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI, names_a_modulus
-from .pairs import with_pairs_apart
 from .titles import SWEEPS, Heading, Vocabulary, is_dynamic
 
 _UNITS_WITHIN = 3

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -25,10 +25,13 @@ from springpot.measurement import (
     TIME_UNITS,
     TORQUE_UNITS,
     Choice,
+    Measurement,
     OpenQuestion,
     Question,
+    Reader,
     Signals,
     known_unit,
+    measurement_from_signals,
     normal_unit,
 )
 from springpot.measurement.timetest import IMMENSE
@@ -485,3 +488,28 @@ def signals_from(values: Sequence[Real], places: Places, path: Path, origin: str
     if places.notes:
         facts["note columns"] = "; ".join(places.notes)
     return Signals(clock, moved, pulled, places.units[1], places.units[2], path.name, facts)
+
+
+def reader_of_signals(
+    name: str,
+    summary: str,
+    recognises: Callable[[bytes], float],
+    signals: Callable[[Path, Choice], Signals],
+) -> Reader:
+    """The reader of a format that is told by its signals, whose measurement is their one row.
+
+    Parameters
+    ----------
+    name, summary, recognises, signals
+        As of `springpot.measurement.Reader`.
+    """
+    # No functions within this one: those could not be handed to another process.
+    read = partial(_read_signals, signals)
+    return Reader(name, summary, recognises, read, signals=signals)
+
+
+def _read_signals(
+    signals: Callable[[Path, Choice], Signals], path: Path, choice: Choice
+) -> Measurement:
+    """The measurement of one row that the signals give."""
+    return measurement_from_signals([signals(path, choice)])

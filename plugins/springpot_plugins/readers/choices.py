@@ -19,10 +19,11 @@ from springpot.measurement import (
 
 from .blocks import ANGLE, FREQUENCY
 from .channels import with_numbers_of
-from .curve_names import logarithm
-from .flags import IGNORE, STATUS
+from .cleaning import IGNORE, STATUS
 from .names import FREQUENCIES, fold, rank, role_of
 from .proposals import OR_IN_TIME, proposal, stated_unit, usual_unit
+from .table import OPPOSITE
+from .title_words import logarithm
 from .titles import (
     SWEEPS,
     UNITS,
@@ -35,7 +36,6 @@ from .titles import (
     title_again,
     to_type,
 )
-from .written import OPPOSITE
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))

@@ -35,9 +35,9 @@ from springpot.measurement.mixed_up import EXCHANGED, FAR, SIGN, exchange_note
 from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 
-from .moduli import letter_of
 from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE, unit_proposal, usual_unit
 from .table import Column
+from .title_words import letter_of
 
 ROLES = (
     *(

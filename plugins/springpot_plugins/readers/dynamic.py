@@ -36,18 +36,25 @@ from .choices import (
     doubt,
     with_choice,
 )
-from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
+from .cleaning import (
+    STATUS,
+    bare_name,
+    cleaned,
+    flags_in,
+    is_blank,
+    raw_phase_note,
+    rows_of,
+    with_unit_of_cells,
+)
 from .columns import measurement_of, sign_note
 from .derived import COMPLIANCES, RATIOS, VISCOSITIES, with_moduli, with_units
-from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
 from .names import FREQUENCIES
-from .peaks import says_whole_swing, without_peak
 from .proposals import condition_name, offers
-from .table import Column
+from .table import Column, as_measured, value_of
+from .title_words import says_whole_swing, without_peak
 from .titles import UNITS, Heading, heading, is_dynamic
-from .written import as_measured, value_of
 
 KEPT = (
     *("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress"),

@@ -1,15 +1,21 @@
-"""Excel workbooks, .xlsx through openpyxl and .xls through xlrd.
+"""Excel workbooks, .xlsx through openpyxl and .xls, of before 2007, through xlrd.
 
-Tables as in CSV, one or more on each sheet.
+Tables as in CSV, one or more on each sheet. What openpyxl may see is an archive of bounded size and
+depth.
 """
 
 from __future__ import annotations
 
+import io
+import zipfile
+import zlib
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from datetime import date, datetime, time
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
+from xml.parsers.expat import ExpatError, ParserCreate
 
 from springpot.errors import DataError
 from springpot.measurement import (
@@ -19,22 +25,150 @@ from springpot.measurement import (
     Part,
     Reader,
     Signals,
+    budget_of,
     measurement_from_signals,
 )
 
-from .archive import check_archive
+from .above import facts_of, pairs_in, with_conditions_above
 from .blocks import Block, blocks_of
 from .channels import UNITS as CHANNELS, found_in
-from .conditions_above import with_conditions_above
-from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
 from .generic import numbers_said
 from .grid import LONGEST_CELL, SEARCHED, Grid, Unpacked, grid_of_sheet
-from .header_facts import facts_of, pairs_in
-from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
 from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart, has_condition
 from .signals_csv import signals_of_sheet
+from .title_words import CurveName, curve_in_cell
+
+_MOST_ENTRIES = 10_000
+"""Files in a workbook: one has some ten, and a list of millions would take long to read."""
+_DEEPEST = 100
+"""Elements of XML within one another: a sheet has six, its charts some thirty."""
+
+
+def check_archive(path: Path) -> None:
+    """Refuse what is no workbook, or would take long to unpack or to parse.
+
+    Raises
+    ------
+    DataError
+        If the file is no workbook, unpacks to far too much, or holds XML nested too deeply.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = archive.infolist()
+            _check_sizes(entries, budget_of(path).memory)
+            for entry in entries:
+                with archive.open(entry) as stream:
+                    _check_depth(stream)
+    except (
+        zipfile.BadZipFile,
+        OSError,
+        ValueError,
+        NotImplementedError,
+        EOFError,
+        RuntimeError,
+        zlib.error,
+    ) as error:
+        raise DataError(f"no readable Excel file: {error}") from None
+
+
+def _check_sizes(entries: list[zipfile.ZipInfo], most: int) -> None:
+    if not any(entry.filename.startswith("xl/") for entry in entries):
+        raise DataError("a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
+    size = sum(entry.file_size for entry in entries)
+    # Before anything is unpacked: a small archive may hold terabytes of zeros.
+    if size > most or len(entries) > _MOST_ENTRIES:
+        raise DataError(
+            f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV"
+        )
+
+
+def _check_depth(stream: IO[bytes]) -> None:
+    """Refuse elements nested without end.
+
+    A tree of them is built and freed within C, where no clock is heard.
+    """
+    depth = 0
+
+    def enter(name: str, attributes: Any) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > _DEEPEST:
+            raise DataError("the workbook is nested too deeply; save it anew, or as CSV")
+
+    def leave(name: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    parser = ParserCreate()
+    parser.StartElementHandler, parser.EndElementHandler = enter, leave
+    # A picture ends it at its first byte, and what is broken as it will end openpyxl.
+    with suppress(ExpatError):
+        parser.ParseFile(stream)
+
+
+SIGNATURE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+"""First bytes of a compound file (Microsoft, MS-CFB, section 2.2)."""
+MOST_SHEETS = 200
+
+
+def _old_sheets(path: Path) -> list[tuple[str, Grid]]:
+    """Title and cells of each sheet.
+
+    Raises
+    ------
+    DataError
+        If xlrd is not installed, or the file is no workbook or broken.
+    """
+    try:
+        import xlrd
+    except ImportError:
+        raise DataError(
+            "old Excel files (.xls) need xlrd: pip install 'springpot[instruments]'"
+        ) from None
+    try:
+        # What xlrd would print of a file that is not quite right is of no use to anybody here.
+        with xlrd.open_workbook(path, logfile=io.StringIO(), on_demand=True) as book:
+            unpacked = Unpacked()
+            chosen = range(min(book.nsheets, MOST_SHEETS))
+            return [(str(book.sheet_names()[i]), _old_grid(book, i, unpacked)) for i in chosen]
+    except (DataError, MemoryError):
+        raise
+    except Exception as error:
+        # Broken workbooks fail within xlrd in many ways, and the projects of instruments are
+        # compound files as well.
+        reason = (str(error).splitlines() or [""])[0]
+        raise DataError(
+            f"no readable Excel file: {reason:.80}; export the results as .xlsx or CSV"
+        ) from None
+
+
+def _old_grid(book: Any, number: int, unpacked: Unpacked) -> Grid:
+    sheet = book.sheet_by_index(number)
+    rows = ([_old_text(cell, book.datemode) for cell in sheet.row(i)] for i in range(sheet.nrows))
+    grid = grid_of_sheet(unpacked.counted(rows))
+    # Each sheet's cells are let go before the next one's come, or all would be held at once.
+    book.unload_sheet(number)
+    return grid
+
+
+def _old_text(cell: Any, datemode: int) -> str:
+    from xlrd import (
+        XL_CELL_BOOLEAN,
+        XL_CELL_DATE,
+        XL_CELL_ERROR,
+        XL_CELL_NUMBER,
+        xldate_as_datetime,
+    )
+
+    if cell.ctype == XL_CELL_NUMBER:
+        return repr(cell.value)
+    if cell.ctype == XL_CELL_DATE:
+        return str(xldate_as_datetime(cell.value, datemode).isoformat())
+    if cell.ctype in (XL_CELL_BOOLEAN, XL_CELL_ERROR):
+        return ""
+    return str(cell.value).strip()[:LONGEST_CELL]
 
 
 def recognises(head: bytes) -> float:
@@ -115,7 +249,7 @@ def sheets_in(path: Path) -> list[tuple[str, Grid]]:
     with path.open("rb") as stream:
         is_old = stream.read(len(SIGNATURE)) == SIGNATURE
     if is_old:
-        return sheets_of(path)
+        return _old_sheets(path)
     return _sheets(path)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
+from .above import facts_of, pairs_in, with_conditions_above
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS, found_in
 from .choices import (
@@ -28,20 +29,27 @@ from .choices import (
     unknown_in,
     with_choice,
 )
-from .conditions_above import with_conditions_above
+from .cleaning import with_pairs_apart
 from .dynamic import columns_of, measurement_from, parts_from
-from .grid import COMMENT, MISSING, Grid, grid_of, head_grid, holds_number, is_number
-from .header_facts import facts_of, pairs_in
+from .grid import (
+    COMMENT,
+    MISSING,
+    Grid,
+    grid_of,
+    head_grid,
+    head_text,
+    holds_number,
+    is_number,
+    text_of,
+)
 from .headings import headings_of, units_in
 from .names import FREQUENCIES, MODULI
-from .pairs import with_pairs_apart
 from .proposals import proposal
 from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart
-from .signals_csv import read as read_record
-from .text import head_text, text_of
+from .signals_csv import READER as RECORD
 from .titles import SWEEPS, Heading, Vocabulary, is_dynamic
-from .transposed import upright
+from .values_in_rows import upright
 
 _REARRANGED = 0.5
 """Confidence in a table whose quantities stand below each other."""
@@ -105,7 +113,7 @@ def read(path: Path, choice: Choice) -> Measurement:
         One line that says what was recognised and what is missing.
     """
     if _names_channels(choice):
-        return read_record(path, choice)
+        return RECORD.read(path, choice)
     grid = grid_of(text_of(path))
     blocks, pairs, notes = _blocks(grid, choice)
     return measurement_from(blocks, choice, path, {**facts_of(pairs), **notes}, further=True)

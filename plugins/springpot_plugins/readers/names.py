@@ -13,7 +13,7 @@ import unicodedata
 from functools import lru_cache
 
 from .languages import LANGUAGES
-from .peaks import says_whole_swing, without_swing
+from .title_words import says_whole_swing, without_swing
 
 EXACT = {
     "T": "temperature",

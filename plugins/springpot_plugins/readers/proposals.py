@@ -22,7 +22,7 @@ from springpot.measurement import (
 from springpot.rheology import KELVIN, Real
 
 from .names import FREQUENCIES, fold
-from .peaks import without_peak, without_swing
+from .title_words import without_peak, without_swing
 from .titles import UNITS, USUAL, Heading, to_type
 
 COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE = (

@@ -19,9 +19,9 @@ from springpot.measurement import Choice, normal_unit
 
 from .blocks import Block
 from .choices import CURVES, WHOLE, as_said
-from .curve_names import CurveName, curve_in_cell, curve_of_number
 from .grid import is_number
 from .names import FREQUENCIES, fold
+from .title_words import CurveName, curve_in_cell, curve_of_number
 from .titles import UNITS, Heading, Vocabulary, heading, title_again
 
 _COPY = re.compile(r"\.(\d{1,3})\Z")

@@ -35,10 +35,9 @@ from springpot.measurement.replicates import NOTE, stands_again
 from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of, sign_note
 from .generic import read as read_any
-from .grid import MISSING, shortest
+from .grid import MISSING, head_text, shortest, text_of
 from .proposals import offers
 from .table import Column, header_of, name_and_unit, table_of
-from .text import head_text, text_of
 from .titles import heading
 
 _CELSIUS, _UNIT = "degC", "unit "

@@ -26,10 +26,16 @@ from springpot.measurement import (
     normal_unit,
 )
 
-from .curve_names import LONGEST, CurveName, curve_in_suffix, curve_in_title, logarithm
 from .names import FREQUENCIES, MODULI, ROLES, role_of
-from .peaks import without_swing
-from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
+from .table import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
+from .title_words import (
+    LONGEST,
+    CurveName,
+    curve_in_suffix,
+    curve_in_title,
+    logarithm,
+    without_swing,
+)
 
 
 def _inverses(unit: str) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
-"""One value in each row, with a word for what it is, as a table with a column for each.
+"""Tables of values in rows, set upright with a column for each quantity.
 
-Storage beside loss.
+One value in each row with a word for what it is, as storage beside loss; or a row for each
+quantity, its name in front.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from springpot.measurement import normal_unit
 
 from .grid import COMMENT, MISSING, SEARCHED, Grid, holds_number, is_number
 from .names import FREQUENCIES, fold, names_a_modulus
-from .titles import UNITS, VALUES, heading, is_dynamic
-from .written import value_of
+from .table import value_of
+from .titles import SWEEPS, UNITS, VALUES, Vocabulary, heading, is_dynamic
 
 _FEWEST = 4
 """Rows of such a table: two points of two quantities."""
@@ -327,3 +328,37 @@ def _with_unit(name: str, unit: str) -> str:
     if named.unit is None and normal_unit(unit) in UNITS.get(str(named.role), {}):
         return f"{name} [{unit}]"
     return name
+
+
+_MOST_ROWS = 60
+
+
+def upright(grid: Grid, words: Vocabulary = SWEEPS) -> Grid | None:
+    """The table set upright, if each row begins with a name and goes on with numbers.
+
+    None for other tables.
+    """
+    rows = [row for row in grid.rows if not row[0].strip().startswith(COMMENT)]
+    rows = [_without_end(row) for row in rows]
+    if (
+        not 2 < len(rows) <= _MOST_ROWS
+        or len(rows[0]) < 3
+        or {len(row) for row in rows} != {len(rows[0])}
+    ):
+        return None
+    # Every cell behind a name must be a number: a table that stands upright has names in its first
+    # row.
+    if any(is_number(row[0]) or not all(map(is_number, row[1:])) for row in rows):
+        return None
+    if not words.complete({str(words.heading(row[0].strip()).role) for row in rows}):
+        return None
+    upright = [list(cells) for cells in zip(*rows, strict=True)]
+    # Lines are no longer rows: errors name the column of the table as its line.
+    return Grid(upright, range(1, len(upright) + 1), grid.separator)
+
+
+def _without_end(row: list[str]) -> list[str]:
+    end = len(row)
+    while end and not row[end - 1].strip():
+        end -= 1
+    return row[:end]

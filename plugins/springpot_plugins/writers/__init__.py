@@ -1,4 +1,4 @@
-"""The built-in formats for solvers, one small file for each.
+"""The built-in formats for solvers.
 
 Files are imported when they are asked for.
 """
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 @hookimpl
 def springpot_writers() -> Iterable[Writer]:
     """All of them."""
-    from . import abaqus, ansys, comsol, fmu, lsdyna, nastran, opensees, python, tables
+    from . import by_frequency, fmu, series
 
     return (
-        *tables.WRITERS,
-        python.WRITER,
-        abaqus.WRITER,
-        ansys.WRITER,
-        lsdyna.WRITER,
-        nastran.WRITER,
-        comsol.WRITER,
+        *series.TABLES,
+        series.PYTHON,
+        by_frequency.ABAQUS,
+        series.ANSYS,
+        series.LS_DYNA,
+        by_frequency.NASTRAN,
+        series.COMSOL,
         fmu.WRITER,
-        *opensees.WRITERS,
+        *series.OPENSEES,
     )

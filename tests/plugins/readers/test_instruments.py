@@ -5,7 +5,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Budget
-from springpot_plugins.readers import archive
+from springpot_plugins.readers import excel
 
 from . import samples
 from .samples import OMEGA, STIFFNESS, STRAIN, TEMPERATURE
@@ -195,7 +195,7 @@ def test_what_is_no_workbook(folder):
 def test_a_workbook_that_unpacks_to_far_too_much(folder, tmp_path, monkeypatch):
     import zipfile
 
-    monkeypatch.setattr(archive, "budget_of", lambda path: Budget(1.0, 1_000_000))
+    monkeypatch.setattr(excel, "budget_of", lambda path: Budget(1.0, 1_000_000))
     path = tmp_path / "bomb.xlsx"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
         book.writestr("[Content_Types].xml", "x")

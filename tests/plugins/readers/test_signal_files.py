@@ -94,10 +94,10 @@ def test_matlab_of_other_versions_or_broken(folder):
 
 
 def test_a_matlab_file_that_unpacks_to_far_too_much(folder, monkeypatch):
-    from springpot_plugins.readers import signals_mat
+    from springpot_plugins.readers import signals_binary
 
     content = samples.mat()
-    monkeypatch.setattr(signals_mat, "budget_of", lambda path: Budget(1.0, len(content)))
+    monkeypatch.setattr(signals_binary, "budget_of", lambda path: Budget(1.0, len(content)))
     with pytest.raises(DataError, match="unpacks to too much"):
         signals_to_measurement([folder.write(content)])
 
@@ -107,7 +107,7 @@ def test_a_matlab_file_that_unpacks_to_far_too_much(folder, monkeypatch):
 def test_matlab_arrays_are_those_that_scipy_reads(kind, packed):
     from scipy.io import loadmat, savemat
 
-    from springpot_plugins.readers.matfile import arrays_in
+    from springpot_plugins.readers.signals_binary import arrays_in
 
     values = np.arange(1, 25).reshape(2, 3, 4).astype(kind)
     stream = io.BytesIO()

@@ -82,8 +82,8 @@ def command(
     --optimiser mine
     """
     from springpot.benchmark.archive import study_of
-    from springpot.benchmark.report.study import write_study_report
     from springpot.benchmark.runner import run_study
+    from springpot.benchmark.study_report import write_study_report
 
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both")

@@ -108,7 +108,7 @@ def _written(
 
     paths = list(write_tables(study, kinds, out, beside)) if kinds else []
     if report:
-        from springpot.benchmark.report.study import write_study_report
+        from springpot.benchmark.study_report import write_study_report
 
         paths.append(write_study_report(study, out, beside))
     return paths

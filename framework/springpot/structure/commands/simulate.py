@@ -77,7 +77,7 @@ def command(
     band of the drift carries what is not known of the dampers. Of many records mean and envelope
     are told too. With --frequency the ground shakes with 1 m/s^2 at each frequency instead.
     """
-    from springpot.structure.records import records_meant
+    from springpot.structure.reading import records_meant
 
     if (not records) == (frequency is None):
         raise click.UsageError("give a --record or a --frequency")
@@ -102,8 +102,7 @@ def _one(
 
     from springpot.structure.answers import described
     from springpot.structure.motion import simulate
-    from springpot.structure.reading import read_structure
-    from springpot.structure.records import read_record
+    from springpot.structure.reading import read_record, read_structure
     from springpot.structure.shown import show_motion
 
     draws, seed, further = asked
@@ -141,8 +140,7 @@ def _many(
     from springpot.errors import SpringpotError
     from springpot.structure.answers import RecordSuite, described_suite
     from springpot.structure.motion import Simulation, simulate
-    from springpot.structure.reading import read_structure
-    from springpot.structure.records import read_record
+    from springpot.structure.reading import read_record, read_structure
     from springpot.structure.shown import show_suite
 
     draws, seed, further = asked

@@ -40,7 +40,7 @@ def command(
     decided with it as a guard band. Where a test fails, its record is diagnosed: play, lag,
     friction and whatever else is hidden. Exit code 1: not conforming.
     """
-    from springpot.testreport.certifying import certify
+    from springpot.testreport.certificate import certify
     from springpot.testreport.deciding import FAILING
 
     certificate = certify(tests, code, why=why)

@@ -1,1 +1,0 @@
-"""Readers of tests in time: tables in many layouts, RepTate's files."""
