@@ -122,6 +122,7 @@ ANSWER = SimpleNamespace(
     onward="next",
     verdict="adequate",
     leading=("inertia",),
+    left_out={},
     best=SimpleNamespace(effect="inertia", model=parse_model("kelvin"), fails=True, unclear=False),
     turns=[],
 )
@@ -190,7 +191,12 @@ SCENARIOS = {
         ["warm.csv"],
         None,
         ["warm.csv"],
-        changes=({}, {"one_test": "temperature=20"}, {"offered": ""}),
+        changes=(
+            {},
+            {"one_test": "temperature=20"},
+            {"offered": ""},
+            {"left_out": {"inertia": "another material could have done the same"}},
+        ),
     ),
     "cli/discover.py:_next": after_discovery,
     "cli/identify.py:_show": printing(

@@ -92,8 +92,26 @@ def test_an_answer_is_written_at_once():
 )
 def test_where_any_material_is_adequate_models_are_compared(named, right_way, turns, line):
     """Of any kind of test; a ranking is of one file."""
-    answer = SimpleNamespace(one_test="", offered="", verdict="adequate", turns=turns)
+    answer = SimpleNamespace(one_test="", offered="", verdict="adequate", turns=turns, left_out={})
     assert diagnose._next_command(answer, named, None, right_way) == line
+
+
+@pytest.mark.parametrize(
+    ("model", "named", "left_out", "line"),
+    [
+        (None, ["a"], {}, "springpot discover a --accept slack"),
+        (None, ["a"], {"slack": "name a model"}, "springpot compare a"),
+        (None, ["a", "b"], {"slack": "name a model"}, "springpot discover a b --accept slack"),
+        ("zener", ["a"], {}, "springpot discover a --model zener --accept slack"),
+    ],
+)
+def test_what_no_material_can_be_fitted_with_is_not_accepted_beside_it(
+    model, named, left_out, line
+):
+    """Its acceptance would end in an error that asks for a model: one is found first."""
+    answer = SimpleNamespace(one_test="", offered="slack", turns=False, left_out=left_out)
+    answer.verdict = "effect-missing"
+    assert diagnose._next_command(answer, named, model, named) == line
 
 
 @pytest.mark.parametrize(

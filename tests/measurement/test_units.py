@@ -13,7 +13,7 @@ from springpot.measurement import (
     temperature_in_celsius,
     units,
 )
-from springpot.rheology import Dimension
+from springpot.rheology import FORCE, Dimension
 
 
 @pytest.mark.parametrize(
@@ -162,3 +162,17 @@ def test_a_power_is_told_as_a_person_writes_it(power, words):
 @pytest.mark.parametrize("text", ["mm/mm", "m/m", "in/in", "[mm/mm]"])
 def test_a_length_over_the_same_length_is_a_share(text):
     assert normal_unit(text) == "-"
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "amplitude", "expected"),
+    [
+        ("uN/um", "um", (1.0, "uN")),
+        ("kN/mm", "mm", (1.0, "kN")),
+        ("kN/m", "mm", (1.0, "N")),
+        ("N/mm", "mm", (1.0, "N")),
+    ],
+)
+def test_a_force_is_told_in_the_unit_that_the_file_has_it_in(stiffness, amplitude, expected):
+    """Of an indenter in uN, not in millionths of a newton."""
+    assert Units(stiffness, amplitude).of(FORCE) == expected

@@ -172,3 +172,12 @@ def test_a_step_tells_an_error_only_where_it_falls(after, told):
     step = SimpleNamespace(says="row 3 stands out", error_after=after, command="do it")
     answer = SimpleNamespace(error=SimpleNamespace(relative_rms=0.05), steps=[step])
     assert list(answers.steps_of(answer).items) == [f"row 3 stands out{told}: do it"]
+
+
+def test_of_what_was_fitted_nearly_the_reason_is_told_and_not_that_it_was_left_out():
+    reasons = {"slack": "name a model", "inertia": "it has no law in time"}
+    lines = [str(line) for line in answers.left_out(reasons, ["slack"]).items]
+    assert lines == [
+        "fitted nearly: slack: name a model",
+        "left out: inertia: it has no law in time",
+    ]

@@ -175,6 +175,9 @@ def _next_command(
     # One of several specimens has no level of its own.
     if diagnosis.one_test and len(named) == 1:
         return suggested("diagnose", with_rows(named[0], diagnosis.one_test), *judged)
+    # What cannot be fitted beside any material is accepted beside a model that has a name.
+    if model is None and diagnosis.offered in diagnosis.left_out and len(named) == 1:
+        return suggested("compare", *named)
     if diagnosis.offered:
         return suggested("discover", *named, *judged, *accepting([diagnosis.offered]))
     # Of any material that is adequate the question is left which model has the fewest parameters.

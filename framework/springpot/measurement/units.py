@@ -496,9 +496,7 @@ class Units:
         if powers == (-1, 1, -2) and (self.is_modulus or self.amplitude != "-"):
             reach = AMPLITUDE_UNITS[self.amplitude]
             per_watt = 1.0 / (stiff * reach * reach)
-            if self.is_modulus:
-                return per_watt, "m^3/W"
-            return per_watt, "1/W"
+            return per_watt, "m^3/W" if self.is_modulus else "1/W"
         return None
 
     def _force(self) -> tuple[float, str] | None:
@@ -508,6 +506,9 @@ class Units:
         """
         if self.is_modulus and self.amplitude in STRAIN_UNITS:
             return STRAIN_UNITS[self.amplitude], self.stiffness
+        # As the file has it: a force of uN in N is nothing that anybody reads.
+        if self.stiffness in STIFFNESS_UNITS and self.stiffness.endswith(f"/{self.amplitude}"):
+            return 1.0, self.stiffness.partition("/")[0]
         if self.stiffness in STIFFNESS_UNITS and self.amplitude in LENGTH_UNITS:
             return STIFFNESS_UNITS[self.stiffness] * LENGTH_UNITS[self.amplitude], "N"
         if self.stiffness in TORSION_UNITS and self.amplitude in ANGLE_UNITS:

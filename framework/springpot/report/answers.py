@@ -5,7 +5,7 @@ Without that temperature they cannot be compared with published ones.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 
@@ -218,7 +218,7 @@ def diagnosis_document(
         physics(rows),
         folded,
         Prose(absent),
-        left_out(diagnosis.left_out),
+        left_out(diagnosis.left_out, [row.effect for row in diagnosis.candidates]),
         Prose(_next(diagnosis)),
         steps_of(diagnosis),
         Listing(notes[:most], mark="note: "),
@@ -477,9 +477,13 @@ def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:
     return f"absent, or it would have been seen from this size on: {listed(named, most)}"
 
 
-def left_out(reasons: Mapping[str, str]) -> Listing:
-    """What could not be tried, and why."""
-    return Listing([f"{name}: {reason}" for name, reason in reasons.items()], mark="left out: ")
+def left_out(reasons: Mapping[str, str], judged: Container[str] = ()) -> Listing:
+    """What could not be tried, and why; of what was judged all the same, why only nearly."""
+    lines = []
+    for name, reason in reasons.items():
+        how = "fitted nearly" if name in judged else "left out"
+        lines.append(f"{how}: {name}: {reason}")
+    return Listing(lines)
 
 
 def steps_of(diagnosis: Diagnosis) -> Listing:

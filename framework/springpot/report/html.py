@@ -334,7 +334,8 @@ def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield ranking(diagnosis, shown).as_html()
     yield physics(shown, LISTED).as_html()
     yield from _note(effects_note(data_of(step), (row.effect for row in shown)))
-    yield left_out(diagnosis.left_out).as_html()
+    judged = [row.effect for row in diagnosis.candidates]
+    yield left_out(diagnosis.left_out, judged).as_html()
     if diagnosis.verdict != "adequate":
         yield not_shown(diagnosis, shown).as_html()
     yield from _note(absent_text(diagnosis))

@@ -460,8 +460,10 @@ def _judged(
     ranked = sorted(judged, key=lambda each: (-round(each.evidence, 1), sum_of_squares(each.left)))
     # What cannot be told from another material and helps no more than one is no candidate.
     ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
+    # Why one that helps was fitted only nearly stays: its acceptance would end there.
     for each in ranked:
-        left_out.pop(each.effect.name, None)
+        if each.fit is not None:
+            left_out.pop(each.effect.name, None)
     return answer_of(asked, base, before, ranked, noise, entries, slip)
 
 

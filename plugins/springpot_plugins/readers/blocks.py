@@ -109,7 +109,7 @@ class Block:
             return "creep in time, no dynamic test"
         if self.is_steady:
             if "flow" in roles:
-                return "steady flow, no dynamic test"
+                return "steady flow, no dynamic test; give a sweep, a creep or a relaxation of it"
             return (
                 "force over velocity, as of the peaks of many strokes: no dynamic test; give the"
                 " strokes themselves, force and displacement over time"

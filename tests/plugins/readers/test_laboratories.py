@@ -126,7 +126,8 @@ def test_a_pre_shear_does_not_keep_the_sweep_from_opening(folder):
     content = rheocompass([PRESHEAR, (MODULI, UNITS, ROWS)])
     np.testing.assert_allclose(folder.open(content).stiffness, STIFFNESS, rtol=1e-10)
     first, second = folder.parts(content)
-    assert (first.usable, first.says) == (False, "steady flow, no dynamic test")
+    assert not first.usable
+    assert first.says.startswith("steady flow, no dynamic test")
     assert (second.usable, second.name) == (True, "job 1 interval 2")
 
 

@@ -261,7 +261,7 @@ REFUSED = {
     "relaxation": ("t,E_relax,T,Set\n10,8097,-49,0\n4,8576,-49,0\n", "a relaxation test in time"),
     "flow": (
         "Shear rate [1/s],Viscosity [Pa.s],Temperature [°C]\n1,2,3\n",
-        "steady flow, no dynamic test",
+        "steady flow, no dynamic test; give a sweep, a creep or a relaxation of it",
     ),
     "flow by one name": ("Shear Rate,Stress\n1,2\n10,3\n", "steady flow, no dynamic test"),
     "peaks of a damper": (
