@@ -11,8 +11,10 @@ import pytest
 from springpot.diagnosis.grown import go_on_to_neighbours
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
+from springpot.rheology.effect import SWEEPS
+from springpot.thresholds import VERDICT
 from springpot.timetests import discover, recorded
-from springpot.timetests.discovery import TimeSets, places
+from springpot.timetests.discovery import TimeRungs, TimeSets, places
 
 NAMES = ("force-drift", "thermal-force", "cubic-stiffness", "friction", "asymmetric-stiffness")
 
@@ -155,3 +157,21 @@ def test_what_may_stand_in_a_place_stands_beside_the_same_others():
         "force-drift": ("force-drift", "thermal-force"),
         "cubic-stiffness": ("cubic-stiffness",),
     }
+
+
+@pytest.mark.parametrize(
+    ("alike", "probability", "leading", "taken"),
+    [
+        (("inertia",), 0.1, True, True),
+        (("inertia", "mounting"), VERDICT.likely, True, True),
+        (("inertia", "mounting"), VERDICT.likely - 1e-6, True, False),
+        (("inertia",), 1.0, False, False),
+    ],
+)
+def test_what_goes_in_is_the_very_effect_that_was_tried(alike, probability, leading, taken):
+    """A mass of the rig of the sweeps alone went in as one of all rigs."""
+    mass = plugins().effect("inertia").at(SWEEPS)
+    first = SimpleNamespace(effect="inertia", physics=mass, alike=alike, probability=probability)
+    told = SimpleNamespace(candidates=[first], leading=alike if leading else ())
+    rungs = TimeRungs(tests=[], effects=[plugins().effect("inertia")])
+    assert (rungs.decisive([SimpleNamespace(diagnosis=told)]) is mass) is taken

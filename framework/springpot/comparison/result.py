@@ -47,6 +47,8 @@ TOLD = (
 """Of a judgement, in the order of its schema."""
 ONLY_NOISE = "nothing is left but noise"
 """What is said of a model beside which no pattern is left."""
+UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
+"""What is said of a model that is far from the noise, and no test says how."""
 
 LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
@@ -271,10 +273,7 @@ class Judgement:
             return f"{ratio}; nothing is left but noise, but {self.error.advice}"
         # Before "nothing is left but noise", which no error beyond the floor may be called.
         if self.unclear:
-            return (
-                f"{ratio}; what is left has no pattern:"
-                " these data cannot tell whether something is missing"
-            )
+            return f"{ratio}; {UNCLEAR}"
         if not self.fails:
             return f"{ratio}; {ONLY_NOISE}"
         # What fails without a place, such as too much scatter everywhere, is told by its surest

@@ -41,8 +41,8 @@ from .ladder import (
     Step,
     accepted_of,
     climbed,
-    first_named,
     in_order,
+    told_apart,
 )
 from .result import Fitted, Progress, silent, unseen
 from .scan import applicable, scan_effects
@@ -379,9 +379,8 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
-    first = first_named(case.diagnosis)
-    # Of a class that the data cannot tell apart only what is likelier than all the others goes in.
-    if len(first.alike) > 1 and first.probability < VERDICT.likely:
+    first = told_apart(case.diagnosis)
+    if first is None:
         return None
     # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most
     # of the error.

@@ -254,14 +254,8 @@ class Evidence:
         return replace(self, untold=untold_in_place(self.search, library))
 
     def doubted(self, p_value: float) -> Evidence:
-        """The same, where what the best model leaves has this chance of being noise.
-
-        Little if it is none of these; see `unknown_odds`.
-        """
-        odds = unknown_odds(p_value)
-        # Never less than the evidence says by itself: a test that sees nothing does not make it
-        # known.
-        return self._with_unknown(max(self.unknown, odds / (1.0 + odds)))
+        """The same, where what the best model leaves has this chance of being noise."""
+        return self._with_unknown(doubted(self.unknown, p_value))
 
     def without_unknown(self) -> Evidence:
         """The same, taking for granted that the library explains what is missing."""
@@ -523,6 +517,16 @@ def unknown_odds(p_value: float) -> float:
     # certain.
     p_value = min(max(p_value, ROUNDING), float(np.exp(-1.0)))
     return float(EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value)))
+
+
+def doubted(unknown: float, p_value: float) -> float:
+    """Chance of something unknown, where what the best model leaves has this chance of being noise.
+
+    Little if it is none of these; see `unknown_odds`. Never less than the evidence says by itself:
+    a test that sees nothing does not make it known.
+    """
+    odds = unknown_odds(p_value)
+    return max(unknown, odds / (1.0 + odds))
 
 
 def without(names: Sequence[str], others: Sequence[str]) -> list[str]:

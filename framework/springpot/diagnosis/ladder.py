@@ -31,6 +31,7 @@ from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.thresholds import VERDICT
 
 from .grown import Search, Untold, key_of
 from .in_practice import Accuracy
@@ -506,6 +507,18 @@ def first_named(diagnosis: Diagnosis) -> Candidate:
         if diagnosis.leading and candidate.effect == diagnosis.leading[0]:
             return candidate
     return diagnosis.candidates[0]
+
+
+def told_apart(diagnosis: Diagnosis) -> Candidate | None:
+    """The same, unless the data cannot tell it from others that are as likely; None then.
+
+    Of such a class only what is likelier than all the others goes in: else a user or another
+    test decides.
+    """
+    first = first_named(diagnosis)
+    if len(first.alike) > 1 and not first.probability >= VERDICT.likely:
+        return None
+    return first
 
 
 def accepted_of(steps: Sequence[Step]) -> tuple[Effect, ...]:

@@ -26,11 +26,6 @@ DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
 
 
-TURN = "counts the other way: turn it"
-EXCHANGE = "stand in each other's place: exchange them"
-"""What is to be done before all else."""
-
-
 @dataclass(frozen=True)
 class ToDo:
     """One step.
@@ -47,8 +42,10 @@ class ToDo:
         The column that is split, if that is the step; a file does not hold it.
     exclude : tuple of int
         Rows of the data that are left out, the first being 1; a file does not hold them.
+    wrong : str
+        What is turned, or the two that are exchanged, if that is the step; a file does not hold it.
     turns : str
-        The test of which a channel is turned, if that is the step; a file does not hold it.
+        The test in time of which a channel is turned; a file does not hold it.
     """
 
     says: str
@@ -56,6 +53,7 @@ class ToDo:
     error_after: float = float("nan")
     split: str = field(default="", compare=False)
     exclude: tuple[int, ...] = field(default=(), compare=False)
+    wrong: str = field(default="", compare=False)
     turns: str = field(default="", compare=False)
 
     def to_dict(self) -> dict[str, Any]:
@@ -90,8 +88,10 @@ def turning(
 
     Of a force that counts the other way every other answer is wrong.
     """
-    says = f"{what} {EXCHANGE}" if " and " in what else f"the {what} {TURN}"
-    return ToDo(says, suggested("diagnose", spec), error_after, turns=test)
+    says = f"the {what} counts the other way: turn it"
+    if " and " in what:
+        says = f"{what} stand in each other's place: exchange them"
+    return ToDo(says, suggested("diagnose", spec), error_after, wrong=what, turns=test)
 
 
 def splitting(
@@ -430,18 +430,18 @@ class Diagnosis(Drawn, Printed):
     @property
     def turns(self) -> list[ToDo]:
         """The steps that turn a channel or exchange two, before which nothing else holds."""
-        return [step for step in self.steps if step.says.endswith((TURN, EXCHANGE))]
+        return [step for step in self.steps if step.wrong]
 
     def behind_a_sign(self) -> Diagnosis:
         """The same, which says first that a channel is to be turned, where one is."""
         turns = self.turns
         if self.verdict == "adequate" or not turns:
             return self
-        what = turns[0].says.removesuffix(f" {TURN}")
-        first = f"{what} seems to count the other way: until it is turned nothing else holds"
-        if turns[0].says.endswith(EXCHANGE):
-            stand = turns[0].says.partition(": ")[0]
-            first = f"{stand}, as it seems: until they are exchanged nothing else holds"
+        what = turns[0].wrong
+        first = f"the {what} seems to count the other way: until it is turned nothing else holds"
+        if " and " in what:
+            stand = f"{what} stand in each other's place, as it seems"
+            first = f"{stand}: until they are exchanged nothing else holds"
         # Nor does what would be measured next, turned as it is.
         bare = replace(self, next_experiment=None)
         if isnan(after := turns[0].error_after):

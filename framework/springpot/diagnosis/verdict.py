@@ -151,57 +151,44 @@ QUIET = (
     ),
     # Before all that weighs the size of an error: so few numbers tell neither it nor the floor.
     VerdictRule("too few data", lambda f: f.few, "inconclusive"),
-    # The next two before "an effect would help": an effect fitted to a notch would make it a maybe.
+    # Before "an effect would help": an effect fitted to a notch would make it a maybe; whether one
+    # would help beside a free spectrum is open, not that the model fails; and rows of two
+    # calibrations that take turns look like noise to all that does not know which is which.
     VerdictRule(
-        "more than the noise, by neighbours", lambda f: f.exceeds and f.together, "unexplained"
+        "more than noise, by neighbours or of a kind, beside a material, or by a column",
+        lambda f: (f.exceeds and (f.together or f.unknown)) or f.material or f.by_column,
+        "unexplained",
     ),
-    VerdictRule("more than the noise, of a kind", lambda f: f.exceeds and f.unknown, "unexplained"),
-    # Before effects beside the free spectrum: whether one of them would help there is open, not
-    # that the model fails.
-    VerdictRule(
-        "a material follows, but no effect mends the model", lambda f: f.material, "unexplained"
-    ),
-    # Whatever else may help: rows of two calibrations that take turns look like noise to all that
-    # does not know which is which.
-    VerdictRule("what goes with a column is no noise", lambda f: f.by_column, "unexplained"),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
     VerdictRule(
         "an effect would help, or it is noise", lambda f: f.clear and f.something, "inconclusive"
     ),
     # Only where no test is alarmed: drift raises the floor, and what shows above it is real.
     VerdictRule("what repeats differ by is no noise", lambda f: f.repeats, "unexplained"),
-    # After its two cases with a pattern: what is left may be noise with long tails.
-    VerdictRule("more than the noise, in no pattern", lambda f: f.exceeds, "inconclusive"),
-    # After "of a kind": without an error beyond the floor such a kind may as well follow the noise.
+    # An error beyond the floor in no pattern may be noise with long tails, and something without a
+    # name follow noise. Beside a model with one effect more a pattern is seen that the base,
+    # further off, may hide. One sweep tells noise with a memory from a misfit that comes and goes
+    # only by being measured again.
     VerdictRule(
-        "something without a name would help, or it is noise", lambda f: f.unknown, "inconclusive"
+        "more than noise, or noise of another kind",
+        lambda f: f.exceeds or f.unknown or (f.left and not f.below) or f.remembers,
+        "inconclusive",
     ),
-    # Beside a model with one effect more a pattern is seen that the base, further off, may hide.
-    VerdictRule(
-        "the best model found leaves structure", lambda f: f.left and not f.below, "inconclusive"
-    ),
-    # One sweep tells such noise from a misfit that comes and goes only by being measured again.
-    VerdictRule("noise with a memory, or a misfit", lambda f: f.remembers, "inconclusive"),
     # All that could be missing was asked for.
     VerdictRule("noise explains all", lambda f: True, "adequate"),
 )
 """Without an alarm the first of these that holds gives the verdict."""
 ALARMED = (
     ARITHMETIC,
-    # Before "structure is left": an effect may take nearly all of a fault's misfit.
+    # Before any name: an effect may take nearly all of a chain's fault; the best wrong one takes
+    # most of any misfit, but leaves structure; and structure is certain where none is clearly
+    # better than none.
     VerdictRule(
-        "a fault of the measuring chain explains more",
-        lambda f: f.unknown and f.chain,
-        "unexplained",
-    ),
-    # Before any name: the best wrong effect takes most of a misfit too, but it leaves structure.
-    VerdictRule(
-        "structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"
-    ),
-    # Before the name too: structure is certain, and no effect is clearly better than none.
-    VerdictRule(
-        "no effect helps clearly",
-        lambda f: f.by_battery and not f.clear and not f.nearly_all,
+        "a fault of the measuring chain explains more, or structure is left",
+        lambda f: (
+            (f.unknown and f.chain)
+            or (not f.nearly_all and (f.left or f.unknown or (f.by_battery and not f.clear)))
+        ),
         "unexplained",
     ),
     # A weak gain is enough where the alarm is beyond doubt: then something is missing.
@@ -210,12 +197,11 @@ ALARMED = (
         lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)),
         "effect-missing",
     ),
-    # After the name: outliers set aside beside a found effect do not take it back.
-    VerdictRule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
-    # The battery is sure of structure whatever the library holds; the scan, which is not, is last.
+    # After the name: outliers set aside beside a found effect do not take it back. The battery is
+    # sure of structure whatever the library holds; the scan, which is not, is last.
     VerdictRule(
-        "structure, and no effect that is preferred to nothing",
-        lambda f: f.by_battery,
+        "no name, and points that stand out or structure",
+        lambda f: f.outliers or f.by_battery,
         "unexplained",
     ),
     # Always holds, so that there is a verdict for any facts.

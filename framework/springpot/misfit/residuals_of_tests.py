@@ -207,7 +207,13 @@ class TestPart(ABC):
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
         rows = self.thin if coarse else np.arange(len(self.measured))
         answer = self.answer(model, theta, reference, rows)
-        weight = np.asarray(1.0 / (self.scale * self.sd[rows]), dtype=float)
+        return self.missed(answer, rows, 1.0 / (self.scale * self.sd[rows]))
+
+    def missed(self, answer: Traced, rows: NDArray[np.intp], weight: Real) -> Residual:
+        """What an answer to some of the numbers (r,) misses, by weights (r,) of those that count.
+
+        At the instant of a step, of weight nothing, an exact answer may be endless.
+        """
         counted = self.counted[rows]
         missed = np.where(counted, answer.value - self.measured[rows], 0.0)
         by_theta = np.where(counted[:, None], answer.by_theta, 0.0)

@@ -24,6 +24,7 @@ from springpot.comparison.comparing import (
 from springpot.comparison.result import (
     LOOKED_AT,
     ONLY_NOISE,
+    UNCLEAR,
     Comparison,
     Judgement,
     Ranking,
@@ -55,8 +56,6 @@ from .hypotheses import FitResiduals, bic_of, chi_square_gain, delta_bic, indepe
 from .material import TimeFloor, material_floor
 from .verdict import TimeCase, error_of, misfit_of, where_missed
 
-UNCLEAR = "what is left has no pattern: these data cannot tell whether something is missing"
-"""What is said of a model that is far from the noise, and no test says how."""
 DOUBT = "what is left may be noise, or more: these tests cannot tell"
 """What is said of a model that noise would hardly miss as much, or noise that the signal lacks."""
 MORE = "what is left is more than noise"

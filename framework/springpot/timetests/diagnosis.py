@@ -306,7 +306,7 @@ def examine(
 
     `accuracy` is what the instrument promises; `fitted` is given each effect that was fitted.
     """
-    given = _listed(tests)
+    given = list(tests) if isinstance(tests, Sequence) else [tests]
     if isinstance(model, str):
         model = parse_model(model)
     if effects is None:
@@ -371,12 +371,6 @@ def _finished(case: TimeCase, accuracy: Accuracy | None) -> TimeCase:
     error = replace(told.error, material_floor=lowest)
     told = replace(told, error=error, next_experiment=next_test(case))
     return case._replace(diagnosis=told)
-
-
-def _listed(tests: Sequence[Test] | Test) -> list[Test]:
-    if isinstance(tests, TimeTest) or not isinstance(tests, Sequence):
-        return [tests]
-    return list(tests)
 
 
 def _without(tests: Sequence[Test], number: int, row: int, off: float) -> list[Test]:
@@ -487,7 +481,7 @@ def _screened(
     if is_material(base.model):
         return of_material(asked, base, leading_of_scan(entries, before), fitted)
     nearly = nearly_all(asked, base, entries, before, fitted)
-    return exactly_fitted(asked, base, from_the_data(asked, base, nearly, before), before, fitted)
+    return exactly_fitted(asked, from_the_data(asked, base, nearly, before), before, fitted)
 
 
 def _better_start(

@@ -18,8 +18,8 @@ from springpot.diagnosis.ladder import (
     Step,
     accepted_of,
     climbed,
-    first_named,
     in_order,
+    told_apart,
 )
 from springpot.diagnosis.result import Fitted, Progress, silent, unseen
 from springpot.errors import SpringpotError
@@ -31,14 +31,13 @@ from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
+from springpot.thresholds import EVIDENCE, SEARCH
 
 from .diagnosis import examine
 from .fitting import identify
 from .hypotheses import AskedTests, FitResiduals, Hypothesis
 from .score import TimeScan
 from .screening import EXACT, approximately_fitted, leading_of_scan, noise_of_best
-from .specimen import at_tests
 from .verdict import TimeCase
 
 
@@ -297,20 +296,10 @@ class TimeRungs(Rungs[Identification]):
         return best_set(_case(steps[-1]), 1)
 
     def decisive(self, steps: Sequence[Step]) -> Effect | None:
-        """The effect that the evidence asks for.
-
-        Of a class whose members the tests cannot tell apart the first, if that is likelier than all
-        the others: else a user or another test decides.
-        """
-        leading = steps[-1].diagnosis.leading
-        if not leading:
-            return None
-        likeliest = first_named(steps[-1].diagnosis)
-        if len(leading) > 1 and not likeliest.probability >= VERDICT.likely:
-            return None
-        # What one test alone has is named with it.
-        there = (each for effect in self.effects for each in at_tests(effect, list(self.tests)))
-        return next(effect for effect in there if effect.name == leading[0])
+        """The effect that the evidence asks for."""
+        diagnosis = steps[-1].diagnosis
+        first = told_apart(diagnosis) if diagnosis.leading else None
+        return first.physics if first else None
 
     def likeliest_set(self, steps: Sequence[Step]) -> FoundSet[Identification] | None:
         """The likeliest set, begun with the effects accepted one after the other.

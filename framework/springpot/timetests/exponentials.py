@@ -114,17 +114,12 @@ class QuickPart(InTimePart):
         return self.test.time[self.rows]
 
     @cached_property
-    def seen(self) -> NDArray[np.bool_]:
-        """Which of them count, as they do in an exact fit."""
-        return self.counted[self.rows]
-
-    @cached_property
     def weight(self) -> Real:
         """One over the noise; as many samples as are left out count with the others."""
         # So that a test of a million samples outweighs one of a thousand as much as it would with
         # all of them.
         more = np.sqrt(len(self.test) / len(self.rows))
-        return np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
+        return np.where(self.counted[self.rows], more, 0.0) / (self.scale * self.sd[self.rows])
 
     @cached_property
     def times(self) -> Real:
@@ -309,7 +304,7 @@ class QuickPart(InTimePart):
         """Predicted less measured, over the noise."""
         if self.test.warmth is not None and "temperature" in model.needs:
             raise UnfollowedError("the temperature moves")
-        return self._missed(self.recorded(model, theta, reference))
+        return self.missed(self.recorded(model, theta, reference), self.rows, self.weight)
 
     def nearly(
         self, model: Model, theta: Real, reference: float, by: Sequence[int]
@@ -322,18 +317,12 @@ class QuickPart(InTimePart):
         there, places = model.had_by(self.test)
         asked = [i for i, place in enumerate(places) if place in by]
         for answer in self._recorded(there, theta[:, places], reference, asked, surely=True):
-            yield self._missed(spread(answer, places, theta.shape[1]))
+            yield self.missed(spread(answer, places, theta.shape[1]), self.rows, self.weight)
 
     def exactly(self, model: Model, theta: Real, reference: float) -> Residual:
         """The same by the exact response."""
-        return self._missed(self.answer(model, theta, reference, self.rows))
-
-    def _missed(self, answer: Traced) -> Residual:
-        # At the instant of a step, of weight nothing, an exact answer may be endless.
-        missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
-        by_theta = np.where(self.seen[:, None], answer.by_theta, 0.0)
-        found = Residual(missed * self.weight, by_theta * self.weight[:, None])
-        return found.freed(self.weight[:, None] * self.unknowns[self.rows])
+        answer = self.answer(model, theta, reference, self.rows)
+        return self.missed(answer, self.rows, self.weight)
 
     def recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """What the test records of a model, nearly.

@@ -46,7 +46,7 @@ from .hypotheses import FitResiduals
 from .material import FoundLines, UntoldError, coordinates_around, ends_of_material, spectral
 from .native import STARTS, Minimum, TimeSearch
 from .score import TimeScan
-from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
+from .specimen import at_rigs, reference_of, require_tests, residual_of, rig_of_sweeps
 from .temperatures import is_material_alone
 from .valley import with_intervals
 
@@ -121,14 +121,12 @@ class InTimeProblem(SpecimenProblem):
         # Counted here, where every evaluation passes, so that none goes past the recorder.
         self.tally.points += 1
         try:
-            residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
+            value, by_theta = residual_of(self.parts, self.model, theta, self.reference)
         except SpringpotError:
             # Somewhere in the box a model may leave what can be followed: an optimiser goes on from
             # elsewhere.
             count = sum(part.count() for part in self.parts)
             return np.full(count, np.inf), np.zeros((count, len(x)))
-        value = np.concatenate([each.value for each in residuals])
-        by_theta = np.concatenate([each.by_theta for each in residuals])
         return value, by_theta @ self.space.jacobian(x)
 
 

@@ -25,6 +25,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from ..numerics import NEGLIGIBLE, SMALLEST, TWO_DEVIATIONS
+from .specimen import residual_of
 
 APART = 16
 """Samples between two of the kicks that are tried, in turn up and down."""
@@ -600,13 +601,13 @@ def without_nested(
             continue
         theta, parameters = each.theta, each.model.parameters
         at_end = np.array([theta[i] in (o.lower, o.upper) for i, o in enumerate(parameters)])
-        slopes = [part.residual(each.model, theta, reference).by_theta for part in parts]
+        _, slopes = residual_of(parts, each.model, theta, reference)
         # By natural units of each: of a logarithm, its own size, or a range with two ends.
         unit = [
             1.0 if one.scale != "log" and np.isfinite(one.upper - one.lower) else theta[i]
             for i, one in enumerate(parameters)
         ]
-        influence = np.linalg.norm(np.concatenate(slopes) * unit, axis=0)
+        influence = np.linalg.norm(slopes * unit, axis=0)
         lost = at_end | (influence < EVIDENCE.least_influence)
         if any(each.effect.own_of(dict(zip(each.model.names, lost, strict=True))).values()):
             limits.add(each.effect.name)

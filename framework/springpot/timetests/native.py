@@ -49,7 +49,7 @@ from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, FAR, MOST_STEPS, rms
 from .exponentials import UnfollowedError, quick_parts
-from .specimen import Scales, tries_of, words_of
+from .specimen import Scales, residual_of, tries_of, words_of
 
 QUICK = 20
 """Steps with some of the samples."""
@@ -222,10 +222,8 @@ class TimeSearch:
     ) -> tuple[Real, Real]:
         """Residuals (m,) of all parts and their derivative (p, m) by u."""
         theta = self.theta(u)
-        residuals = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
-        by_theta = np.concatenate([each.by_theta for each in residuals]).T.copy()
-        value = np.concatenate([each.value for each in residuals])
-        return value, self.coordinates.carry(by_theta, theta, self.size)
+        value, by_theta = residual_of(parts, self.model, theta, self.reference, coarse)
+        return value, self.coordinates.carry(by_theta.T.copy(), theta, self.size)
 
     def quickly(self, parts: Sequence[TestPart]) -> Sequence[TestPart]:
         """These parts by fixed exponentials; asked again, with all that is known of them."""

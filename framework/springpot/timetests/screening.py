@@ -289,7 +289,6 @@ def from_the_data(
 
 def exactly_fitted(
     asked: AskedTests,
-    base: Identification,
     nearly: Sequence[Hypothesis],
     before: FitResiduals,
     fitted: Fitted = unseen,

@@ -18,7 +18,13 @@ from springpot.measurement.conversion import FILE, file_of, refuse_copies
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
-from springpot.misfit.residuals_of_tests import TestPart, part_of, reach_of, typical_stiffness
+from springpot.misfit.residuals_of_tests import (
+    Residual,
+    TestPart,
+    part_of,
+    reach_of,
+    typical_stiffness,
+)
 from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer, StageLaw
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
@@ -173,6 +179,14 @@ def reference_of(tests: Sequence[Test]) -> float:
     if not known:
         return ROOM
     return float(np.sort(known)[(len(known) - 1) // 2])
+
+
+def residual_of(
+    parts: Sequence[TestPart], model: Model, theta: Real, reference: float, coarse: bool = False
+) -> Residual:
+    """The residuals of all tests of a specimen one after the other; see `TestPart.residual`."""
+    each = [part.residual(model, theta, reference, coarse) for part in parts]
+    return Residual(*map(np.concatenate, zip(*each, strict=True)))
 
 
 def require_its_conditions(model: Model, test: Test) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
+from springpot.diagnosis.evidence import chances_of, doubted, log_prior_of_one, size_of_library
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.ladder import GrownBy
 from springpot.diagnosis.result import (
@@ -380,19 +380,14 @@ def misfit_of(part: TestPart, base: Identification) -> Misfit:
     return Misfit.of_stiffness(part.modelled(value), part.test.stiffness)
 
 
-def _is_plain(tried: Sequence[Hypothesis]) -> bool:
-    """Whether the evidence for the best effect is beyond doubt."""
-    return bool(tried) and tried[0].helps
-
-
 def facts_of(before: FitResiduals, tried: Sequence[Hypothesis], unknown: bool) -> Facts:
     """What the tests say of the model, `tried` best first.
 
     Whether something `unknown` may be it as well, beyond doubt that something is.
     """
-    gain, odds, plain = 0.0, 0.0, _is_plain(tried)
+    gain, odds, plain = 0.0, 0.0, False
     if tried:
-        gain, odds = tried[0].delta, tried[0].evidence
+        gain, odds, plain = tried[0].delta, tried[0].evidence, tried[0].helps
     return Facts(
         by_battery=before.misfit,
         exceeds=before.doubtful,
@@ -426,7 +421,7 @@ def _class(
     noise: Sequence[ResidualScatter],
 ) -> list[str]:
     """The best effect, if one helps, and those that these tests cannot tell from it."""
-    if not _is_plain(tried):
+    if not tried or not tried[0].helps:
         return []
     # By what the tests say alone: how common an effect is makes it no worse an explanation of them.
     best = max(tried, key=lambda each: each.delta)
@@ -466,8 +461,7 @@ def _posterior(weights: Sequence[float], verdict: Verdict, chance: float) -> lis
     """The same in agreement with the verdict, which rests on more than the evidence."""
     unknown = weights[-1]
     if verdict == "unexplained":
-        odds = unknown_odds(chance)
-        unknown = max(unknown, odds / (1.0 + odds))
+        unknown = doubted(unknown, chance)
     others = (1.0 - unknown) / max(1.0 - weights[-1], SMALLEST)
     return [*(others * weight for weight in weights[:-1]), unknown]
 
