@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -145,3 +146,23 @@ def test_what_still_relaxes_at_the_end_leaves_the_spring_open(plateau):
         told = identify(TimeTest.of_relaxation(t, scattered(modulus, seed), "Pa"), ANY)
         spring = told.parameters["K_e"]
         assert spring.low <= plateau < spring.high < plateau + 10.0
+
+
+@pytest.mark.parametrize(
+    ("draws", "least"), [(3, 3), pytest.param(40, 35, marks=pytest.mark.soak)], ids=["few", "many"]
+)
+def test_intervals_of_a_free_material_hold_what_other_lines_would_do(draws, least):
+    """Lines that carry nothing may, and those that carry may lie elsewhere."""
+    hertz, clock = 0.05, np.geomspace(0.1, 100.0, 60)
+    exact = 100.0 + 50.0 * math.gamma(0.7) * (2j * np.pi * hertz) ** 0.3
+    held = 0
+    for seed in range(draws):
+        noise = 1.0 + 0.005 * np.random.default_rng(seed).normal(size=len(clock))
+        test = springpot.TimeTest.of_relaxation(clock, (100.0 + 50.0 * clock**-0.3) * noise, "Pa")
+        found = springpot.identify(test, "material")
+        told = {row.name: row.value for row in springpot.quantities(found, frequency=hertz)}
+        damping = told["loss factor"]
+        # No wider than what the measured range leaves, either.
+        assert damping.high - damping.low < 0.4 * damping.value
+        held += damping.low <= exact.imag / exact.real <= damping.high
+    assert held >= least

@@ -355,11 +355,8 @@ def of_fit(
 
 
 def _if_bounded(row: Quantity) -> Quantity | str:
-    """A quantity of a free spectrum, or what to tell of one that no share of it moves.
-
-    It follows from the last of its relaxation times, which stand where they were put.
-    """
-    if row.value.high - row.value.low > ALIKE * row.value.value:
+    """A quantity of a free spectrum, or what to tell of one that may be anything."""
+    if row.value.low > 0.0 or np.isfinite(row.value.high):
         return row
     return f"the {row.name} is not bounded by these data"
 

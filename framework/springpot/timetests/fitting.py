@@ -43,12 +43,18 @@ from springpot.thresholds import INTERVAL, VERDICT
 from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .exponentials import quick_parts
 from .hypotheses import FitResiduals
-from .material import FoundLines, UntoldError, coordinates_around, ends_of_material, spectral
+from .material import (
+    FoundLines,
+    UntoldError,
+    coordinates_around,
+    spectral,
+    with_rates,
+)
 from .native import STARTS, Minimum, TimeSearch
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, residual_of, rig_of_sweeps
 from .temperatures import is_material_alone
-from .valley import with_intervals
+from .valley import MaterialTangent, with_intervals
 
 FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured.
@@ -352,8 +358,9 @@ def _fitted(
     # Of any material the spectrum itself is sought, which is a problem of another kind.
     if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
-        result = _beside_lines(search.result(found, perf_counter() - began), found.parts)
-        return with_intervals(result, search, found, intervals, effort[2] or 0)
+        result = search.result(found, perf_counter() - began)
+        result = with_intervals(result, search, found, intervals, effort[2] or 0)
+        return _beside_lines(result, found.parts, intervals == "jacobian")
     # Without a seed there is no other place to begin at.
     search = TimeSearch(model, parts, reference, seeds, thorough or not len(seeds))
     found = _native(search, near)
@@ -363,15 +370,41 @@ def _fitted(
     return with_intervals(result, search, found, intervals, effort[2] or 0)
 
 
-def _beside_lines(result: Identification, parts: Sequence[TestPart]) -> Identification:
-    """A material with the intervals of K_e and c that other lines leave."""
-    quantile = student(INTERVAL, max(result.dof, 1.0))
-    ends = ends_of_material(result.model, result.theta, parts, result.reference, quantile)
-    if ends is None:
-        return result
+def _beside_lines(result: Identification, parts: Sequence[TestPart], whole: bool) -> Identification:
+    """A material with the intervals of K_e and c that other lines leave.
+
+    The `whole` of it has those other lines, too, which carry nothing but may.
+    """
+    near = MaterialTangent.of(result.model, result.theta, parts, result.reference)
     low, high = result.low.copy(), result.high.copy()
-    low[:2], high[:2] = ends
-    return replace(result, low=low, high=high)
+    if near.linear:
+        quantile = student(INTERVAL, max(result.dof, 1.0))
+        low[:2], high[:2] = np.array(near.ends_of_amounts(quantile)).T
+    result = replace(result, low=low, high=high)
+    return _among_lines(result, near) if whole else result
+
+
+def _among_lines(result: Identification, near: MaterialTangent) -> Identification:
+    """A material with all lines near it, and what is known of it as wide as these allow."""
+    lines, around = len(near.weights), len(result.theta)
+    carried = np.concatenate([[True, True], near.weights[2:] > 0.0])
+    places = np.concatenate(
+        [np.flatnonzero(carried), np.arange(lines, lines + around - int(np.sum(carried)))]
+    )
+    moves = near.leanings
+    slopes = np.zeros((len(moves), around))
+    slopes[places] = np.eye(around)
+    low, high = np.zeros(len(moves)), np.full(len(moves), np.inf)
+    low[places], high[places] = result.low, result.high
+    return replace(
+        result,
+        model=with_rates(result.model, near.rates.tolist()),
+        theta=near.theta,
+        low=low,
+        high=high,
+        slopes=np.eye(len(moves)),
+        spread=slopes @ result.theta_covariance @ slopes.T + moves @ moves.T,
+    )
 
 
 def _told(fit: Identification) -> Identification:

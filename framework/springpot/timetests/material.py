@@ -21,7 +21,6 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.convex import SPACINGS, ConvexSpectrum, lattice, shown_by
-from springpot.identification.held_material import ends_of_amounts
 from springpot.identification.leastsquares import REACH
 from springpot.identification.material import STILL, is_material
 from springpot.identification.material_fit import KEPT
@@ -139,66 +138,27 @@ def spectral(
     ModelError
         If the model cannot be followed in these tests.
     """
-    search = _Search(model, parts, reference, coordinates)
+    search = MaterialSearch(model, parts, reference, coordinates)
     begun = [(search, search.placed(search.start()))]
     # Seeds of a model that had its laws before know them.
     if not seeds or any(map(is_law, model.effects[-1:])):
         natural = search.own(search.natural)
         seeds = [*seeds, *lawful(model, parts, reference, list(seeds) or [natural])]
     for seed in seeds:
-        other = _Search(model, parts, reference, coordinates, own=seed)
+        other = MaterialSearch(model, parts, reference, coordinates, own=seed)
         begun += [(other, start) for start in other.seeded([seed])]
     ends = [(each, each.descended(start, MOST_STEPS)) for each, start in begun]
     # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
     # tells where it lies. Of many tests those do that all of them are nearest to.
     known, convex = [part.lines for part in parts if part.lines is not None], []
     for lines in known:
-        other = _Search(model, parts, reference, coordinates, lines.beside(known))
+        other = MaterialSearch(model, parts, reference, coordinates, lines.beside(known))
         # One that flows cannot have stood under a load that was there before.
         with suppress(ModelError):
             convex.append((other, other.start()))
     for each, start in sorted(convex, key=lambda pair: pair[1].cost)[:KEPT]:
         ends.append((each, each.descended(each.placed(start), MOST_STEPS)))
     return _best(ends, parts)
-
-
-def ends_of_material(
-    model: Model, theta: Real, parts: Sequence[TestPart], reference: float, quantile: float
-) -> tuple[Real, Real] | None:
-    """Intervals of K_e and c of a material with lines, as wide as other lines leave them.
-
-    Parameters
-    ----------
-    model : Model
-        The material and what surrounds it.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    parts, reference
-        What it was fitted to, as for `spectral`.
-    quantile : float
-        Standard deviations to the end of an interval.
-
-    Returns
-    -------
-    low, high : ndarray, shape (2,)
-        The ends; None where a load was imposed, under which a test is not linear in them.
-    """
-    lines = spectrum_of(model, theta)
-    own = theta[2 + len(lines.rates) :]
-    parts = [
-        part.with_scale(part.scale * np.sqrt(part.beside(left, len(theta))))
-        for part in parts
-        for left in [part.residual(model, theta, reference).value]
-    ]
-    around = coordinates_around(model, TimeSearch(model, parts, reference, thorough=False))
-    search = _Search(model, parts, reference, around, lines, own)
-    if not search.linear:
-        return None
-    value, by_weights, by_u = search.slopes(search.weights, around.u(own.copy(), search.size))
-    columns = _beside(by_u, by_weights)
-    target = _beside(by_u, by_weights @ search.weights - value)
-    low, high = np.array(ends_of_amounts(columns, target, 2 * [quantile**2])).T
-    return low, high
 
 
 def descended_from(
@@ -236,7 +196,7 @@ def descended_from(
     starts = []
     for each in known:
         lines = each.beside(known)
-        search = _Search(model, parts, reference, around.coordinates, lines, around.own)
+        search = MaterialSearch(model, parts, reference, around.coordinates, lines, around.own)
         starts += [(search, start) for start in search.seeded([around.own])]
     if not starts:
         raise ModelError(f"{model.name} cannot be followed in these tests")
@@ -254,7 +214,9 @@ class Around(NamedTuple):
 
 
 def _best(
-    ends: Sequence[tuple[_Search, MaterialPoint]], parts: Sequence[TestPart], spared: bool = True
+    ends: Sequence[tuple[MaterialSearch, MaterialPoint]],
+    parts: Sequence[TestPart],
+    spared: bool = True,
 ) -> FoundLines:
     """The best end of searches, with lines at places of their own where they pay.
 
@@ -296,7 +258,7 @@ def _pays(before: MaterialPoint, after: MaterialPoint, samples: int) -> bool:
     return bool(samples * np.log(before.cost / after.cost) > lines * np.log(samples))
 
 
-class _Search:
+class MaterialSearch:
     """Residuals of tests by the weights of a lattice of lines and by the effects' coordinates."""
 
     def __init__(
@@ -398,7 +360,7 @@ class _Search:
 
     def closer(
         self, place: MaterialPoint, share: float, spared: bool
-    ) -> tuple[_Search, MaterialPoint]:
+    ) -> tuple[MaterialSearch, MaterialPoint]:
         """A lattice closer by this share about the lines that carry, and the best place in it.
 
         Lines that carry nothing stay where effects are still on their way.
@@ -463,13 +425,19 @@ class _Search:
             return np.inf
         return cost
 
-    def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
-        # A line of no weight at all has no place among the times of the creep, and so no slope
-        # there. What is nothing beside K at each rate: one far beyond them may weigh a million
-        # times what the tests show of it. Effects may leave nothing to any line.
+    def theta(self, weights: Real, u: Real) -> Real:
+        """Parameters (p,), in which no line weighs nothing.
+
+        A line of no weight at all has no place among the times of the creep, and so no slope there.
+        """
+        # What is nothing beside K at each rate: one far beyond them may weigh a million times what
+        # the tests show of it. Effects may leave nothing to any line.
         beside = np.abs(weights @ self.shown) / np.abs(self.shown[2:])
         least = ALIKE * np.min(beside, axis=1, initial=np.inf)
-        theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
+        return np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
+
+    def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
+        theta = self.theta(weights, u)
         # A step that is taken asks for the slopes of where its cost was asked for.
         if self.last is not None and np.array_equal(self.last[0], theta):
             return self.last[1]
@@ -535,7 +503,7 @@ class _Search:
         # The whole of what the lines explain, not its change: whole weights are what must not fall
         # below zero.
         target = by_weights @ weights - value
-        wanted = non_negative(_beside(by_u, by_weights), _beside(by_u, target))[0]
+        wanted = non_negative(beside_effects(by_u, by_weights), beside_effects(by_u, target))[0]
         move: Real = u
         if len(u):
             move = np.asarray(
@@ -563,7 +531,7 @@ class _Search:
         return None
 
 
-def _beside(by_u: Real, each: Real) -> Real:
+def beside_effects(by_u: Real, each: Real) -> Real:
     """What effects whose derivatives are `by_u` (m, q) leave of something (m, ...)."""
     if not by_u.shape[1]:
         return each
@@ -574,7 +542,7 @@ def _beside(by_u: Real, each: Real) -> Real:
 
 def _left(by_weights: Real, by_u: Real, target: Real) -> float:
     """Sum of squares that the best lines and effects leave of a target (m,)."""
-    lines, wanted = _beside(by_u, by_weights), _beside(by_u, target)
+    lines, wanted = beside_effects(by_u, by_weights), beside_effects(by_u, target)
     return float(np.sum((lines @ non_negative(lines, wanted)[0] - wanted) ** 2))
 
 

@@ -7,12 +7,14 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from springpot.distributions import ends_of_draws, student
 from springpot.errors import SpringpotError
 from springpot.identification.fitting import RESAMPLES
+from springpot.identification.held_material import ends_of_amounts
 from springpot.identification.intervals import (
     Path,
     Profile,
@@ -24,10 +26,13 @@ from springpot.identification.leastsquares import Rows, levenberg_marquardt
 from springpot.identification.result import Identification
 from springpot.identification.value import LOST
 from springpot.misfit.residuals_of_tests import Residual, TestPart
+from springpot.numerics import NEGLIGIBLE
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, VERDICT
 
 from .exponentials import QuickPart, UnfollowedError, quick_parts
+from .material import MaterialSearch, beside_effects, coordinates_around, spectrum_of
 from .native import Minimum, TimeSearch, after_many_cycles
 
 
@@ -61,6 +66,84 @@ def with_intervals(
         return replace(result, low=low, high=high, verdicts=tuple(each.verdict for each in told))
     below, above = valley.simulated(np.random.default_rng([seed, 1]))
     return replace(result, low=below, high=above)
+
+
+class MaterialTangent(NamedTuple):
+    """Tests by the lines of a material and those of a lattice that carry nothing, near a fit.
+
+    Attributes
+    ----------
+    rates, weights : ndarray, shape (m,), (2 + m,)
+        The lines in order, and K_e, c and what each carries.
+    theta : ndarray, shape (2 + m + q,)
+        The parameters with all these lines.
+    value, by_weights, by_u : ndarray, shape (n,), (n, 2 + m), (n, q)
+        Residuals and their derivatives, those by the effects' coordinates last.
+    own_by_u : ndarray, shape (q, q)
+        Derivatives of the effects' parameters by their coordinates.
+    linear : bool
+        Whether the tests are linear in the weights: not where a load was imposed.
+    """
+
+    rates: Real
+    weights: Real
+    theta: Real
+    value: Real
+    by_weights: Real
+    by_u: Real
+    own_by_u: Real
+    linear: bool
+
+    @classmethod
+    def of(
+        cls, model: Model, theta: Real, parts: Sequence[TestPart], reference: float
+    ) -> MaterialTangent:
+        """At the parameters (p,) of a fit, in the noise that it leaves; see `spectral`."""
+        lines = spectrum_of(model, theta)
+        own = theta[2 + len(lines.rates) :]
+        parts = [
+            part.with_scale(part.scale * np.sqrt(part.beside(left, len(theta))))
+            for part in parts
+            for left in [part.residual(model, theta, reference).value]
+        ]
+        around = coordinates_around(model, TimeSearch(model, parts, reference, thorough=False))
+        search = MaterialSearch(model, parts, reference, around, lines, own)
+        u, weights = around.u(own.copy(), search.size), search.weights
+        slopes, turn = search.slopes(weights, u), around.slopes(own, search.size)
+        return cls(search.rates, weights, search.theta(weights, u), *slopes, turn, search.linear)
+
+    def ends_of_amounts(self, quantile: float) -> Sequence[tuple[float, float]]:
+        """Intervals of K_e and c, as wide as other lines leave them; linear tests alone have them.
+
+        The quantile is what lies between the value and an end, in standard deviations.
+        """
+        columns = beside_effects(self.by_u, self.by_weights)
+        target = beside_effects(self.by_u, self.by_weights @ self.weights - self.value)
+        return ends_of_amounts(columns, target, 2 * [quantile**2])
+
+    @property
+    def leanings(self) -> Real:
+        """Moves (2 + m + q, b) of all parameters where what carries nothing carries something.
+
+        Of each by what raises the sum of squares by one, all that carries making up for it. The sum
+        rises from the first: the lines were chosen so that none of these is wanted.
+        """
+        carries = self.weights > 0.0
+        others = np.concatenate([self.by_weights[:, carries], self.by_u], axis=1)
+        lines = self.by_weights[:, ~carries]
+        made_up = np.linalg.lstsq(others, lines, rcond=1e-8)[0]
+        left = lines - others @ made_up
+        squares, rise = np.sum(left**2, axis=0), np.maximum(self.value @ left, 0.0)
+        # What all others can make up for tells nothing of this one.
+        told = squares > NEGLIGIBLE * np.sum(lines**2, axis=0)
+        amount = 1.0 / (rise[told] + np.sqrt(rise[told] ** 2 + squares[told]))
+        moves = np.zeros((len(self.weights) + self.by_u.shape[1], len(amount)))
+        count = int(np.count_nonzero(carries))
+        along = -made_up[:, told] * amount
+        moves[np.flatnonzero(carries)] = along[:count]
+        moves[len(self.weights) :] = self.own_by_u @ along[count:]
+        moves[np.flatnonzero(~carries)[told], np.arange(len(amount))] = amount
+        return moves
 
 
 def beside_limits(fit: Identification, parts: Sequence[TestPart]) -> Identification:
