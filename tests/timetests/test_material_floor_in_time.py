@@ -14,7 +14,12 @@ from springpot import Measurement, TimeTest, parse_model
 from springpot.identification.convex import ConvexSpectrum, relaxation_of
 from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.timetests import identify
-from springpot.timetests.material import MaterialPoint, _Search, coordinates_around, material_floor
+from springpot.timetests.material import (
+    MaterialPoint,
+    MaterialSearch,
+    coordinates_around,
+    material_floor,
+)
 from springpot.timetests.native import TimeSearch
 
 DATA = (
@@ -216,7 +221,7 @@ def test_an_effect_may_leave_nothing_to_any_line_of_the_material():
     exact = model.relaxation(model.theta(c=300.0, alpha=0.2), T)
     parts = parts_of_specimen([TimeTest.of_relaxation(T, exact, "Pa")])
     around = coordinates_around(free, TimeSearch(free, parts, 293.15))
-    search = _Search(free, parts, 293.15, around)
+    search = MaterialSearch(free, parts, 293.15, around)
     none = np.zeros_like(search.weights)
     u = around.u(np.array([300.0, 0.2]), search.size)
     closer, there = search.closer(MaterialPoint(none, u, search.cost(none, u)), 0.5, spared=False)

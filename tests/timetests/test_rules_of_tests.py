@@ -136,7 +136,7 @@ def test_an_effect_is_untold_where_lines_do_what_it_did(slope, log, told):
         coordinates=SimpleNamespace(log=np.array([log])),
         slopes=lambda w, u: (value, by_weights, by_u),
     )
-    found = material._Search.untold(search, weights, np.zeros(1))
+    found = material.MaterialSearch.untold(search, weights, np.zeros(1))
     # Against it the row is off by 0.3 - slope, with it by 0.3 + slope: the nearer counts.
     nearer = np.isinf(slope) or (slope - 0.3) ** 2 - 0.09 < material.TWO_DEVIATIONS
     if log:
@@ -146,7 +146,7 @@ def test_an_effect_is_untold_where_lines_do_what_it_did(slope, log, told):
     if found:
         assert found.startswith("c: another material could have done the same")
     search.model.of_tests = False
-    assert material._Search.untold(search, weights, np.zeros(1)) == ""
+    assert material.MaterialSearch.untold(search, weights, np.zeros(1)) == ""
 
 
 def test_a_material_as_lines_is_nearest_in_shares_of_its_stiffness():
