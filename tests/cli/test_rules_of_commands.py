@@ -171,9 +171,12 @@ def test_of_several_data_each_answer_is_a_line(count, line, monkeypatch):
     asked = []
     monkeypatch.setattr(diagnose, "opened", lambda name, geometry: name)
     monkeypatch.setattr(diagnose.timetests, "named_tests", lambda data, geometry: None)
-    monkeypatch.setattr(
-        diagnose, "_answer", lambda data, given, shown: asked.append(shown.keywords.get("line"))
-    )
+
+    def answered(data, given, shown):
+        asked.append(shown.keywords.get("line"))
+        return SimpleNamespace(verdict="unexplained")
+
+    monkeypatch.setattr(diagnose, "_answer", answered)
     names = [f"{i}.csv" for i in range(count)]
     group.run(["diagnose", *names, "-m", "kelvin", "--json"])
     assert asked == [line] * count

@@ -5,14 +5,11 @@ They do not raise the noise floor, and what they leave is not called adequate.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hidden_data import KELVIN, WARM, design, exact, measured
 
 import springpot
-import springpot.diagnosis.answer as answering
 from soaked import soaked
 from springpot.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor, undragged
@@ -170,11 +167,3 @@ def test_a_bad_end_does_not_hide_another_bad_point():
     answer = springpot.diagnose(data, MODEL, only=["inertia", "friction", "parallel-spring"])
     assert answer.verdict == "adequate"
     assert [step.exclude for step in answer.actions] == [(51,), (60,)]
-
-
-def test_a_single_point_is_told_behind_the_places_that_an_effect_explains(monkeypatch):
-    """The first place is told beside the effect: "K' is too low. Inertia would explain it."."""
-    monkeypatch.setattr(answering, "where", lambda frame: ["band"])
-    search, outliers = SimpleNamespace(frame=None), [SimpleNamespace(place="point")]
-    assert list(answering._places(search, outliers, "effect-missing")) == ["band", "point"]
-    assert list(answering._places(search, outliers, "adequate")) == ["point"]

@@ -442,11 +442,12 @@ def _ask_which_modulus(
 ) -> OpenQuestion:
     """The question whether a modulus beside a loss angle is the magnitude or the part in phase.
 
-    With a second one it may be the first of both parts.
+    With a second one it may be the first of both parts, unless curves stand side by side.
     """
+    alone = len({each.title for each in headings}) == len(headings)
     called = [
         f"{to_type(headings, headings.index(each) + 1)}={{}}[{stated_unit(each)}]"
-        for each in moduli[:2]
+        for each in moduli[: 1 + alone]
     ]
     first, *other = called
     hints = {role: first.format(role) for role in ("magnitude", "storage")}
