@@ -248,13 +248,13 @@ def _headings(
         place = len(above) - 1
     if place is None:
         return numbered(width), above
-    names, units = above[place], []
     # A row of units alone belongs to the names above it, whatever these mean.
-    if units_in(names) and place and _names(above[place - 1], width):
+    if units_in(above[place]) and place and _names(above[place - 1], width):
         place -= 1
-        names, units = above[place], [names]
-    rest = [*above[:place], *above[place + 1 + len(units) :]]
-    return headings_of(names, units, width, words), rest
+    below = place + 1
+    units = [row for row in above[below : below + 1] if len(row) == width and units_in(row)]
+    rest = [*above[:place], *above[below + len(units) :]]
+    return headings_of(above[place], units, width, words), rest
 
 
 def _without_margins(kept: list[tuple[list[str], int]], start: int) -> list[tuple[list[str], int]]:
@@ -262,9 +262,8 @@ def _without_margins(kept: list[tuple[list[str], int]], start: int) -> list[tupl
     width = len(kept[start][0])
     # Names may lack the separator with which each line of numbers begins.
     above = [row for row, _ in kept[:start] if len(row) == width]
-    while not any(row[0].strip() for row, _ in kept[start:]) and not any(
-        r[0].strip() for r in above
-    ):
+    # A row may hold no more than separators, fewer than are taken off.
+    while not any("".join(row[:1]).strip() for row in (*above, *(row for row, _ in kept[start:]))):
         kept = [*kept[:start], *((row[1:], n) for row, n in kept[start:])]
         width, above = width - 1, [row for row, _ in kept[:start] if len(row) == width - 1]
     # Cells behind the last separator of each line, which no name stands above, are no column.

@@ -229,6 +229,20 @@ def test_names_that_lack_the_separator_before_each_row_are_names(folder):
     same(folder.open(text, BARE))
 
 
+def test_a_row_of_fewer_separators_than_are_empty_in_front_is_told(folder):
+    text = "".join(f";;;{line}\n" for line in moduli(";").splitlines())
+    with pytest.raises(DataError, match=r"line \d+: 0 cells where the first row has 3"):
+        folder.open(text + ";\n")
+
+
+def test_units_below_names_of_no_meaning_may_leave_one_out(folder):
+    """A column of numbers without a unit, as of rows: the others keep theirs."""
+    text = "No;w2;w3;w4\n;Hz;kPa;kPa\n1;2;3;4\n2;3;4;5\n3;4;5;6\n"
+    found = folder.open(text, "?w2=frequency,w3=storage,w4=loss")
+    assert found.units.stiffness == "kPa"
+    np.testing.assert_allclose(found.omega, 2.0 * np.pi * np.array([2.0, 3.0, 4.0]))
+
+
 def test_weights_may_be_left_out_or_named(folder):
     text = rows((OMEGA, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + 2, 0 * OMEGA + 3), " ")
     with pytest.raises(DataError, match="weights"):
