@@ -150,12 +150,12 @@ def _turned(loading: Loading, turns: Sequence[int]) -> list[tuple[float, float]]
     ends = np.clip(at + np.array([[-1], [1]]), 0, len(x) - 1)
     near = np.linspace(loading.time[ends[0]], loading.time[ends[1]], 9)
     motion = loading.motion.at(near.ravel())
-    found = []
-    for k, first, last in zip(at, *np.searchsorted(motion.time, near[[0, -1]]), strict=True):
-        value = motion.value[first : last + 1]
-        furthest = first + int(np.argmax(np.sign(x[k] - x[k - 1]) * value))
-        found.append((float(motion.time[furthest]), float(motion.value[furthest])))
-    return found
+    first, last = np.searchsorted(motion.time, near[[0, -1]])[..., None]
+    about = np.minimum(first + np.arange(np.max(last - first) + 1), last)
+    way = np.sign(x[at] - x[at - 1])[:, None]
+    most = np.argmax(way * motion.value[about], axis=1)[:, None]
+    furthest = np.take_along_axis(about, most, axis=1)[:, 0]
+    return list(zip(motion.time[furthest].tolist(), motion.value[furthest].tolist(), strict=True))
 
 
 def stiffened(loading: Loading, rate: Any) -> tuple[Loading, tuple[Loading]]:

@@ -1,4 +1,4 @@
-"""The built-in optimisers, one file for each library or family.
+"""The built-in optimisers, those of libraries that need not be there in one file.
 
 Files are imported when they are asked for.
 """
