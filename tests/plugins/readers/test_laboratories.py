@@ -101,6 +101,16 @@ def test_a_zero_beside_large_moduli_was_not_measured(folder):
     assert len(folder.open(liquid)) == 3
 
 
+def test_rows_at_a_limit_and_a_zero_are_told_together(folder):
+    row = "{},{},{}\n".format
+    text = "frequency [Hz],G' [Pa],G'' [Pa]\n" + row(10, 0, 4.73) + row(5, 0.46, 0.47)
+    text += row(2, 0.27, 0.29) + row(1, 0.2, 0.2) + row(0.5, 1e-6, 0.02) + row(0.2, 5e-7, 0.01)
+    told = folder.open(text).provenance["note clipped"]
+    assert "3 of 6 rows" in told
+    assert "(0 beside large ones, or tan delta at its limit)" in told
+    assert len(folder.open(text, "?status=ignore")) == 6
+
+
 def test_when_nothing_was_measured_it_says_what_to_type(folder):
     content = rheocompass([(MODULI, UNITS, [clipped(row) for row in ROWS])])
     with pytest.raises(DataError, match=r"5 of 5 rows .* '.*\?status=ignore'"):
