@@ -386,16 +386,12 @@ def _beside_lines(result: Identification, parts: Sequence[TestPart], whole: bool
 
 def _among_lines(result: Identification, near: MaterialTangent) -> Identification:
     """A material with all lines near it, and what is known of it as wide as these allow."""
-    lines, around = len(near.weights), len(result.theta)
-    carried = np.concatenate([[True, True], near.weights[2:] > 0.0])
-    places = np.concatenate(
-        [np.flatnonzero(carried), np.arange(lines, lines + around - int(np.sum(carried)))]
-    )
-    moves = near.leanings
-    slopes = np.zeros((len(moves), around))
-    slopes[places] = np.eye(around)
+    moves, lines = near.leanings, len(near.weights)
+    there = np.ones(len(moves), dtype=bool)
+    there[2:lines] = near.weights[2:] > 0.0
+    slopes = np.eye(len(moves))[:, there]
     low, high = np.zeros(len(moves)), np.full(len(moves), np.inf)
-    low[places], high[places] = result.low, result.high
+    low[there], high[there] = result.low, result.high
     return replace(
         result,
         model=with_rates(result.model, near.rates.tolist()),
