@@ -54,13 +54,13 @@ def test_residuals_alone_are_no_derivative():
 
 def test_the_population_of_l_shade_shrinks_evenly_to_four(monkeypatch):
     sizes = []
-    shrink = evolution.MaterialSearch._shrink
+    shrink = evolution._Search._shrink
 
     def watched(search):
         shrink(search)
         sizes.append((search.cube.problem.evaluations, len(search.x), len(search.beaten)))
 
-    monkeypatch.setattr(evolution.MaterialSearch, "_shrink", watched)
+    monkeypatch.setattr(evolution._Search, "_shrink", watched)
     run(evolution.LShade(), Rastrigin(1), 4000, generator(1))
     evaluations, size, beaten = np.array(sizes).T
     np.testing.assert_array_equal(size, np.round(72 + (4 - 72) * evaluations / 4000))
