@@ -43,13 +43,7 @@ from springpot.thresholds import INTERVAL, VERDICT
 from ..numerics import NEGLIGIBLE, NORMAL, SMALLEST, rms
 from .exponentials import quick_parts
 from .hypotheses import FitResiduals
-from .material import (
-    FoundLines,
-    UntoldError,
-    coordinates_around,
-    spectral,
-    with_rates,
-)
+from .material import FoundLines, UntoldError, coordinates_around, spectral
 from .native import STARTS, Minimum, TimeSearch
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, residual_of, rig_of_sweeps
@@ -359,8 +353,11 @@ def _fitted(
     if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
         result = search.result(found, perf_counter() - began)
-        result = with_intervals(result, search, found, intervals, effort[2] or 0)
-        return _beside_lines(result, found.parts, intervals == "jacobian")
+        tangent = MaterialTangent.of(result.model, result.theta, found.parts, reference)
+        # A fit on the way is judged by the lines that carry, of which each counts.
+        if intervals == "slopes":
+            return _beside_lines(result, tangent.ends_of_amounts(_quantile(result)))
+        return _among_lines(result, tangent, intervals)
     # Without a seed there is no other place to begin at.
     search = TimeSearch(model, parts, reference, seeds, thorough or not len(seeds))
     found = _native(search, near)
@@ -370,37 +367,49 @@ def _fitted(
     return with_intervals(result, search, found, intervals, effort[2] or 0)
 
 
-def _beside_lines(result: Identification, parts: Sequence[TestPart], whole: bool) -> Identification:
-    """A material with the intervals of K_e and c that other lines leave.
+def _quantile(result: Identification) -> float:
+    """Standard deviations from a value to the end of its interval."""
+    return student(INTERVAL, max(result.dof, 1.0))
 
-    The `whole` of it has those other lines, too, which carry nothing but may.
-    """
-    near = MaterialTangent.of(result.model, result.theta, parts, result.reference)
+
+def _beside_lines(result: Identification, amounts: Sequence[tuple[float, float]]) -> Identification:
+    """A material with the intervals of its K_e and c that other lines leave."""
     low, high = result.low.copy(), result.high.copy()
-    if near.linear:
-        quantile = student(INTERVAL, max(result.dof, 1.0))
-        low[:2], high[:2] = np.array(near.ends_of_amounts(quantile)).T
-    result = replace(result, low=low, high=high)
-    return _among_lines(result, near) if whole else result
+    for i, ends in enumerate(amounts):
+        low[i], high[i] = ends
+    return replace(result, low=low, high=high)
 
 
-def _among_lines(result: Identification, near: MaterialTangent) -> Identification:
+def _among_lines(
+    result: Identification, tangent: MaterialTangent, intervals: str
+) -> Identification:
     """A material with all lines near it, and what is known of it as wide as these allow."""
-    moves, lines = near.leanings, len(near.weights)
-    there = np.ones(len(moves), dtype=bool)
-    there[2:lines] = near.weights[2:] > 0.0
-    slopes = np.eye(len(moves))[:, there]
+    moves, search = tangent.leanings, tangent.search
+    # K_e and c are parameters whatever they carry, and so are those of effects.
+    before = np.ones(len(moves), dtype=bool)
+    before[2 : search.count] = tangent.carries[2:]
+    slopes = np.eye(len(moves))[:, before]
+    spread = slopes @ result.theta_covariance @ slopes.T + moves @ moves.T
     low, high = np.zeros(len(moves)), np.full(len(moves), np.inf)
-    low[there], high[there] = result.low, result.high
-    return replace(
+    low[before], high[before] = result.low, result.high
+    notes = result.notes
+    if intervals == "bootstrap":
+        # Fits of simulated tests would hold the lines where these tests have put them.
+        notes = (*notes, "intervals of any material are as wide as other lines leave them")
+    found = replace(
         result,
-        model=with_rates(result.model, near.rates.tolist()),
-        theta=near.theta,
+        model=search.model,
+        theta=search.theta(search.weights, tangent.u),
         low=low,
         high=high,
         slopes=np.eye(len(moves)),
-        spread=slopes @ result.theta_covariance @ slopes.T + moves @ moves.T,
+        spread=spread,
+        notes=notes,
     )
+    quantile = _quantile(result)
+    stiffness, reach = found.theta[0], quantile * float(np.sqrt(spread[0, 0]))
+    at_rest = max(stiffness - reach, 0.0), stiffness + reach
+    return _beside_lines(found, tangent.ends_of_amounts(quantile) or [at_rest])
 
 
 def _told(fit: Identification) -> Identification:

@@ -7,9 +7,9 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.distributions import ends_of_draws, student
 from springpot.errors import SpringpotError
@@ -53,8 +53,7 @@ def with_intervals(
     seed : int
         Of simulated noise.
     """
-    detail = any(parameter.detail for parameter in result.model.parameters)
-    if kind == "slopes" or (kind == "jacobian" and detail):
+    if kind == "slopes":
         return result
     valley = _Valley.of(search, found)
     if kind == "jacobian":
@@ -68,31 +67,20 @@ def with_intervals(
     return replace(result, low=below, high=above)
 
 
-class MaterialTangent(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class MaterialTangent:
     """Tests by the lines of a material and those of a lattice that carry nothing, near a fit.
 
     Attributes
     ----------
-    rates, weights : ndarray, shape (m,), (2 + m,)
-        The lines in order, and K_e, c and what each carries.
-    theta : ndarray, shape (2 + m + q,)
-        The parameters with all these lines.
-    value, by_weights, by_u : ndarray, shape (n,), (n, 2 + m), (n, q)
-        Residuals and their derivatives, those by the effects' coordinates last.
-    own_by_u : ndarray, shape (q, q)
-        Derivatives of the effects' parameters by their coordinates.
-    linear : bool
-        Whether the tests are linear in the weights: not where a load was imposed.
+    search : MaterialSearch
+        With all these lines, K_e, c and what each carries among its weights.
+    u : ndarray, shape (q,)
+        Coordinates of the effects.
     """
 
-    rates: Real
-    weights: Real
-    theta: Real
-    value: Real
-    by_weights: Real
-    by_u: Real
-    own_by_u: Real
-    linear: bool
+    search: MaterialSearch
+    u: Real
 
     @classmethod
     def of(
@@ -108,41 +96,59 @@ class MaterialTangent(NamedTuple):
         ]
         around = coordinates_around(model, TimeSearch(model, parts, reference, thorough=False))
         search = MaterialSearch(model, parts, reference, around, lines, own)
-        u, weights = around.u(own.copy(), search.size), search.weights
-        slopes, turn = search.slopes(weights, u), around.slopes(own, search.size)
-        return cls(search.rates, weights, search.theta(weights, u), *slopes, turn, search.linear)
+        return cls(search, around.u(own.copy(), search.size))
+
+    @cached_property
+    def _slopes(self) -> tuple[Real, Real, Real]:
+        """Residuals (n,) and their derivatives by the weights (n, w) and by u (n, q)."""
+        return self.search.slopes(self.search.weights, self.u)
+
+    @property
+    def carries(self) -> NDArray[np.bool_]:
+        """Which of K_e, c and the lines (w,) are there."""
+        return self.search.weights > 0.0
 
     def ends_of_amounts(self, quantile: float) -> Sequence[tuple[float, float]]:
-        """Intervals of K_e and c, as wide as other lines leave them; linear tests alone have them.
+        """Intervals of K_e and c, as wide as other lines leave them; none of tests not linear.
 
         The quantile is what lies between the value and an end, in standard deviations.
         """
-        columns = beside_effects(self.by_u, self.by_weights)
-        target = beside_effects(self.by_u, self.by_weights @ self.weights - self.value)
+        # Under a load that was imposed a test is not linear in the weights.
+        if not self.search.linear:
+            return []
+        value, by_weights, by_u = self._slopes
+        columns = beside_effects(by_u, by_weights)
+        target = beside_effects(by_u, by_weights @ self.search.weights - value)
         return ends_of_amounts(columns, target, 2 * [quantile**2])
 
     @property
     def leanings(self) -> Real:
-        """Moves (2 + m + q, b) of all parameters where what carries nothing carries something.
+        """Moves (w + q, b) of all parameters where what carries nothing carries something.
 
         Of each by what raises the sum of squares by one, all that carries making up for it. The sum
         rises from the first: the lines were chosen so that none of these is wanted.
         """
-        carries = self.weights > 0.0
-        others = np.concatenate([self.by_weights[:, carries], self.by_u], axis=1)
-        lines = self.by_weights[:, ~carries]
+        value, by_weights, by_u = self._slopes
+        carries, count = self.carries, int(np.count_nonzero(self.carries))
+        asked = np.flatnonzero(~carries)
+        if not self.search.linear:
+            # Under a load a dashpot of no weight gives way at once: its slope there tells nothing.
+            asked = asked[asked != 1]
+        others = np.concatenate([by_weights[:, carries], by_u], axis=1)
+        lines = by_weights[:, asked]
         made_up = np.linalg.lstsq(others, lines, rcond=1e-8)[0]
         left = lines - others @ made_up
-        squares, rise = np.sum(left**2, axis=0), np.maximum(self.value @ left, 0.0)
+        squares, rise = np.sum(left**2, axis=0), np.maximum(value @ left, 0.0)
         # What all others can make up for tells nothing of this one.
         told = squares > NEGLIGIBLE * np.sum(lines**2, axis=0)
-        amount = 1.0 / (rise[told] + np.sqrt(rise[told] ** 2 + squares[told]))
-        moves = np.zeros((len(self.weights) + self.by_u.shape[1], len(amount)))
-        count = int(np.count_nonzero(carries))
-        along = -made_up[:, told] * amount
-        moves[np.flatnonzero(carries)] = along[:count]
-        moves[len(self.weights) :] = self.own_by_u @ along[count:]
-        moves[np.flatnonzero(~carries)[told], np.arange(len(amount))] = amount
+        squares, rise = squares[told], rise[told]
+        amount = 1.0 / (rise + np.sqrt(rise**2 + squares))
+        taken = made_up[:, told] * amount
+        turn = self.search.coordinates.slopes(self.search.own(self.u), self.search.size)
+        moves = np.zeros((len(carries) + len(self.u), len(amount)))
+        moves[np.flatnonzero(carries)] = -taken[:count]
+        moves[len(carries) :] = -turn @ taken[count:]
+        moves[asked[told], np.arange(len(amount))] = amount
         return moves
 
 
