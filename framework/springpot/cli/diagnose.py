@@ -129,11 +129,9 @@ def _differences(found: Sequence[Diagnosis], as_json: bool) -> None:
     from springpot.diagnosis.notes import unlike
     from springpot.report.text import wrapped
 
-    if says := unlike(found):
-        out = sys.stdout
-        if as_json:
-            out = sys.stderr
-        print("\n" + wrapped(f"note: {says}", window()), file=out)
+    says = unlike(found)
+    if says:
+        print("\n" + wrapped(f"note: {says}", window()), file=sys.stderr if as_json else sys.stdout)
 
 
 def _json(diagnosis: Diagnosis, tests: Sequence[Test], line: bool) -> None:

@@ -345,9 +345,7 @@ def of_fit(
     model = OfModel(known, conditions, band, limits=not free)
     found = list(model.quantities())
     rows_at = model.at(frequency or usual((low, high), known.units.clock))
-    at: Iterable[Quantity | str] = rows_at
-    if free:
-        at = map(_if_bounded, rows_at)
+    at: Iterable[Quantity | str] = map(_if_bounded, rows_at) if free else rows_at
     sweeps = [of_amplitude(test) for test in tests if isinstance(test, Measurement)]
     rows, notes = parted([*_lacking(found, free), *found, *at, *chain.from_iterable(sweeps)])
     rows = tuple(replace(row, at=known.named(row.at)) for row in rows)

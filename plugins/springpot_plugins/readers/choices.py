@@ -444,24 +444,22 @@ def _ask_which_modulus(
 
     With a second one it may be the first of both parts, unless curves stand side by side.
     """
-    alone = len({each.title for each in headings}) == len(headings)
-    called = [
-        f"{to_type(headings, headings.index(each) + 1)}={{}}[{stated_unit(each)}]"
-        for each in moduli[: 1 + alone]
-    ]
-    first, *other = called
-    hints = {role: first.format(role) for role in ("magnitude", "storage")}
-    beside = ""
-    if other:
-        hints["storage"] += f",{other[0].format('loss')}"
+
+    def spec(each: Heading, role: str) -> str:
+        return f"{to_type(headings, headings.index(each) + 1)}={role}[{stated_unit(each)}]"
+
+    first, unit = moduli[0], stated_unit(moduli[0])
+    whole, part, beside = spec(first, "magnitude"), spec(first, "storage"), ""
+    names = [each.title for each in headings]
+    if len(moduli) > 1 and len({*names}) == len(names):
+        part += f",{spec(moduli[1], 'loss')}"
         beside = f" and {moduli[1].title} that out of phase"
-    unit = stated_unit(moduli[0])
     hint = (
-        f"; if {moduli[0].title} is the whole one, open 'FILE?{hints['magnitude']}', if it is the"
-        f" part in phase{beside}, 'FILE?{hints['storage']}'"
+        f"; if {first.title} is the whole one, open 'FILE?{whole}', if it is the part in"
+        f" phase{beside}, 'FILE?{part}'"
     )
-    asked = {f"{role}[{unit}]": spec for role, spec in hints.items()}
-    return OpenQuestion(f"{says}{hint}", [Question(moduli[0].title, "meaning", asked)])
+    asked = {f"magnitude[{unit}]": whole, f"storage[{unit}]": part}
+    return OpenQuestion(f"{says}{hint}", [Question(first.title, "meaning", asked)])
 
 
 LOOP = (

@@ -269,7 +269,8 @@ def _moves_once(distance: Real) -> bool:
     low, high = known.min(), known.max()
     ends = (known[[0, -1]] - low) / (high - low or 1.0)
     beyond = known > 0.5 * (high + low)
-    swings = np.all(np.abs(ends - 0.5) < 0.4)
+    # Nearer to an extreme than a tenth of the way, a record begins or ends there.
+    swings = np.all((ends > 0.1) & (ends < 0.9))
     return not swings and int(np.count_nonzero(np.diff(beyond))) <= _THERE_AND_BACK
 
 
