@@ -128,6 +128,11 @@ class Facts:
         """The best grown model is clearly better."""
         return self.gain >= VERDICT.clear_evidence
 
+    @property
+    def unnamed(self) -> bool:
+        """Structure is left that the best grown model has no part in, or none clearly takes."""
+        return self.left or self.unknown or (self.by_battery and not self.clear)
+
 
 class VerdictRule(NamedTuple):
     """One line of the table."""
@@ -185,10 +190,7 @@ ALARMED = (
     # better than none.
     VerdictRule(
         "a fault of the measuring chain explains more, or structure is left",
-        lambda f: (
-            (f.unknown and f.chain)
-            or (not f.nearly_all and (f.left or f.unknown or (f.by_battery and not f.clear)))
-        ),
+        lambda f: (f.unknown and f.chain) or (f.unnamed and not f.nearly_all),
         "unexplained",
     ),
     # A weak gain is enough where the alarm is beyond doubt: then something is missing.
