@@ -24,6 +24,7 @@ from .imposed import (
     since_nothing,
 )
 from .rounding import rounding_step
+from .smooth_motion import smoothed
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST
@@ -75,6 +76,8 @@ def as_imposed(
     loading, noise = quiet(from_rest(clock, imposed, rise), response)
     if not noise:
         loading, noise = straightened(loading, response)
+    if not noise:
+        loading, noise = smoothed(loading, response)
     if loading.sampled:
         loading = stepped_to(gone_on(loading, response), control, response)
     return since_nothing(loading, read), said | noise

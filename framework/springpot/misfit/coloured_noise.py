@@ -11,7 +11,7 @@ missed beside it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -59,11 +59,25 @@ class Colour:
     corner : float
         Frequency, in radians a sample, below which there is more 1/f noise than other; endless
         where there is no other, zero without any.
+    beside : ndarray, shape (n,), optional
+        What else there is, over what is new with each sample: of a record's cosine transform.
     """
 
     variance: float
     cosines: tuple[float, ...]
     corner: float
+    beside: Real | None = field(default=None, compare=False)
+
+    @classmethod
+    def of_memory(cls, size: float, memory: float, beside: Real) -> Colour:
+        """Noise of a size that remembers the sample before, and something else of a variance (n,).
+
+        The logarithm of such a spectrum is a sum of cosines that die away as its memory does.
+        """
+        order = np.arange(1, ORDERS + 1)
+        new = size**2 * (1.0 - memory**2)
+        cosines = tuple((2.0 * memory**order / order).tolist())
+        return cls(new, cosines, 0.0, beside / new)
 
     @property
     def count(self) -> int:
@@ -72,7 +86,11 @@ class Colour:
 
     def spectrum(self, omega: Real) -> Real:
         """Variance at frequencies (n,) of the cosine transform of a record."""
-        return self.shape(_cosines(omega), _rise(omega, self.corner))
+        power = self.shape(_cosines(omega), _rise(omega, self.corner))
+        if self.beside is None:
+            return power
+        known = frequencies(len(self.beside))
+        return power + self.variance * np.interp(omega, known, self.beside)
 
     def shape(self, cosines: Real, rise: Real) -> Real:
         """The same by the cosines (n, c) of these frequencies, and what 1/f noise adds there."""

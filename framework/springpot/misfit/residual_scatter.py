@@ -26,6 +26,7 @@ from springpot.measurement.hum import WIDE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
 from springpot.measurement.scatter import tails_of
+from springpot.measurement.smooth_motion import answer_to_unfelt
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.measurement.timetest import TimeTest
@@ -199,7 +200,9 @@ class ResidualScatter:
         return np.asarray(prewhitened(residual, self.memory) / self.size, dtype=float)
 
 
-def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> ResidualScatter:
+def scatter_of(
+    residual: Real, usual: float = 0.0, worth: float = 0.0, beside: Real | None = None
+) -> ResidualScatter:
     """The noise in a residual over its presumed noise.
 
     Parameters
@@ -210,6 +213,8 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
         Excess that is no misfit, as of rounding that repeats itself.
     worth : float
         Independent numbers that tell the presumed noise, if others than these do.
+    beside : ndarray, shape (m,), optional
+        Variance that there may be beside the noise, at frequencies of its cosine transform.
 
     Returns
     -------
@@ -229,12 +234,14 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     excess = 2.0 * max(_gain_of_smooth_misfit(residual), _gain_of_jump(residual))
     found = ResidualScatter(*alone, excess - usual, _chance_of_worst_part(residual, above[1]))
     if found.doubtful:
-        colour = _colour_beside(residual, power, spectrum_of(omega, *above))
+        colours = [_colour_beside(residual, power, spectrum_of(omega, *above))]
+        if beside is not None:
+            colours.append(Colour.of_memory(*above, beside))
+        told = [_coloured(residual, colour, found, usual) for colour in colours if colour]
         # Another colour may excuse what a memory does not, and accuses of nothing.
-        if colour is not None:
-            coloured = _coloured(residual, colour, found, usual)
-            if coloured.chance > found.chance:
-                return coloured
+        coloured = max(told, key=lambda each: each.chance, default=found)
+        if coloured.chance > found.chance:
+            return coloured
     return replace(found, size=above[0], memory=above[1]) if found.misfit else found
 
 
@@ -266,7 +273,7 @@ def scatter_of_record(
         # Where digits repeat they err less than elsewhere, and if they are most of what is left no
         # part is missed by that.
         return replace(found, local=1.0) if share > 0.5 else found
-    found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
+    found, (chance, rest) = scatter_of(residual, 0.0, worth, imposed.unfelt), (1.0, residual)
     if imposed.steps and len(residual) >= FEWEST:
         stepped, calm = step_test(residual, imposed.steps)
         if stepped < min(found.chance, LOCAL):
@@ -325,6 +332,9 @@ def _coloured(
     excess = 2.0 * (max(smooth, _gain_of_jump(white)) - alone) - usual
     # What is missed in one part of a record is no noise of all of it.
     found = replace(plain, excess=excess, colour=colour)
+    if colour.beside is not None:
+        # What is known to be there, and slow, is not of one size in each part.
+        found = replace(found, local=max(plain.local, _chance_of_worst_part(white, 0.0)))
     if not found.misfit:
         # All that is left is noise.
         scale = float(np.mean(transformed(residual) ** 2 / spectrum))
@@ -659,6 +669,9 @@ class Imposed(NamedTuple):
         As of `powers_of`, of an uneven one alone.
     steps : tuple of int
         The first sample behind each step of a load that was held before and after.
+    unfelt : ndarray, shape (n,), optional
+        Variance of what is answered to the error of a smooth motion, over that of the noise; see
+        `answer_to_unfelt`.
     """
 
     period: tuple[int, int]
@@ -666,6 +679,7 @@ class Imposed(NamedTuple):
     noise: float
     powers: tuple[Real, Real] | None
     steps: tuple[int, ...] = ()
+    unfelt: Real | None = None
 
     @classmethod
     def of(cls, test: TimeTest, stiffness: float, sd: Real) -> Imposed:
@@ -679,7 +693,10 @@ class Imposed(NamedTuple):
         after = np.unique([later for _, later, _ in test.loading.steps_between])
         steps = tuple(np.searchsorted(test.time, after).tolist())
         coarse = digit_of(value) > 0.0
-        return cls(cycles_of(test.loading, count), coarse, noise, powers, steps)
+        unfelt = None
+        if test.loading.unfelt[0] > 0.0:
+            unfelt = answer_to_unfelt(test.loading, test.response) / float(np.mean(sd**2))
+        return cls(cycles_of(test.loading, count), coarse, noise, powers, steps, unfelt)
 
 
 def _noise_above(test: TimeTest, stiffness: float, sd: Real) -> float:
