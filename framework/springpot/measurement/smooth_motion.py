@@ -12,8 +12,8 @@ import numpy as np
 from springpot.rheology.points import Real
 
 from ..numerics import DIFFERENCE, NEGLIGIBLE, PRINTED, SMALLEST, rms
-from .imposed import Loading, is_white, noise_of_transducer
-from .rounding import is_even, rounding_step
+from .imposed import ORDER, Loading, imposed_noise, is_white
+from .rounding import is_even
 from .steady_start import goes_with
 
 BENDS = 4
@@ -46,13 +46,15 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     value = loading.value
     if not loading.sampled or loading.before or not is_even(loading.time):
         return loading, {}
-    if noise_of_transducer(value) == 0.0:
+    rough = imposed_noise(value)
+    # Of a sine of three samples two thirds of what half the order leaves; of noise as much.
+    if rough <= max(0.5 * imposed_noise(value, ORDER // 2), NEGLIGIBLE * rms(value)):
         return loading, {}
     spline = likeliest(value)
     course, answer = spline.course(value), spline.course(response)
     left, rest = value - course, response - answer
     noise = float(np.std(left))
-    if not is_white(left) or noise <= rms(rounding_step(value)):
+    if not is_white(left):
         return loading, {}
     stiffness = float(np.std(answer)) / max(float(np.std(course)), SMALLEST)
     unsure = stiffness * noise * np.sqrt(spline.freedom / len(value))
