@@ -12,7 +12,7 @@ import numpy as np
 from springpot.rheology.points import Real
 
 from ..numerics import DIFFERENCE, NEGLIGIBLE, PRINTED, SMALLEST, rms
-from .imposed import ORDER, Loading, imposed_noise, is_white
+from .imposed import ORDER, SHORTEST, Loading, imposed_noise, is_white
 from .rounding import is_even
 from .steady_start import goes_with
 
@@ -44,7 +44,8 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     0.002
     """
     value = loading.value
-    if not loading.sampled or loading.before or not is_even(loading.time):
+    few = len(value) < SHORTEST * BENDS
+    if few or not loading.sampled or loading.before or not is_even(loading.time):
         return loading, {}
     rough = imposed_noise(value)
     # Of a sine of three samples two thirds of what half the order leaves; of noise as much.
@@ -57,8 +58,7 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     if not is_white(left):
         return loading, {}
     stiffness = float(np.std(answer)) / max(float(np.std(course)), SMALLEST)
-    unsure = stiffness * noise * np.sqrt(spline.freedom / len(value))
-    if unsure > rms(rest) or goes_with(rest, left, stiffness):
+    if goes_with(rest, left, stiffness):
         return loading, {}
     share = 100.0 * noise / rms(course)
     says = f"smooth, with {share:.2g} % of white noise that nothing answers to: taken off"
@@ -77,9 +77,30 @@ def answer_to_unfelt(loading: Loading, response: Real) -> Real:
     speed, push = 0.5 * (course[2:] - course[:-2]), course[2:] - 2.0 * inner + course[:-2]
     columns = np.column_stack([inner, speed, push, np.ones_like(inner)])
     spring, dashpot, mass, _ = np.linalg.lstsq(columns, response[1:-1], rcond=None)[0]
-    followed = 1.0 / (1.0 + (turns * len(course) / (np.pi * numbers)) ** (2 * BENDS))
     squares = (spring - mass * (2.0 - 2.0 * np.cos(turns))) ** 2 + (dashpot * np.sin(turns)) ** 2
-    return np.asarray((noise * followed) ** 2 * squares, dtype=np.float64)
+    return np.asarray((noise * _passed(len(course), numbers)) ** 2 * squares, dtype=np.float64)
+
+
+def followed(loading: Loading, noise: Real) -> Real:
+    """What a course has of noise (n,) in the motion: all of what was not taken off.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(size=400)
+    >>> float(np.std(followed(Loading(noise, noise, unfelt=(1.0, 40.0)), noise)).round(1))
+    0.3
+    """
+    from scipy.fft import dct, idct
+
+    if not loading.unfelt[1]:
+        return noise
+    passed = _passed(len(noise), loading.unfelt[1])
+    return np.asarray(idct(passed * dct(noise, norm="ortho"), norm="ortho"))
+
+
+def _passed(count: int, numbers: float) -> Real:
+    """Share (n,) of a cosine transform that a spline of so many numbers follows."""
+    return np.asarray(1.0 / (1.0 + (np.arange(count) / numbers) ** (2 * BENDS)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +202,7 @@ def likeliest(value: Real) -> Spline:
     from scipy.optimize import minimize_scalar
 
     apart, far = 1, 2
-    while far > 1 and BENDS * apart < len(value):
+    while far > 1:
         tried = partial(Spline, len(value), apart)
         best = minimize_scalar(
             lambda size, tried=tried: tried(np.exp(size)).improbability(value),
@@ -192,5 +213,7 @@ def likeliest(value: Real) -> Spline:
         found = tried(float(np.exp(best.x)))
         # A weight goes with the distance of two knots to the power of what is penalised.
         far = int(found.weight ** (0.5 / BENDS))
+        if BENDS * far * apart >= len(value):
+            break
         apart *= far
     return found

@@ -685,17 +685,18 @@ class Imposed(NamedTuple):
     def of(cls, test: TimeTest, stiffness: float, sd: Real) -> Imposed:
         """What was imposed in a test, whose response has noise (n,) of its own."""
         value, count, even = test.loading.recorded.value, len(test.time), is_even(test.time)
-        noise, powers = 0.0, None
-        if even and len(value) >= FEWEST_OF_NOISE:
+        noise, powers, unfelt = 0.0, None, None
+        if test.loading.unfelt[0] > 0.0:
+            unfelt = answer_to_unfelt(test.loading, test.response) / float(np.mean(sd**2))
+            if float(np.mean(unfelt)) >= HEARD**2:
+                noise = test.loading.unfelt[0]
+        elif even and len(value) >= FEWEST_OF_NOISE:
             noise = _noise_above(test, stiffness, sd)
         if test.kind == "history" and even and FEWEST_OF_COLOUR <= len(value) == count:
             powers = powers_of(value, noise > 0.0)
         after = np.unique([later for _, later, _ in test.loading.steps_between])
         steps = tuple(np.searchsorted(test.time, after).tolist())
         coarse = digit_of(value) > 0.0
-        unfelt = None
-        if test.loading.unfelt[0] > 0.0:
-            unfelt = answer_to_unfelt(test.loading, test.response) / float(np.mean(sd**2))
         return cls(cycles_of(test.loading, count), coarse, noise, powers, steps, unfelt)
 
 
