@@ -114,4 +114,6 @@ def test_ends_of_a_smooth_course_are_not_judged():
     test = TimeTest.of_history(STEP * np.arange(COUNT), read, force, "mm", "N")
     few = int(np.ceil(COUNT / test.loading.unfelt[1]))
     unsure = np.isin(test.time, test.loading.unsure(True))
-    assert unsure[:few].all() and unsure[-few:].all() and not unsure[few + 1 : -few - 1].any()
+    assert unsure[:few].all()
+    assert unsure[-few:].all()
+    assert not unsure[few + 1 : -few - 1].any()

@@ -17,7 +17,7 @@ from .rounding import is_even
 from .steady_start import goes_with
 
 BENDS = 4
-"""Differences of a course that are as good as noise: a jerk is, where a mass is pushed about."""
+"""Differences of a course that are as good as noise: those that a mass feels are two less."""
 
 
 def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
@@ -130,7 +130,7 @@ class Spline:
     def _factor(self) -> Real:
         from scipy.linalg import cholesky_banded
 
-        columns, bands = self._columns
+        bands = self._columns[1]
         return np.asarray(cholesky_banded(bands[0] + self.weight * bands[1], lower=True))
 
     def coefficients(self, value: Real) -> Real:
@@ -152,18 +152,16 @@ class Spline:
         squares = float(np.sum((value - self._columns[0] @ found) ** 2))
         squares += self.weight * float(np.sum(np.diff(found, BENDS) ** 2))
         spare = self.count - BENDS
-        return (
-            spare * log(max(squares, SMALLEST) / spare)
-            + 2.0 * float(np.sum(np.log(self._factor[0])))
-            - (len(found) - BENDS) * log(self.weight)
-        )
+        size = spare * log(max(squares, SMALLEST) / spare)
+        size += 2.0 * float(np.sum(np.log(self._factor[0])))
+        return size - (len(found) - BENDS) * log(self.weight)
 
     @property
     def freedom(self) -> float:
         """Numbers that it is worth: the trace of what makes it of the values."""
         more = replace(self, weight=self.weight * (1.0 + DIFFERENCE))
         rise = 2.0 * float(np.sum(np.log(more._factor[0] / self._factor[0])))
-        return self._factor.shape[1] - rise / DIFFERENCE
+        return float(self._factor.shape[1] - rise / DIFFERENCE)
 
 
 @lru_cache(maxsize=2)
