@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 from test_whole_identification import DATA, EXACT, MODEL, OMEGA, made
 
 from springpot.identification import (
+    convex,
     free_factors,
     held_material,
     intervals,
@@ -59,7 +60,7 @@ def test_boxes_and_ranges_of_all_effects(data, stays):
             starts.settings(parameters, window, 3),
             [starts.shown(parameter, window) for parameter in parameters],
             held_material.is_passive(effect),
-            held_material.within_material(parse_model("material"), effect),
+            convex.within_material(parse_model("material"), effect),
         ]
     stays(found)
 

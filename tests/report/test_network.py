@@ -7,10 +7,18 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from springpot.registry import plugins
-from springpot.report import network
-from springpot.report.network import LETTER, Label, marks, network_svg, size
-from springpot.rheology import Node, chain, dashpot, mass, parallel, series, spring, springpot
-from springpot.rheology.drawing import sketch
+from springpot.rheology import (
+    Node,
+    chain,
+    dashpot,
+    drawing,
+    mass,
+    parallel,
+    series,
+    spring,
+    springpot,
+)
+from springpot.rheology.drawing import LETTER, Label, marks, network_svg, size, sketch
 from springpot.rheology.model import Family
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -57,9 +65,9 @@ def test_names_are_escaped():
     assert [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")] == ["<k&1>"]
 
 
-@pytest.mark.parametrize("kind", network.SYMBOLS)
+@pytest.mark.parametrize("kind", drawing.DRAWN)
 def test_a_symbol_reaches_as_far_to_either_side_and_its_lines_join_it(kind):
-    marks = [mark for mark in network.SYMBOLS[kind](100.0, 50.0) if hasattr(mark, "points")]
+    marks = [mark for mark in drawing.DRAWN[kind](100.0, 50.0) if hasattr(mark, "points")]
     across = [x for mark in marks for x, _ in mark.points]
     assert (min(across), max(across)) == (78.0, 122.0)
     body = [mark for mark in marks if getattr(mark, "closed", False)]

@@ -42,10 +42,10 @@ from springpot.web.sessions import (
     kept,
     measured_in,
     measurement_of,
+    safe_name,
     session_of,
     text_of,
 )
-from springpot.web.specimen import safe_name
 from springpot.web.tasks import answer, curve, held, ladder_of
 
 MODEL = "fractional-maxwell"

@@ -32,12 +32,12 @@ from springpot.numerics import ALIKE
 from springpot.registry import plugins
 
 from .comparison import JudgingScale, judged, reference_of
-from .plan import ASKED
+from .plan import ASKED, ProblemRow
 from .schema import optima_told
 from .statistics import goal_of
 from .store import Store
 from .study import OWN, Study
-from .summary import SUFFIX, CellRow, ProblemRow, TrialRow
+from .summary import SUFFIX, CellRow, TrialRow
 from .trial import Status, TrialResult, contradiction, pack, pack_values
 
 SCHEMA = "springpot.archive/2"

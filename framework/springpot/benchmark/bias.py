@@ -17,7 +17,7 @@ from springpot.identification.problem import Searched
 from springpot.identification.runs import Optimiser, run
 from springpot.identification.space import SearchSpace
 from springpot.registry import parse_model
-from springpot.report.tables import Entry, Table
+from springpot.report.page import Entry, Table
 from springpot.rheology.points import Real
 
 from .gate.baseline import LEVEL

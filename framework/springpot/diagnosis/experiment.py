@@ -17,8 +17,8 @@ from functools import cached_property, partial
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification.fitted import FittedModel
 from springpot.identification.leastsquares import levenberg_marquardt, one_by_one
+from springpot.identification.native import FittedModel
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of

@@ -13,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import normal_quantile
 from springpot.errors import owned
-from springpot.identification.held_material import within_material
+from springpot.identification.convex import within_material
 from springpot.identification.starts import Window, settings
 from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
@@ -33,13 +34,16 @@ from springpot.misfit.frame import (
     near_an_alarm,
     relative_to,
 )
-from springpot.misfit.refit import Refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING, SMALLEST
+
+if TYPE_CHECKING:
+    from springpot.misfit.refit import Refit
+
 
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""

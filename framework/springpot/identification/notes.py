@@ -17,10 +17,10 @@ from springpot.thresholds import INTERVAL
 from springpot.writing import NAMED
 
 from ..numerics import FEWEST, NEGLIGIBLE, ROUNDING
-from .fitted import Fit
 from .kept import note_on_levels, words_in
 from .known_factors import refused_in_words
 from .material import is_material
+from .native import Fit
 from .normal import Bordered, variance_of
 from .population import told
 from .uncertainty import Uncertainty, printed_covariance

@@ -18,7 +18,7 @@ from springpot.distributions import f_sf
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
-from ..memory import Links, effective_share, fitted_memory, prewhitened
+from ..distributions import Links, effective_share, fitted_memory, prewhitened
 from ..numerics import SMALLEST, evenly, level_means, rms, set_numbers
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement

@@ -21,7 +21,15 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view as windows
 from numpy.typing import NDArray
 
-from springpot.distributions import chi2_sf, normal_score, normal_sf
+from springpot.distributions import (
+    autoregressive,
+    chi2_sf,
+    effective_share,
+    normal_score,
+    normal_sf,
+    prewhitened,
+    spectrum_of,
+)
 from springpot.measurement.hum import WIDE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
@@ -29,7 +37,6 @@ from springpot.measurement.scatter import tails_of
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.measurement.timetest import TimeTest
-from springpot.memory import autoregressive, effective_share, prewhitened, spectrum_of
 from springpot.rheology.points import Real
 
 from ..numerics import (

@@ -12,7 +12,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from springpot.measurement.other_test import OtherTest
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units

@@ -27,8 +27,7 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import ROUNDING
-from .effects import check_effect
-from .models import check_model
+from .effects import check_effect, check_model
 from .networks import (
     EXACT,
     SAMPLE,

@@ -17,7 +17,7 @@ import numpy as np
 from springpot.errors import OptionError, OutputError
 from springpot.files import require_writable, write_text
 from springpot.report.canvas import COLOURS, INK, QUIET, SMOOTH, blank, logarithmic, save
-from springpot.report.tables import require_openpyxl, write_workbook
+from springpot.report.page import require_openpyxl, write_workbook
 from springpot.writing import csv_text
 
 from .record import LoopRecord, read_record

@@ -36,9 +36,9 @@ from springpot.diagnosis.result import (
     turning,
     unseen,
 )
-from springpot.identification.fitted import FittedModel
-from springpot.identification.held_material import within_material
+from springpot.identification.convex import within_material
 from springpot.identification.material import is_material
+from springpot.identification.native import FittedModel
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement

@@ -19,8 +19,7 @@ from springpot.errors import DataError, SpringpotError
 from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
 
-from .sessions import data_of, digest_of, joined, joined_anew, measured_in, text_of
-from .specimen import Opened
+from .sessions import Opened, data_of, digest_of, joined, joined_anew, measured_in, text_of
 
 SETTLED = 10.0
 """Seconds after which nobody writes on at a last line that has no end.

@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from springpot.diagnosis.ladder import Examined, Ladder
 from springpot.diagnosis.result import ToDo
 from springpot.errors import SpringpotError
-from springpot.identification.fitted import FittedModel
+from springpot.identification.native import FittedModel
 from springpot.identification.result import Identification
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned_over
 from springpot.measurement.opening import Test, sweep_of
-from springpot.measurement.other_test import OtherTest
 from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.refit import Refit, refit

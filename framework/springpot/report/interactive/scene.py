@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.fitted import FittedModel
+from springpot.identification.native import FittedModel
 from springpot.identification.value import Value
 from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
