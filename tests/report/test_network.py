@@ -18,7 +18,7 @@ from springpot.rheology import (
     spring,
     springpot,
 )
-from springpot.rheology.drawing import LETTER, Label, marks, network_svg, size, sketch
+from springpot.rheology.drawing import SVG as ROOM, Label, marks, network_svg, size, sketch
 from springpot.rheology.model import Family
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -43,7 +43,7 @@ def test_labels_do_not_overlap(node: Node):
     drawn = labels(node)
     for i, a in enumerate(drawn):
         for b in drawn[:i]:
-            apart_x = abs(a.x - b.x) >= LETTER * (len(a.text) + len(b.text)) / 2
+            apart_x = abs(a.x - b.x) >= ROOM.letter * (len(a.text) + len(b.text)) / 2
             assert apart_x or abs(a.y - b.y) >= 14, (a, b)
 
 
@@ -54,7 +54,7 @@ def test_svg_holds_every_label_inside_its_frame(node: Node):
     texts = list(root.iter(f"{SVG}text"))
     assert [text.text for text in texts] == [label.text for label in labels(node)]
     for text in texts:
-        half = LETTER * len(text.text or "") / 2
+        half = ROOM.letter * len(text.text or "") / 2
         assert half <= float(text.attrib["x"]) <= width - half
         assert 0 < float(text.attrib["y"]) < height
 

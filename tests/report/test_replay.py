@@ -120,4 +120,6 @@ def test_what_is_nothing_has_no_place_among_decades():
         axes = figure.subplots()
         stage = SimpleNamespace(data=data, _scene=lambda step, share: Scene(data, []))
         result_plots.PlayedSweeps.curve(stage, axes, 0, 1.0)
-    assert axes.get_ylim() == pytest.approx((0.5 / result_plots.ROOM, 9.0 * result_plots.ROOM))
+    assert axes.get_ylim() == pytest.approx(
+        (0.5 / result_plots.LADDER.room, 9.0 * result_plots.LADDER.room)
+    )

@@ -22,7 +22,7 @@ def test_a_spectrum_follows_a_springpot_to_less_than_the_level(monkeypatch, leve
         return SimpleNamespace(model=model, theta=np.array([1.0, 0.0]))
 
     monkeypatch.setattr(effects, "fit", half_too_stiff)
-    monkeypatch.setattr(effects, "FOLLOWED", level)
+    monkeypatch.setattr(effects, "CONTRACT", effects.CONTRACT._replace(followed=level))
     # Powers of two, so that half too stiff is half to the last bit.
     sample = SimpleNamespace(
         parameters=effects.SAMPLE.parameters,
@@ -60,10 +60,10 @@ def test_an_order_is_lawful_at_both_ends_of_its_range_and_tried_there():
 @pytest.mark.parametrize(
     ("null", "typical", "near"),
     [
-        (0.0, 8.0, 8.0 * effects.NEARLY),
-        (np.inf, 0.25, 0.25 / effects.NEARLY),
-        (np.inf, 0.0, 1.0 / effects.NEARLY),
-        (3.0, 8.0, 3.0 + 3.0 * effects.NEARLY),
+        (0.0, 8.0, 8.0 * effects.CONTRACT.nearly),
+        (np.inf, 0.25, 0.25 / effects.CONTRACT.nearly),
+        (np.inf, 0.0, 1.0 / effects.CONTRACT.nearly),
+        (3.0, 8.0, 3.0 + 3.0 * effects.CONTRACT.nearly),
     ],
 )
 def test_an_effect_is_asked_for_a_little_beside_where_it_vanishes(null, typical, near):

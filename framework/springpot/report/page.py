@@ -20,7 +20,7 @@ from springpot.files import require_writable, write_text, write_with
 from springpot.identification.value import Value
 from springpot.writing import DIGITS, Html, guarded, number as digits, tag, wide_table
 
-from .canvas import PLAIN
+from .canvas import CANVAS
 from .text import halved, to_json
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def number(value: float) -> str:
     if isinf(value):
         return str(value).replace("inf", "∞")
     # Zero is neither large nor small: it has no power of ten.
-    if value and not PLAIN[0] <= abs(value) < PLAIN[1]:
+    if value and not CANVAS.plain[0] <= abs(value) < CANVAS.plain[1]:
         return f"{value:.3e}"
     # With four digits it would be a power of ten, which is harder to compare down a column.
     if abs(value) >= 10.0**DIGITS:

@@ -53,7 +53,15 @@ from .figures import (
 )
 from .interactive.answers import PLANE, TimeScene
 from .invention import draw_fits, figure_invention
-from .ladder_text import ROOM, beside_mark, broken, draw_ladder, entitled, error_axis, figure_ladder
+from .ladder_text import (
+    LADDER,
+    beside_mark,
+    broken,
+    draw_ladder,
+    entitled,
+    error_axis,
+    figure_ladder,
+)
 from .mastercurve import figure_mastercurve
 from .residuals import figure_compared, fits_of, symmetric, with_noise_of
 from .text import percent
@@ -271,14 +279,14 @@ class PlayedSweeps(Played):
         """Draw storage and loss."""
         views.storage_and_loss(axes, self._scene(step, share))
         parts = np.abs([self.data.storage, self.data.loss])
-        axes.set_ylim(parts[parts > 0.0].min() / ROOM, parts.max() * ROOM)
+        axes.set_ylim(parts[parts > 0.0].min() / LADDER.room, parts.max() * LADDER.room)
 
     def residual(self, axes: Axes, step: int, share: float) -> None:
         """Draw the error at each point."""
         views.residual(axes, self._scene(step, share))
         if self.noise > 0.0 and self.largest > self.noise:
             symmetric(axes, 100.0 * self.noise, 100.0 * self.largest)
-        axes.set_ylim(-100.0 * ROOM * self.largest, 100.0 * ROOM * self.largest)
+        axes.set_ylim(-100.0 * LADDER.room * self.largest, 100.0 * LADDER.room * self.largest)
 
 
 def _played_in_time(ladder: Ladder, cases: Sequence[Examined]) -> list[PlayedTest]:
@@ -328,7 +336,7 @@ class PlayedTest(Played):
         if self.view["y"]["log"]:
             logarithmic(axes, "y")
             parts = np.abs(self.measured)
-            axes.set_ylim(parts[parts > 0.0].min() / ROOM, parts.max() * ROOM)
+            axes.set_ylim(parts[parts > 0.0].min() / LADDER.room, parts.max() * LADDER.room)
         self._along(axes)
 
     def residual(self, axes: Axes, step: int, share: float) -> None:
@@ -338,7 +346,7 @@ class PlayedTest(Played):
             axes.plot(self.x, left, ".", color=colour)
         if self.largest > 2.0 * DEVIATIONS:
             symmetric(axes, DEVIATIONS, self.largest)
-        axes.set_ylim(-ROOM * self.largest, ROOM * self.largest)
+        axes.set_ylim(-LADDER.room * self.largest, LADDER.room * self.largest)
         axes.set_ylabel("residual / noise")
         self._along(axes)
 

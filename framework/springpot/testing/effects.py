@@ -24,11 +24,10 @@ from springpot.timetests.specimen import Scales, tries_of
 
 from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE, PRINTED, ROUNDING
 from .networks import (
-    EXACT,
+    CONTRACT,
     OMEGA,
     POINTS,
     SAMPLE,
-    SEED,
     Aspect,
     cited,
     complaints,
@@ -41,11 +40,6 @@ from .networks import (
 
 RATES = (0.03, 1.0, 40.0)
 """Lines [rad/s] below, within and above the frequencies at which a material is checked."""
-FOLLOWED = 2e-4
-"""Relative error to which lines follow a smooth spectrum at points that are two a decade.
-
-1.1e-4 with the most lines
-that a fit allows itself, which leaves a few of the measured numbers over."""
 
 
 def check_model(
@@ -124,11 +118,11 @@ def _check_material(model: Model, skip: Collection[str]) -> list[str]:
 def _spectrum(model: Model) -> Iterator[str]:
     """Any network of springs, springpots and dashpots is one of the materials."""
     data = sample_measurement()
-    theta = sample(SAMPLE.parameters, np.random.default_rng(SEED), (1,))[0]
+    theta = sample(SAMPLE.parameters, np.random.default_rng(CONTRACT.seed), (1,))[0]
     exact = SAMPLE.stiffness(theta, data.points)
     fitted = fit(model, replace(data, stiffness=exact))
     left = np.abs(fitted.model.stiffness(fitted.theta, data.points) / exact - 1.0)
-    if not left.max() < FOLLOWED:
+    if not left.max() < CONTRACT.followed:
         yield (
             f"a spring beside a spring in series with a springpot is followed to {left.max():.1e}"
             " only"
@@ -148,7 +142,7 @@ def _search(model: Model) -> Iterator[str]:
     form = model.search
     if form is None:
         return
-    x = sample(form.parameters, np.random.default_rng(SEED), (4,))
+    x = sample(form.parameters, np.random.default_rng(CONTRACT.seed), (4,))
     # Search points keep the order of the form, as they do wherever one is searched.
     if form.ordered:
         x[:, list(form.ordered)] = np.sort(x[:, list(form.ordered)], axis=-1)
@@ -156,10 +150,10 @@ def _search(model: Model) -> Iterator[str]:
         yield "from_elements does not undo to_elements"
     numeric = np.stack([derivative(form.to_elements, row, 1e-3) for row in x])
     # Written this way round, a derivative that is no number fails too.
-    if not np.max(np.abs(form.jacobian(x) - numeric)) < EXACT * np.max(np.abs(numeric)):
+    if not np.max(np.abs(form.jacobian(x) - numeric)) < CONTRACT.exact * np.max(np.abs(numeric)):
         yield "jacobian is not the derivative of to_elements"
     # In any order: an optimiser knows nothing of the order, and the form has to mend it.
-    free = sample(form.parameters, np.random.default_rng(SEED), (50,))
+    free = sample(form.parameters, np.random.default_rng(CONTRACT.seed), (50,))
     theta = form.to_elements(form.repaired(free))
     for parameter, values in zip(model.parameters, theta.T, strict=True):
         if np.any(values < parameter.lower) or np.any(values > parameter.upper):
@@ -167,7 +161,7 @@ def _search(model: Model) -> Iterator[str]:
 
 
 def _passive(model: Model) -> Iterator[str]:
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(CONTRACT.seed)
     theta = sample(model.parameters, rng, (200,))
     # Orders at the very ends of their range are lawful too.
     for i, parameter in enumerate(model.parameters):
@@ -182,15 +176,6 @@ def _passive(model: Model) -> Iterator[str]:
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
 THETA = np.array([50.0, 400.0, 60.0, 0.5])
-AGREE = 2e-3
-"""Relative difference from it up to which a derivative is right.
-
-The response itself is good to 1e-6.
-"""
-APART = 0.03
-"""Share of the samples that may lie at a corner, where a difference is no derivative."""
-GONE = 1e-5
-"""Change of the record that is left there, over the largest response."""
 
 
 def tests_in_time() -> list[TimeTest]:
@@ -232,7 +217,7 @@ def _suits(tests: list[TimeTest]) -> Iterator[str]:
 def _theta(effect: Effect, test: TimeTest) -> Real:
     """Parameters of the material, and those of the effect at one of the places that are tried."""
     places = tries_of(effect, test, Scales.of([InTimePart(test)]))
-    place = places[int(np.random.default_rng(SEED).integers(len(places)))]
+    place = places[int(np.random.default_rng(CONTRACT.seed).integers(len(places)))]
     return np.concatenate([THETA, place])
 
 
@@ -267,9 +252,9 @@ def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
             wanted = (ends[0] - ends[1]) / (2.0 * step)
             off = np.abs(wanted - slopes[:, i])[1:]
             size = float(np.abs(wanted[1:]).max())
-            wrong = float(np.mean(off > AGREE * size + ALIKE))
+            wrong = float(np.mean(off > CONTRACT.agree * size + ALIKE))
             # A parameter that does nothing in this kind of test has no derivative to be wrong.
-            if size > 0.0 and wrong > APART:
+            if size > 0.0 and wrong > CONTRACT.apart:
                 where = f"at {100.0 * wrong:.0f} % of the samples"
                 yield f"in a {test.kind} test the derivative by {name} is wrong {where}"
 
@@ -305,7 +290,7 @@ def _law_vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
         tried = abs(theta[first])
         theta[first] = tried / ALIKE if np.isinf(null) else null + ALIKE * tried
         left = _change(effect, theta, test)
-        if not left < GONE:
+        if not left < CONTRACT.gone:
             yield (
                 f"in a {test.kind} test {left:.1e} of the record still changes when"
                 f" {effect.element.parameters[0].name}, its first parameter, goes to {null:g};"
@@ -314,8 +299,6 @@ def _law_vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
 
 
 COLUMNS = frozenset({"amplitude", "temperature"})
-NEARLY = 1e-24
-"""Distance from the size at which an effect vanishes, relative to its typical size."""
 
 
 def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = ()) -> list[str]:
@@ -375,7 +358,7 @@ def _effect_words(effect: Effect) -> Iterator[str]:
 
 
 def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
-    theta = sample(grown.parameters, np.random.default_rng(SEED), (4,))
+    theta = sample(grown.parameters, np.random.default_rng(CONTRACT.seed), (4,))
     n = len(on.parameters)
     alone = on.stiffness(theta[:, :n], POINTS)
     if not np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0)) > 1e-4:
@@ -388,11 +371,11 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     typical = abs(size.typical) or 1.0
     if np.isinf(null):
         # An effect that vanishes at infinity, such as the stiffness of a mounting.
-        theta[:, n] = typical / NEARLY
+        theta[:, n] = typical / CONTRACT.nearly
     elif null == 0.0:
-        theta[:, n] = NEARLY * typical
+        theta[:, n] = CONTRACT.nearly * typical
     else:
-        theta[:, n] = null + NEARLY * null
+        theta[:, n] = null + CONTRACT.nearly * null
     left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))
     if not left < NEGLIGIBLE:
         yield (
@@ -409,7 +392,7 @@ def _without(column: str) -> Points:
 
 
 def _columns(effect: Effect, grown: Model) -> Iterator[str]:
-    theta = sample(grown.parameters, np.random.default_rng(SEED))
+    theta = sample(grown.parameters, np.random.default_rng(CONTRACT.seed))
     for column in sorted(effect.needs - COLUMNS):
         yield (
             f"it needs '{column}', but measurements have only amplitude and temperature beside the"
@@ -438,7 +421,7 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
 
 
 def _harmonic(effect: Effect) -> Iterator[str]:
-    theta = sample(effect.element.parameters, np.random.default_rng(SEED), (2,))
+    theta = sample(effect.element.parameters, np.random.default_rng(CONTRACT.seed), (2,))
     third = effect.third_harmonic(theta, POINTS)
     expected = (2, len(POINTS.log_omega))
     if third is not None and (np.shape(third) != expected or not np.all(np.isfinite(third))):
