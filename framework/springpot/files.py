@@ -233,7 +233,7 @@ def _mode(path: Path) -> int:
     return 0o666 & ~mask
 
 
-class Allowance(NamedTuple):
+class FileLimits(NamedTuple):
     """What a file may hold and cost, so that none takes the machine with it."""
 
     largest: int
@@ -260,7 +260,7 @@ class Allowance(NamedTuple):
     """
 
 
-FILES = Allowance(
+FILES = FileLimits(
     largest=64 << 20,
     largest_toml=1 << 18,
     containers=1_000_000,

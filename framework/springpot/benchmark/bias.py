@@ -26,7 +26,7 @@ from .plan import stream_of
 from .statistics import a12, holm, mann_whitney_holm
 
 
-class Trial(NamedTuple):
+class TrialSizes(NamedTuple):
     """What an optimiser is tried on."""
 
     centre: float
@@ -39,7 +39,7 @@ class Trial(NamedTuple):
     budget: int
 
 
-TRIED = Trial(centre=0.5, edge=0.1, dimension=4, runs=60, budget=500)
+TRIED = TrialSizes(centre=0.5, edge=0.1, dimension=4, runs=60, budget=500)
 PLACES = ("anywhere", "centre", "corner")
 
 

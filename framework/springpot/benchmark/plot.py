@@ -19,7 +19,7 @@ from springpot.writing import Html, joined, tag
 from ..numerics import ALIKE
 
 
-class Frame(NamedTuple):
+class PlotSizes(NamedTuple):
     """Of a picture: its size, its margins, and what stands at its axes, in px."""
 
     width: float
@@ -34,7 +34,7 @@ class Frame(NamedTuple):
     """Numbers at an axis at most."""
 
 
-PLOT = Frame(
+PLOT = PlotSizes(
     width=420.0,
     height=290.0,
     left=56.0,

@@ -30,7 +30,7 @@ from springpot.distributions import (
     prewhitened,
     spectrum_of,
 )
-from springpot.measurement.hum import WIDE
+from springpot.measurement.hum import LINE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
 from springpot.measurement.scatter import tails_of
@@ -391,7 +391,7 @@ def _beside_lines(
     sought = omega > np.pi * min(UPPER, SLOWEST / n)
     if period[1]:
         motion = 2.0 * np.pi * period[0] / period[1]
-        sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
+        sought &= np.abs(omega - motion * np.round(omega / motion)) > LINE.wide * np.pi / n
     for _ in range(PARTS):
         white = transformed(transformed(rest) / size, back=True)
         chance, line = fisher_test(white[None], sought, followed)

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Layout(NamedTuple):
+class LadderLayout(NamedTuple):
     """Of the picture of a ladder."""
 
     moved: float
@@ -56,7 +56,7 @@ class Layout(NamedTuple):
     """The error axis reaches this factor below the floor and above the largest error."""
 
 
-LADDER = Layout(moved=1.1, level=5, after=0.4, room=2.5)
+LADDER = LadderLayout(moved=1.1, level=5, after=0.4, room=2.5)
 
 
 def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:

@@ -34,7 +34,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
 
-class Window(NamedTuple):
+class CycleWindow(NamedTuple):
     """Of a cycle, in which a value and a slope are read."""
 
     share: float
@@ -48,7 +48,7 @@ class Window(NamedTuple):
     """
 
 
-WINDOW = Window(share=0.125, smooth=4, steep=5, moves=4)
+WINDOW = CycleWindow(share=0.125, smooth=4, steep=5, moves=4)
 EXPONENTS = (0.1, 1.0)
 """Powers of the speed by which a force can go; below the least it is friction."""
 

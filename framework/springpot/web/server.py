@@ -38,7 +38,7 @@ App = Callable[[MutableMapping[str, Any], Receive, Send], Awaitable[None]]
 TOKEN = b"x-springpot-token"
 
 
-class Allowance(NamedTuple):
+class ServerLimits(NamedTuple):
     """What a page may ask for, and how long it may take."""
 
     largest: int
@@ -60,7 +60,7 @@ class Allowance(NamedTuple):
     """
 
 
-SERVER = Allowance(
+SERVER = ServerLimits(
     largest=33_554_432, patience=15.0, longest=60.0, beat=0.5, most_data=32, connections=128
 )
 OWN_NAMES = frozenset({"127.0.0.1", "localhost", "[::1]"})

@@ -26,6 +26,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned_over
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.recording import recorded
+from springpot.measurement.replicates import THINNED
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residuals_of_tests import TestPart, parts_of_specimen, units_of
@@ -38,7 +39,7 @@ from springpot.timetests.specimen import reference_of
 from springpot.writing import DIGITS as OF_RESIDUALS
 
 from ..answers import reference_note
-from .scene import DRAWN, MOST_POINTS, PageScene, parameters_of, proposed_points, rounded
+from .scene import DRAWN, PageScene, parameters_of, proposed_points, rounded
 
 PLANE = "signal"
 """The one plane of residuals: what was measured less what was computed."""
@@ -77,7 +78,7 @@ class TimeScene:
     @cached_property
     def rows(self) -> list[NDArray[np.int64]]:
         """Numbers of the rows that are drawn of each test."""
-        most = MOST_POINTS // len(self.parts)
+        most = THINNED.points // len(self.parts)
         return [evenly(len(part.test), most) for part in self.parts]
 
     @cached_property

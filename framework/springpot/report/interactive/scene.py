@@ -19,7 +19,7 @@ from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import settings_of, told_apart
 from springpot.measurement.opening import Test
-from springpot.measurement.replicates import MOST_POINTS as MOST_POINTS
+from springpot.measurement.replicates import THINNED
 from springpot.measurement.units import Units
 from springpot.misfit.refit import Refit
 from springpot.numerics import evenly, rms
@@ -33,7 +33,7 @@ from ..sweeps import SWEEPS, DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
 
-class Drawn(NamedTuple):
+class PageLimits(NamedTuple):
     """How much a page draws."""
 
     cloud: int
@@ -51,7 +51,7 @@ class Drawn(NamedTuple):
     """Points of a rival's curve: as many as the picture has columns of three pixels."""
 
 
-DRAWN = Drawn(cloud=20_000, curves=480, digits=6, step=120, rival=160)
+DRAWN = PageLimits(cloud=20_000, curves=480, digits=6, step=120, rival=160)
 
 
 def _words(units: Units) -> dict[str, Any]:
@@ -107,7 +107,7 @@ class PageScene:
         rows = np.concatenate([sweep.rows for sweep in self.sweeps])
         # Evenly along each sweep, its ends among them: a browser draws some thousand marks without
         # a pause.
-        return rows[evenly(len(rows), MOST_POINTS)]
+        return rows[evenly(len(rows), THINNED.points)]
 
     @cached_property
     def thin(self) -> NDArray[np.int64]:
