@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from springpot.measurement import TimeTest
+from springpot.measurement.course import BENDS, answer_to_unfelt, likeliest, smoothed
 from springpot.measurement.imposed import Loading
-from springpot.measurement.smooth_motion import BENDS, answer_to_unfelt, likeliest, smoothed
 
 STEP, COUNT = 0.002, 1500
 

@@ -17,7 +17,7 @@ from springpot.distributions import effective_share, f_sf
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
-from springpot.measurement.smooth_motion import followed
+from springpot.measurement.course import followed
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
 from springpot.misfit.residuals_of_tests import InTimePart, Test, TestPart
 from springpot.rheology.effect import Effect
