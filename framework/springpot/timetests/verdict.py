@@ -153,7 +153,9 @@ def sentence(
         # Where many do so equally well their names say nothing of the cause.
         if len(leading) > VERDICT.most_alike:
             names = f"{leading[0]}, as any of {len(leading) - 1} others,"
-        helps = f"{names} helps ({after}) but is not all"
+        # At the size of the noise nothing is left but that it is no noise.
+        rest = ", but a pattern is left" if left <= VERDICT.misfit else " but is not all"
+        helps = f"{names} helps ({after}){rest}"
         if apart:
             return f"{size}; {apart}; {helps}{place}"
         return f"{size}, and no single known effect explains it: {helps}{place}"
