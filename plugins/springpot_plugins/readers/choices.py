@@ -404,9 +404,7 @@ _SWEPT = frozenset(
 """What is swept at one frequency."""
 
 
-def _ask_frequency(
-    says: str, headings: Sequence[Heading], untitled: Sequence[int]
-) -> OpenQuestion:
+def _ask_frequency(says: str, headings: Sequence[Heading], untitled: Sequence[int]) -> OpenQuestion:
     """The question for the frequency: which column holds it, or that it is the same in all rows."""
     clock = next(
         (i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None

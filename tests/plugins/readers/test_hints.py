@@ -234,3 +234,10 @@ def test_a_shear_rate_with_its_unit_in_the_name_is_steady_flow(tmp_path):
     path = rig(tmp_path, "sample_id,shear_rate_1/s,stress_Pa", SWEEP, SWEEP, np.sqrt(SWEEP))
     with pytest.raises(DataError, match="steady flow, no dynamic test"):
         open_measurement(path)
+
+
+def test_a_list_of_columns_that_is_cut_says_how_many_are_left_out(tmp_path):
+    titles = ["time [s]", "Displacement (mm)", *(f"sensor {i}" for i in range(12))]
+    path = rig(tmp_path, ",".join(titles), CLOCK, MOVED, *[PULLED] * 12)
+    with pytest.raises(DataError, match=r"sensor 9 and 2 more\)$"):
+        open_in_time(path)
