@@ -25,7 +25,7 @@ from paper.asking import asking
 from paper.draw import COLOURS, INK, can_draw, legend_above, sheet
 from springpot import plugins
 from springpot.benchmark import save_table
-from springpot.benchmark.bias import BUDGET, DIMENSION, RUNS, Bias, bias_of, bias_table
+from springpot.benchmark.bias import TRIED, Bias, bias_of, bias_table
 from springpot.errors import ModelError
 from springpot.identification import Optimiser
 
@@ -82,8 +82,8 @@ def installed(names: Sequence[str]) -> Iterator[Optimiser]:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Test all and write what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=RUNS)
-    parser.add_argument("--budget", type=int, default=BUDGET)
+    parser.add_argument("--runs", type=int, default=TRIED.runs)
+    parser.add_argument("--budget", type=int, default=TRIED.budget)
     parser.add_argument("--out", type=Path, default=Path("results/bias"))
     parser.add_argument("names", nargs="*", default=NAMES)
     given = parser.parse_args(arguments)
@@ -91,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         bias_of(optimiser, runs=given.runs, budget=given.budget)
         for optimiser in installed(given.names)
     ]
-    table = bias_table(f"{DIMENSION} parameters, {given.budget} evaluations", tested)
+    table = bias_table(f"{TRIED.dimension} parameters, {given.budget} evaluations", tested)
     given.out.mkdir(parents=True, exist_ok=True)
     for path in save_table(asking(__doc__, table), given.out, "bias", ("md", "csv")):
         print(path)

@@ -36,7 +36,7 @@ from springpot.benchmark.gate.baseline import (
 from springpot.benchmark.gate.regression import changes_since
 from springpot.benchmark.plan import stream_of
 from springpot.benchmark.statistics import wilson
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 TRIALS = (20, 40, 60, 80)
 SPREAD = 0.25

@@ -18,7 +18,7 @@ from paper.results import Results, percent, relative_rms
 from springpot import Measurement, identify, open_measurement, plugins
 from springpot.benchmark import Study, Table, save_table
 from springpot.measurement import DataSet
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 TOO_SIMPLE = {
     "fractional-kelvin4": ["fractional-kelvin"],

@@ -25,7 +25,7 @@ from springpot.benchmark import Interval, Study, Table, save_table
 from springpot.identification import Identification
 from springpot.measurement import DataSet
 from springpot.report.figures import figure_identification
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from springpot.report.views import DrawnFit
 
 ALL = "nist-srm2491"

@@ -35,7 +35,7 @@ from springpot.benchmark.statistics import (
     target_value,
     wilson_over,
 )
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 NIST = "nist-srm2491@temperature=20"
 OTHERS = ("rheodata-linear-polymer-frequency-sweep", "mitmaps-saos")

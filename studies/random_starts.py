@@ -30,7 +30,7 @@ import springpot
 from paper.asking import asking
 from springpot.benchmark import Table, save_table
 from springpot.errors import SpringpotError
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = ROOT.parent / "shared"

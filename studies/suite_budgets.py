@@ -28,7 +28,7 @@ from springpot.benchmark.archive import Archive, take_over
 from springpot.benchmark.comparison import MeanRanks, rank
 from springpot.benchmark.runner import provenance
 from springpot.benchmark.statistics import Interval, wilson_over
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from suite import ROOT, SUITE, sweeps
 
 NAME = "suite_budgets"

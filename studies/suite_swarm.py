@@ -17,7 +17,7 @@ from springpot.benchmark import Findings, Study, Table, save_table
 from springpot.benchmark.archive import opened
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
 from springpot.benchmark.statistics import wilson_over
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm, ScalarSwarm
 from suite import SUITE, sweeps
 

@@ -23,7 +23,7 @@ from springpot import plugins
 from springpot.benchmark import Findings, Store, Study, Table, run_study, save_table, store_path
 from springpot.benchmark.plan import stream_of
 from springpot.benchmark.statistics import Interval, mean_interval, mean_ranks, wilson_over
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from suite import sweeps
 from suite_repeated import halves
 

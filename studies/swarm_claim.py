@@ -22,7 +22,7 @@ from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
 from springpot.benchmark.robustness import OF_ITS_OWN
 from springpot.benchmark.statistics import Interval, wilson_over
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm
 
 SWARM = "pso-paper"

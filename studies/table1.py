@@ -21,7 +21,7 @@ from springpot import plugins
 from springpot.benchmark import Interval, Study, Table, save_table
 from springpot.benchmark.statistics import wilson
 from springpot.benchmark.summary import TrialRow
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 GROUP = 5
 SWARM, NATIVE = "pso-paper", "native"

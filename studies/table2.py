@@ -23,7 +23,7 @@ from paper.results import Results
 from springpot import Measurement, identify, plugins
 from springpot.benchmark import Study, Table, save_table
 from springpot.measurement import DataSet
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from springpot_plugins.datasets.computed import SCALE, TRUTH, artificial
 
 DRAWS = 20

@@ -19,7 +19,7 @@ from paper.published import FLUIDS, in_fluid_columns
 from paper.results import Results, relative_rms
 from springpot import open_measurement
 from springpot.benchmark import Study, Table, save_table
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from springpot_plugins.datasets.computed import TABLE_4
 
 DATA = {f"reconstruction-pdms-table4-{key}": (key, model) for key, (model, _) in TABLE_4.items()}

@@ -21,7 +21,7 @@ from paper.draw import COLOURS, Curve, can_draw, legend_above, logarithmic, modu
 from paper.results import Results, absolute_rms, relative_rms
 from springpot import Measurement, open_measurement, parse_model
 from springpot.benchmark import Study, Table, save_table
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 from springpot.rheology import Real
 from springpot_plugins.datasets.computed import TABLE_6
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.memory import (
+from springpot.distributions import (
     Links,
     autoregressive,
     covariance_along,

@@ -170,7 +170,7 @@ BOUNDARIES = {
     "framework/springpot/web/server.py:_ask": STRANGER,
     "framework/springpot/web/sessions.py:session_of": STRANGER,
     "framework/springpot/web/sessions.py:of": STRANGER,
-    "framework/springpot/web/specimen.py:specimen_of": STRANGER,
+    "framework/springpot/web/sessions.py:specimen_of": STRANGER,
     "framework/springpot/web/tasks.py:perform": TOP,
     "plugins/springpot_plugins/datasets/download.py:fetched": FOREIGN,
     "plugins/springpot_plugins/datasets/folders.py:_dataset": STRANGER,

@@ -19,7 +19,7 @@ import real_data  # noqa: E402
 from real_sets import sets, unseen, without_model  # noqa: E402
 from real_sets.answers import saved, table  # noqa: E402
 from real_sets.published import published  # noqa: E402
-from springpot.report.tables import to_csv, to_markdown  # noqa: E402
+from springpot.report.page import to_csv, to_markdown  # noqa: E402
 
 RESULTS = ROOT / "results" / "real_data"
 SMALL = replace(sets.SETS[0], data="nist-srm2491@temperature=20", models=("maxwell-2",), accept=())

@@ -234,7 +234,7 @@ def test_json_holds_numbers_that_can_be_used(text, says):
 
 
 def test_json_and_toml_are_bounded(monkeypatch):
-    monkeypatch.setattr(files, "MOST_CONTAINERS", 3)
+    monkeypatch.setattr(files, "FILES", files.FILES._replace(containers=3))
     assert files.json_of('[[], {"a": 1}]') == [[], {"a": 1}]
     with pytest.raises(ValueError, match="more than 3 lists and objects"):
         files.json_of("[[], [], {}]")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import springpot.memory as own
+import springpot.distributions as own
 from springpot import constraints
 from springpot.errors import OptionError
 

@@ -37,9 +37,9 @@ from springpot.identification.runs import Optimiser
 from springpot.identification.searching import refound
 from springpot.identification.space import require_conditions
 from springpot.measurement.conversion import joined
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import PROMISED, Test, sweep_of
-from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
 from springpot.registry import effect_of, open_tests, parse_model, plugins

@@ -6,8 +6,8 @@ to, and no output replaces a file that the same run reads or writes.
 A regular file of a bounded size is read whole; what never ends or must be waited for is refused
 before it is opened. A reader refuses what is beyond sizes that are bounded: bytes of text, columns,
 tables, cells, what an archive unpacks to. In a process of springpot's own it is limited as well: to
-`TIMES` the file's size plus `SPARE` of memory, and to `SECONDS` plus the time for its size of the
-processor. What ends for want of these ends in one line.
+`FILES.times` the file's size plus `FILES.spare` of memory, and to `FILES.seconds` plus the time for
+its size of the processor. What ends for want of these ends in one line.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from io import BytesIO
 from math import isfinite
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import IO, Any, TypeVar
+from typing import IO, Any, NamedTuple, TypeVar
 
 from springpot.errors import DataError, OutputError
 from springpot.limits import OverTime, limited
@@ -233,15 +233,42 @@ def _mode(path: Path) -> int:
     return 0o666 & ~mask
 
 
-LARGEST = 64 << 20
-"""Bytes of a file that is read in one piece.
+class FileLimits(NamedTuple):
+    """What a file may hold and cost, so that none takes the machine with it."""
 
-A table of two million rows, a fit to a million points.
-"""
-LARGEST_TOML = 1 << 18
-"""Bytes of a description that somebody wrote by hand; its reader is a slow one."""
-MOST_CONTAINERS = 1_000_000
-"""Lists and objects of a file of JSON: each takes thirty times the memory of its brackets."""
+    largest: int
+    """Bytes of a file that is read in one piece.
+
+    A table of two million rows, a fit to a million points.
+    """
+    largest_toml: int
+    """Bytes of a description that somebody wrote by hand; its reader is a slow one."""
+    containers: int
+    """Lists and objects of a file of JSON: each takes thirty times the memory of its brackets."""
+    seconds: float
+    """Of processor time for any file.
+
+    The largest instrument export among the tests takes a tenth of it.
+    """
+    bytes_a_second: float
+    """For each of which there is one more second: text is parsed at two to four times this rate."""
+    times: int
+    """Bytes of memory for each of a file: a table needs about seven while its cells are text."""
+    spare: int
+    """Bytes of memory for any file: libraries that a reader imports, and an archive that
+    unpacks.
+    """
+
+
+FILES = FileLimits(
+    largest=64 << 20,
+    largest_toml=1 << 18,
+    containers=1_000_000,
+    seconds=5.0,
+    bytes_a_second=10e6,
+    times=10,
+    spare=200 << 20,
+)
 _DEEP_KEY = re.compile(r"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){50}""")
 """A dotted name of more than fifty parts.
 
@@ -269,7 +296,7 @@ def require_regular(path: Path) -> None:
         )
 
 
-def bytes_of(path: Path, most: int = LARGEST) -> bytes:
+def bytes_of(path: Path, most: int = FILES.largest) -> bytes:
     """All bytes of a regular file.
 
     Parameters
@@ -306,7 +333,7 @@ def _size(most: int) -> str:
     return f"{most >> 10} KiB"
 
 
-def text_in(path: Path, most: int = LARGEST) -> str:
+def text_in(path: Path, most: int = FILES.largest) -> str:
     """The text of a regular file in UTF-8, without the mark that spreadsheets put before it.
 
     Raises
@@ -340,8 +367,8 @@ def json_of(text: str, finite: bool = False) -> Any:
     """
     # Counted before anything is made of them; those within words count as well, which no answer has
     # a million of.
-    if text.count("[") + text.count("{") > MOST_CONTAINERS:
-        raise ValueError(f"more than {MOST_CONTAINERS} lists and objects")
+    if text.count("[") + text.count("{") > FILES.containers:
+        raise ValueError(f"more than {FILES.containers} lists and objects")
     try:
         if finite:
             return json.loads(text, parse_float=_usable, parse_int=_whole, parse_constant=_usable)
@@ -398,24 +425,13 @@ def toml_in(path: Path) -> dict[str, Any]:
         As `text_in`, or if it is no TOML.
     """
     try:
-        return toml_of(text_in(path, LARGEST_TOML))
+        return toml_of(text_in(path, FILES.largest_toml))
     except ValueError as error:
         raise DataError(f"{path} is no TOML: {error}") from None
 
 
 T = TypeVar("T")
 
-SECONDS = 5.0
-"""Of processor time for any file.
-
-The largest instrument export among the tests takes a tenth of it.
-"""
-BYTES_A_SECOND = 10e6
-"""For each of which there is one more second: text is parsed at two to four times this rate."""
-TIMES = 10
-"""Bytes of memory for each of a file: a table needs about seven while its cells are text."""
-SPARE = 200 << 20
-"""Bytes of memory for any file: libraries that a reader imports, and an archive that unpacks."""
 MOST_COLUMNS = 10_000
 """Of a table: a sheet of Excel can have 16,384, and each is asked for its meaning."""
 MOST_CELLS = 1_000_000
@@ -446,7 +462,7 @@ def budget_of(path: Path) -> Budget:
         size = path.stat().st_size
     except (OSError, ValueError):
         size = 0
-    return Budget(SECONDS + size / BYTES_A_SECOND, TIMES * size + SPARE)
+    return Budget(FILES.seconds + size / FILES.bytes_a_second, FILES.times * size + FILES.spare)
 
 
 def within_budget(path: Path, action: Callable[[], T]) -> T:

@@ -25,10 +25,10 @@ from springpot.errors import (
     use_owners,
 )
 from springpot.files import write_text
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.from_signals import OneTest, measurement_of_tests
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet, Suite, Test, open_in_time as in_time_by
-from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals
 from springpot.measurement.timetest import TimeTest
@@ -38,7 +38,7 @@ from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
 from springpot.writing import near_names, suggested
 
-from .catalogue import KINDS, Kind, Owner, Shelf
+from .hooks import KINDS, Kind, Owner, Shelf
 from .measurement import opening
 
 if TYPE_CHECKING:

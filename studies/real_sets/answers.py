@@ -18,7 +18,7 @@ from springpot import Measurement, compare
 from springpot.benchmark import Table
 from springpot.diagnosis import Ladder
 from springpot.files import write_text
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 from .published import asked, yardsticks
 from .sets import SETS, RealSet

@@ -19,7 +19,7 @@ from paper.asking import asking
 from springpot import Measurement, read
 from springpot.benchmark import Interval, Table
 from springpot.errors import DataError
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 from .sets import RealSet, folders
 

@@ -20,7 +20,7 @@ from paper.asking import asking
 from springpot.benchmark import Table
 from springpot.errors import SpringpotError
 from springpot.files import write_text
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 from .sets import COMPLETE
 from .without_model import counted

@@ -19,7 +19,7 @@ from springpot import Measurement, discover
 from springpot.benchmark import Table
 from springpot.diagnosis import Ladder
 from springpot.files import write_text
-from springpot.report.tables import Entry
+from springpot.report.page import Entry
 
 from .sets import SETS, RealSet
 

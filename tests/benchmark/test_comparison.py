@@ -25,9 +25,10 @@ from springpot.benchmark.comparison import (
     scopes,
     score_cell,
 )
+from springpot.benchmark.plan import ProblemRow
 from springpot.benchmark.standings import TABLES, rank_table, tables_of
 from springpot.benchmark.statistics import expected_running_time
-from springpot.benchmark.summary import CellRow, ProblemRow
+from springpot.benchmark.summary import CellRow
 from springpot.benchmark.trial import at
 
 INF = np.inf

@@ -122,7 +122,7 @@ def test_the_clock_starts_at_the_first_value_also_after_a_worker_was_ended(tmp_p
 def test_who_asks_for_no_value_is_waited_for_once_and_one_run_for_all_has_one_deadline(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(supervisor, "IMPORTS", 0.5)
+    monkeypatch.setattr(supervisor, "ENGINE", supervisor.ENGINE._replace(imports=0.5))
     study = moody_study("fine", optimisers=[Mute(), Fixed()], deadline=0.3)
     found = trials(run_study(study, workers=1, out=tmp_path, quiet=True).store)
     told = [

@@ -6,7 +6,7 @@ import pytest
 from springpot.benchmark.commands.tables import _rounded
 from springpot.benchmark.standings import _or_none
 from springpot.benchmark.statistics import Interval
-from springpot.report.tables import _field, _fields, number, text
+from springpot.report.page import _field, _fields, number, text
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from springpot.benchmark import Interval, Table
 from springpot.benchmark.commands.tables import captioned, for_paper
 from springpot.errors import StudyError
-from springpot.report.tables import to_latex
+from springpot.report.page import to_latex
 
 TABLE = Table(
     "race",

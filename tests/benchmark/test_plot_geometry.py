@@ -7,9 +7,7 @@ import pytest
 
 from springpot.benchmark import plot
 from springpot.benchmark.plot import (
-    NAMES,
-    ROW,
-    WIDTH,
+    PLOT,
     Pen,
     PlotAxis,
     Ranked,
@@ -35,7 +33,7 @@ def test_numbers_stand_at_decades_or_at_six_even_places():
     assert PlotAxis("x", 0.0, 10.0).ticks() == [0, 2, 4, 6, 8, 10]
     assert PlotAxis("x", 1.0, 1000.0, logarithmic=True).ticks() == [1, 10, 100, 1000]
     assert PlotAxis("x", 0.5, 500.0, logarithmic=True).ticks() == [1, 10, 100]
-    most = plot.MOST_TICKS
+    most = plot.PLOT.ticks
     assert len(PlotAxis("x", 1.0, 10.0**most, logarithmic=True).ticks()) == most + 1
     every_other = PlotAxis("x", 1.0, 10.0 ** (most + 1), logarithmic=True).ticks()
     assert every_other[:2] == [1, 100]
@@ -69,26 +67,26 @@ def numbers(svg, of, *names):
 @pytest.mark.parametrize("cliques", [[], [(0, 1)], [(0, 1), (1, 2)]])
 def test_ranks_fill_the_room_between_the_names_and_the_bars(cliques):
     svg = critical_differences(ROWS, cliques, "ranks")
-    right = WIDTH - 7.0 * len(cliques) - 8.0 - 12.0
-    places = np.linspace(NAMES, right, 3)
-    circles = [[x, 4.0 + ROW * (i + 0.5)] for i, x in enumerate(places)]
+    right = PLOT.width - 7.0 * len(cliques) - 8.0 - 12.0
+    places = np.linspace(PLOT.names, right, 3)
+    circles = [[x, 4.0 + PLOT.row * (i + 0.5)] for i, x in enumerate(places)]
     np.testing.assert_allclose(numbers(svg, "circle", "cx", "cy"), circles, atol=0.051)
     lines = numbers(svg, "line", "x1", "y1", "x2", "y2")
     intervals = [line for line in lines if line[1] == line[3]]
     # A rank is as wide as half of the room.
-    half = 0.25 * (right - NAMES)
+    half = 0.25 * (right - PLOT.names)
     wanted = [[0, half], [half, 3 * half], [3 * half, 4 * half]]
     np.testing.assert_allclose(
-        [[line[0] - NAMES, line[2] - NAMES] for line in intervals], wanted, atol=0.051
+        [[line[0] - PLOT.names, line[2] - PLOT.names] for line in intervals], wanted, atol=0.051
     )
     bars = [line for line in lines if line[0] > right + 1.0]
     assert len(bars) == len(cliques)
     for i, (bar, (first, last)) in enumerate(zip(bars, cliques, strict=True)):
         place = right + 12.0 + 7.0 * i
-        ends = [place, 4.0 + ROW * (first + 0.2), place, 4.0 + ROW * (last + 0.8)]
+        ends = [place, 4.0 + PLOT.row * (first + 0.2), place, 4.0 + PLOT.row * (last + 0.8)]
         np.testing.assert_allclose(bar, ends, atol=0.051)
-    height = ROW * 3 + 34.0
-    assert f'viewBox="0 0 {WIDTH:g} {height:g}"' in str(svg)
+    height = PLOT.row * 3 + 34.0
+    assert f'viewBox="0 0 {PLOT.width:g} {height:g}"' in str(svg)
     bold = re.findall(r'<text [^>]*font-weight="600"[^>]*>([^<]*)<', str(svg))
     assert bold == ["a"]
 
@@ -101,7 +99,7 @@ def test_a_long_name_is_not_cut_off():
     (end,) = {float(x) for x in re.findall(r'<text x="([\d.]+)" [^>]*text-anchor="end"', str(svg))}
     assert end - 7.0 * len(long.label) >= 0.0
     circles = numbers(svg, "circle", "cx")
-    room = WIDTH - NAMES - 8.0 - 12.0
+    room = PLOT.width - PLOT.names - 8.0 - 12.0
     assert circles[-1][0] - circles[0][0] == pytest.approx(room, abs=0.11)
     assert circles[-1][0] == pytest.approx(width - 20.0, abs=0.06)
 

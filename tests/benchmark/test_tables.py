@@ -26,7 +26,7 @@ from springpot.benchmark import (
 )
 from springpot.errors import StudyError
 from springpot.identification import Problem, fit
-from springpot.report.tables import number, text, to_csv, to_html, to_latex, to_markdown
+from springpot.report.page import number, text, to_csv, to_html, to_latex, to_markdown
 
 NASTY = Table(
     "A & B <i>",

@@ -14,7 +14,7 @@ import pytest
 import documents
 from springpot.benchmark.gate.baseline import read_baseline
 from springpot.errors import DataError
-from springpot.files import LARGEST, json_of, toml_in, toml_of
+from springpot.files import FILES, json_of, toml_in, toml_of
 from springpot.web.sessions import session_of
 from springpot.web.tasks import perform
 
@@ -252,7 +252,7 @@ def test_toml_takes_no_more_memory_than_it_is_worth(text):
 def test_a_file_beyond_its_size_is_told_before_it_is_read_whole(tmp_path, springpot):
     path = tmp_path / "large.json"
     with path.open("wb") as stream:
-        os.truncate(stream.fileno(), LARGEST + 1)
+        os.truncate(stream.fileno(), FILES.largest + 1)
     assert springpot("predict", path, "--frequency", "1").is_one_line("large.json", "64 MiB")
     with pytest.raises(DataError, match=r"large\.json is too large: at most 256 KiB"):
         toml_in(path)

@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.comparison import Ranking
 from springpot.comparison.result import Judgement
-from springpot.misfit.refit import one_of
+from springpot.misfit.residual_tests import one_of
 
 OMEGA = np.geomspace(1.0, 100.0, 21)
 

@@ -3,10 +3,10 @@
 import numpy as np
 
 from springpot.comparison import comparing
+from springpot.distributions import autoregressive
 from springpot.measurement import Measurement
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
-from springpot.memory import autoregressive
 from springpot.misfit.refit import refit
 from springpot.registry import parse_model
 

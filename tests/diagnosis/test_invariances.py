@@ -12,7 +12,8 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, Design, design, exact, hidden
 
 import springpot
 from soaked import soaked
-from springpot.measurement.replicates import MOST_POINTS
+from springpot.measurement import replicates
+from springpot.measurement.replicates import THINNED
 from springpot.report.text import jsonable
 
 CASES = {"inertia": SWEEP, "friction": AMPLITUDES}
@@ -188,7 +189,7 @@ def test_a_ladder_is_strict_json_of_the_agreed_form():
     [
         (10, 10, 0.3),
         (20_000, 100, 0.2),
-        pytest.param(20_000, MOST_POINTS, 0.02, marks=pytest.mark.soak),
+        pytest.param(20_000, THINNED.points, 0.02, marks=pytest.mark.soak),
     ],
 )
 def test_few_and_very_many_points(points, kept, within, monkeypatch):
@@ -196,7 +197,7 @@ def test_few_and_very_many_points(points, kept, within, monkeypatch):
 
     Here a small one, which takes a second and not half a minute.
     """
-    monkeypatch.setattr("springpot.measurement.replicates.MOST_POINTS", kept)
+    monkeypatch.setattr(replicates, "THINNED", replicates.THINNED._replace(points=kept))
     at = design(points)
     stiffness = exact(KELVIN, at, "inertia", 3e-4)
     diagnosis = springpot.diagnose(measured(at, stiffness, level=0.01, just=True), KELVIN.name)

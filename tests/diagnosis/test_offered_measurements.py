@@ -31,7 +31,7 @@ def test_the_same_again_four_times():
 @pytest.mark.parametrize(("words", "factor"), [("upwards", 10.0), ("downwards", 0.1)])
 def test_a_decade_further(words, factor):
     action = one(offered(), words)
-    wanted = factor * np.geomspace(2.0, 16.0, e.POINTS)
+    wanted = factor * np.geomspace(2.0, 16.0, e.ACTION.points)
     np.testing.assert_allclose(action.action["omega"], wanted)
     np.testing.assert_allclose(np.exp(action.points.log_omega), wanted)
     assert action.effort == e.WAITED_FOR
@@ -41,15 +41,15 @@ def test_four_times_as_dense_up_to_a_limit():
     action = one(offered(), "more densely: 16 points")
     np.testing.assert_allclose(action.action["omega"], np.geomspace(2.0, 16.0, 16))
     assert action.effort == pytest.approx(1.0 + 16 / 80)
-    many = np.geomspace(1.0, 10.0, e.MOST_POINTS - 1)
-    assert one(offered(many), f"more densely: {e.MOST_POINTS} points")
-    assert not [says for says in offered(np.geomspace(1.0, 10.0, e.MOST_POINTS)) if "dense" in says]
+    many = np.geomspace(1.0, 10.0, e.ACTION.most - 1)
+    assert one(offered(many), f"more densely: {e.ACTION.most} points")
+    assert not [says for says in offered(np.geomspace(1.0, 10.0, e.ACTION.most)) if "dense" in says]
 
 
 def test_of_a_single_frequency_a_sweep_about_it():
     found = offered(np.full(4, 3.0))
     action = one(found, "measure a sweep of frequencies")
-    np.testing.assert_allclose(action.action["omega"], np.geomspace(0.3, 30.0, e.POINTS))
+    np.testing.assert_allclose(action.action["omega"], np.geomspace(0.3, 30.0, e.ACTION.points))
     assert not [says for says in found if "wards" in says or "dense" in says]
 
 
@@ -59,7 +59,7 @@ def test_amplitudes_three_times_beyond_what_was_measured():
     for new in (1.2, 0.1 / 3.0):
         action = one(found, f"at the amplitude {new:.3g} mm")
         assert action.action["amplitude"] == pytest.approx([new])
-        np.testing.assert_allclose(action.points.amplitude, np.full(e.POINTS, new))
+        np.testing.assert_allclose(action.points.amplitude, np.full(e.ACTION.points, new))
         assert action.effort == e.TYPED_IN
     # Elsewhere the amplitude is the usual one.
     np.testing.assert_allclose(one(found, "upwards").points.amplitude, 0.15)

@@ -106,7 +106,9 @@ def test_two_curves_are_as_far_apart_as_their_root_mean_square_in_noise():
 def test_bad_points_are_measured_again_and_close_beside():
     points = [SimpleNamespace(at=f"{hertz} Hz", frequency=hertz) for hertz in (2.0, 5.0)]
     asked = experiment.experiment_on_points(points)
-    wanted = [2.0 * np.pi * hertz * factor for hertz in (2.0, 5.0) for factor in experiment.BESIDE]
+    wanted = [
+        2.0 * np.pi * hertz * factor for hertz in (2.0, 5.0) for factor in experiment.ACTION.beside
+    ]
     assert asked.action == {"omega": pytest.approx(wanted)}
     assert asked.says.startswith("measure again at 2.0 Hz and 5.0 Hz, and close beside")
 

@@ -9,7 +9,8 @@ from hidden_data import design, measured
 
 import springpot
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.refit import folds_of, left_out_error, unseen_error
+from springpot.misfit.frame import folds_of, unseen_error
+from springpot.misfit.refit import left_out_error
 from springpot.misfit.residual_tests import battery
 
 STEPS = design(8, 0.1, 50.0, temperatures=(-10.0, 5.0, 20.0, 35.0, 50.0))

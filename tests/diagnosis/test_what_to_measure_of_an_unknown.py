@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.diagnosis.experiment import MOST_POINTS, experiment_on_unknown
+from springpot.diagnosis.experiment import ACTION, experiment_on_unknown
 from springpot.measurement import Measurement
 
 OMEGA = np.array([1.0, 8.0, 2.0, 4.0])
@@ -16,9 +16,9 @@ def test_first_the_same_points_the_other_way_round():
 
 
 def test_of_very_many_points_the_first():
-    omega = np.linspace(1.0, 2.0, MOST_POINTS + 5)
+    omega = np.linspace(1.0, 2.0, ACTION.most + 5)
     asked = experiment_on_unknown(Measurement(omega, np.full(len(omega), 1j)))
-    assert asked.action["omega"] == omega[:MOST_POINTS][::-1].tolist()
+    assert asked.action["omega"] == omega[: ACTION.most][::-1].tolist()
 
 
 def repeated(**conditions):

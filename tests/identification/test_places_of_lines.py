@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.identification.fitted import Fit
+from springpot.identification.native import Fit
 from springpot.identification.problem import relative_objective
 from springpot.rheology import Continuum, Model, Points
 

@@ -9,7 +9,7 @@ from native_problems import OMEGA, noisy, setup
 from scipy.optimize import least_squares
 
 from soaked import soaked
-from springpot.distributions import student
+from springpot.distributions import autoregressive, effective_share, student
 from springpot.identification import (
     Uncertainty,
     bootstrap,
@@ -21,7 +21,6 @@ from springpot.identification import (
     profile,
 )
 from springpot.measurement import Measurement
-from springpot.memory import autoregressive, effective_share
 from springpot.registry import parse_model
 
 TRIALS = 300

@@ -11,8 +11,8 @@ from scipy.optimize import nnls
 from test_whole_identification import DATA, EXACT, MODEL, OMEGA, made
 
 from springpot.identification import (
+    convex,
     free_factors,
-    held_material,
     intervals,
     kept,
     known_factors,
@@ -58,8 +58,8 @@ def test_boxes_and_ranges_of_all_effects(data, stays):
             [box.lower, box.upper, box.theta(0.5 * (box.lower + box.upper))],
             starts.settings(parameters, window, 3),
             [starts.shown(parameter, window) for parameter in parameters],
-            held_material.is_passive(effect),
-            held_material.within_material(parse_model("material"), effect),
+            convex.is_passive(effect),
+            convex.within_material(parse_model("material"), effect),
         ]
     stays(found)
 

@@ -11,7 +11,7 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, material, swept
 import springpot
 from springpot import Invention, Measurement, Units
 from springpot.errors import ModelError, OptionError
-from springpot.invention import grammar, inventing
+from springpot.invention import inventing, result
 
 
 @pytest.mark.soak
@@ -120,7 +120,7 @@ def test_parameters_are_not_called_as_columns_are():
     column = {"k": AMPLITUDE, "too-long a name": AMPLITUDE}
     data = swept(lambda k, x: k, conditions=column)
     assert inventing.conditions_of(data) == ["k"]
-    texts = [grammar.text_of(law) for law in grammar.candidates(data, ["k"])]
+    texts = [result.text_of(law) for law in result.candidates(data, ["k"])]
     assert "parallel: k2*k^n" in texts
     assert "parallel: i*k2/(1 + (k/Xc)^n)" in texts
 

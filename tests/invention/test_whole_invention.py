@@ -10,7 +10,7 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, swept
 
 import springpot
 from springpot.errors import OptionError
-from springpot.invention import grammar, inventing, result, search
+from springpot.invention import inventing, result, search
 from springpot.invention.search import shorter
 from springpot.rheology import Points
 from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
@@ -18,27 +18,25 @@ from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
 
 @pytest.mark.parametrize("condition", ["amplitude", "temperature", "current"])
 def test_laws_of_a_condition(condition, stays):
-    texts = list(grammar._of(condition))
+    texts = list(result._of(condition))
     stays(
         {
             "forms": {
-                plane: grammar.forms_of(condition, plane) for plane in ("stiffness", "compliance")
+                plane: result.forms_of(condition, plane) for plane in ("stiffness", "compliance")
             },
-            "laws": {text: grammar.filled(text, condition, ["k"]) for text in texts},
+            "laws": {text: result.filled(text, condition, ["k"]) for text in texts},
         }
     )
 
 
 def test_laws_of_the_frequency_alone(stays):
-    stays(
-        {grammar.text_of(law): grammar.symbols(law) for law in grammar.candidates(swept(lossy), [])}
-    )
+    stays({result.text_of(law): result.symbols(law) for law in result.candidates(swept(lossy), [])})
 
 
 def test_a_law_is_tried_once_and_what_never_vanishes_is_none():
     texts = ["parallel: k", "parallel: k", "parallel: 1 + k", "series: 1/k"]
-    found = grammar.laws(texts, swept(lossy))
-    assert [grammar.text_of(law) for law in found] == ["parallel: k", "series: 1/k"]
+    found = result.laws(texts, swept(lossy))
+    assert [result.text_of(law) for law in found] == ["parallel: k", "series: 1/k"]
     assert [law.name for law in found] == ["try-1c8e6225", "try-d83606c7"]
 
 
@@ -425,7 +423,7 @@ def test_of_laws_that_explain_the_same_the_shorter_is_tried():
     assert search._promising(SimpleNamespace(scores=rows), fitted, 2) == [short, long]
     assert search._promising(SimpleNamespace(scores=rows), fitted, 1) == [short]
     # Its further parameter and symbols are paid by what it leaves less.
-    more = grammar.symbols(law("parallel: k*X^n")) - grammar.symbols(law("parallel: k"))
+    more = result.symbols(law("parallel: k*X^n")) - result.symbols(law("parallel: k"))
     price = np.log1p(80.0) + 2.0 * INVENTION.symbol * more
     for less, first in ((price + 1.0, True), (price - 1.0, False)):
         near = scored("parallel: k*X^n", 20.0 - less)

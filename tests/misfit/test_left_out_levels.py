@@ -10,7 +10,7 @@ import pytest
 
 from springpot import Measurement
 from springpot.misfit import refit
-from springpot.misfit.refit import folds_of
+from springpot.misfit.frame import folds_of
 
 
 def measured(**conditions):

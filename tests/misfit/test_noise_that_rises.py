@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from springpot import Measurement
+from springpot.distributions import autoregressive
 from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
-from springpot.memory import autoregressive
 from springpot.misfit.floor import as_given, fitted_to_floor, remembered, sharpened
 from springpot.misfit.refit import refit
 from springpot.misfit.residual_tests import battery

@@ -9,7 +9,7 @@ import pytest
 
 import springpot
 from springpot.measurement import Measurement, Units
-from springpot.misfit import drift_search, material, refit, residual_causes, where
+from springpot.misfit import drift_search, material, residual_causes, residual_tests, where
 from springpot.numerics import FEWEST
 from springpot.thresholds import VERDICT
 
@@ -83,9 +83,9 @@ def test_levels_are_compared_at_three_frequencies_that_all_share(common):
 
 
 def test_what_is_called_by_a_vowel_has_its_article():
-    assert refit.one_of("amplitude") == "an amplitude"
-    assert refit.one_of("temperature") == "a temperature"
-    assert refit.one_of("year") == "a year"
+    assert residual_tests.one_of("amplitude") == "an amplitude"
+    assert residual_tests.one_of("temperature") == "a temperature"
+    assert residual_tests.one_of("year") == "a year"
 
 
 def missed(power, factor, count=6, turned=()):

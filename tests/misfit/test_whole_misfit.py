@@ -253,7 +253,7 @@ def test_what_a_residual_is_held_against(case, stays):
         "axes": [[axis.name, axis.level] for axis in axes],
         "words": [where.level_words(data, axis, np.flatnonzero(axis.level == 0)) for axis in axes],
         "folds": {
-            name: [np.flatnonzero(fold) for fold in refit.folds_of(data, name)]
+            name: [np.flatnonzero(fold) for fold in frame.folds_of(data, name)]
             for name in data.conditions
             if name in ("amplitude", "temperature")
         },
@@ -264,7 +264,7 @@ def test_what_a_residual_is_held_against(case, stays):
             for level in material.each_alone(case, name)
         ],
         "left out": [
-            refit.left_out_error(case, refit.folds_of(data, name))
+            refit.left_out_error(case, frame.folds_of(data, name))
             for name in data.conditions
             if name in ("amplitude", "temperature") and len(data) < 33
         ],

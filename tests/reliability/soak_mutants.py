@@ -143,7 +143,7 @@ HARMLESS = {
     ): "how a square table lies in memory",
     (
         "testreport/record.py",
-        "len(channel.within(each.time - half, each.time + half)[0]) > 2 * SMOOTH + 2",
+        "len(channel.within(each.time - half, each.time + half)[0]) > 2 * WINDOW.smooth + 2",
         "1",
     ): "times and values are as many",
     (

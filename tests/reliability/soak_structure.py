@@ -18,7 +18,7 @@ from opening_cost import Cost
 from soak import Row
 
 import structure
-from springpot.files import SECONDS
+from springpot.files import FILES
 
 CASES = 250
 """Of each operation."""
@@ -38,7 +38,7 @@ def _row(operation: str, rng: np.random.Generator, cases: int, path: Path) -> Ro
     found: list[tuple[str, Cost]] = []
     for case in range(cases):
         name, content = structure.made(operation, rng, LARGEST)
-        both = structure.costs(path, content, SECONDS + len(content) / 1e7)
+        both = structure.costs(path, content, FILES.seconds + len(content) / 1e7)
         found += [(f"case {case}, {name}", cost) for cost in both]
     time, memory = (
         max(getattr(cost, key) for _, cost in found) for key in ("time_share", "memory_share")

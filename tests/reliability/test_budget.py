@@ -39,7 +39,7 @@ def path(tmp_path):
 
 @pytest.fixture
 def short(monkeypatch):
-    monkeypatch.setattr(files, "SECONDS", 0.2)
+    monkeypatch.setattr(files, "FILES", files.FILES._replace(seconds=0.2))
 
 
 def for_ever():
@@ -129,7 +129,7 @@ def test_a_plugin_that_never_ends_is_ended_too(path, short):
 
 @pytest.mark.soak
 def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypatch):
-    monkeypatch.setattr(files, "SECONDS", 0.02)
+    monkeypatch.setattr(files, "FILES", files.FILES._replace(seconds=0.02))
     monkeypatch.setattr(limits, "_TICK", 0.001)
     handler = signal.getsignal(signal.SIGPROF)
     ended = 0
@@ -204,7 +204,7 @@ def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path
 def test_no_word_is_heard_after_the_end_however_slowly_a_reader_unwinds(path, monkeypatch):
     """A word said while another is being heard escaped, once, into what came after the reading."""
     # Kernels count processor time in steps of up to 10 ms: the end falls among works so long.
-    monkeypatch.setattr(files, "SECONDS", 0.02)
+    monkeypatch.setattr(files, "FILES", files.FILES._replace(seconds=0.02))
     monkeypatch.setattr(limits, "_TICK", 0.0005)
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-4)

@@ -9,7 +9,7 @@ from faulty_optimisers import race
 from test_faulty_optimisers import check, trials
 
 from soaked import soaked
-from springpot.benchmark import Store, run_study
+from springpot.benchmark import Store, run_study, runner
 from springpot.errors import StudyError
 
 pytest.importorskip("distributed", reason="dask is not installed")
@@ -112,7 +112,7 @@ def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(
 
 @pytest.mark.soak
 def test_no_scheduler_is_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr("springpot.benchmark.runner.ANSWER", 0.5)
+    monkeypatch.setattr(runner, "ENGINE", runner.ENGINE._replace(answer=0.5))
     with pytest.raises(
         StudyError, match=r"no dask scheduler answers at tcp://127\.0\.0\.1:9"
     ) as caught:

@@ -19,7 +19,7 @@ from springpot.measurement import (
     unguarded_line,
 )
 from springpot.registry import write_measurement
-from springpot.report.tables import Table, to_csv
+from springpot.report.page import Table, to_csv
 from springpot.writing import csv_text
 from springpot_plugins.readers import springpot_readers
 

@@ -25,11 +25,11 @@ What is left unpacks to twice the memory that is allowed.
 @pytest.fixture
 def short(monkeypatch):
     """A small part of the time, so that the tests are done sooner; all else as it is."""
-    monkeypatch.setattr(files, "SECONDS", 0.2)
+    monkeypatch.setattr(files, "FILES", files.FILES._replace(seconds=0.2))
     # A step within a library, which nothing interrupts, is no shorter for that; on a busy one it
     # took four seconds. Without a budget these files take 20 to 1000 times it.
     monkeypatch.setattr("opening_cost.ALLOWED_TIMES", 100)
-    monkeypatch.setattr(files, "BYTES_A_SECOND", 100e6)
+    monkeypatch.setattr(files, "FILES", files.FILES._replace(bytes_a_second=100e6))
 
 
 @pytest.mark.soak_cases(

@@ -171,7 +171,7 @@ def test_many_points_stay_small(tmp_path):
     path = figures.figure_identification(data, [MAXWELL], tmp_path / "a.svg")
     assert path.stat().st_size < 1_000_000
     assert len(data) > views.ENOUGH
-    assert views.SMOOTH < views.ENOUGH
+    assert views.CANVAS.smooth < views.ENOUGH
 
 
 @pytest.mark.soak

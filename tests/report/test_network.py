@@ -7,10 +7,18 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from springpot.registry import plugins
-from springpot.report import network
-from springpot.report.network import LETTER, Label, marks, network_svg, size
-from springpot.rheology import Node, chain, dashpot, mass, parallel, series, spring, springpot
-from springpot.rheology.drawing import sketch
+from springpot.rheology import (
+    Node,
+    chain,
+    dashpot,
+    drawing,
+    mass,
+    parallel,
+    series,
+    spring,
+    springpot,
+)
+from springpot.rheology.drawing import SVG as ROOM, Label, marks, network_svg, size, sketch
 from springpot.rheology.model import Family
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -35,7 +43,7 @@ def test_labels_do_not_overlap(node: Node):
     drawn = labels(node)
     for i, a in enumerate(drawn):
         for b in drawn[:i]:
-            apart_x = abs(a.x - b.x) >= LETTER * (len(a.text) + len(b.text)) / 2
+            apart_x = abs(a.x - b.x) >= ROOM.letter * (len(a.text) + len(b.text)) / 2
             assert apart_x or abs(a.y - b.y) >= 14, (a, b)
 
 
@@ -46,7 +54,7 @@ def test_svg_holds_every_label_inside_its_frame(node: Node):
     texts = list(root.iter(f"{SVG}text"))
     assert [text.text for text in texts] == [label.text for label in labels(node)]
     for text in texts:
-        half = LETTER * len(text.text or "") / 2
+        half = ROOM.letter * len(text.text or "") / 2
         assert half <= float(text.attrib["x"]) <= width - half
         assert 0 < float(text.attrib["y"]) < height
 
@@ -57,9 +65,9 @@ def test_names_are_escaped():
     assert [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")] == ["<k&1>"]
 
 
-@pytest.mark.parametrize("kind", network.SYMBOLS)
+@pytest.mark.parametrize("kind", drawing.DRAWN)
 def test_a_symbol_reaches_as_far_to_either_side_and_its_lines_join_it(kind):
-    marks = [mark for mark in network.SYMBOLS[kind](100.0, 50.0) if hasattr(mark, "points")]
+    marks = [mark for mark in drawing.DRAWN[kind](100.0, 50.0) if hasattr(mark, "points")]
     across = [x for mark in marks for x, _ in mark.points]
     assert (min(across), max(across)) == (78.0, 122.0)
     body = [mark for mark in marks if getattr(mark, "closed", False)]

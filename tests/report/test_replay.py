@@ -9,7 +9,7 @@ import pytest
 import springpot
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model
-from springpot.report import replay
+from springpot.report import result_plots
 from springpot.report.canvas import blank
 from springpot.report.views import Scene
 
@@ -31,28 +31,28 @@ def ladder():
 @pytest.mark.soak
 def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, monkeypatch):
     """Two steps and the frames between them, played for ever."""
-    monkeypatch.setattr(replay, "FRAMES", 2)
+    monkeypatch.setattr(result_plots, "REPLAY", result_plots.REPLAY._replace(frames=2))
     played = images.open(ladder.plot(tmp_path / "replay.gif"))
-    assert played.n_frames == replay.FRAMES + 1
+    assert played.n_frames == result_plots.REPLAY.frames + 1
     lasting = []
     for frame in range(played.n_frames):
         played.seek(frame)
         lasting.append(played.info["duration"])
-    assert (lasting[0], lasting[-1]) == (replay.HOLD, replay.HOLD)
-    assert set(lasting[1:-1]) == {replay.BETWEEN}
+    assert (lasting[0], lasting[-1]) == (result_plots.REPLAY.hold, result_plots.REPLAY.hold)
+    assert set(lasting[1:-1]) == {result_plots.REPLAY.between}
     assert played.info["loop"] == 0
 
 
 @pytest.mark.soak
 def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     """Where it begins it is the fit before, where it ends the fit itself."""
-    [stage] = replay.Replay(ladder).played
+    [stage] = result_plots.Replay(ladder).played
     before, after = stage.fits
     points = stage.data.points
     for share, expected in ((0.0, before), (1.0, after)):
-        way = replay.OnTheWay(after.model, after.theta, "", before, share)
+        way = result_plots.OnTheWay(after.model, after.theta, "", before, share)
         np.testing.assert_allclose(way.at(points), expected.at(points), rtol=1e-12)
-    half = replay.OnTheWay(after.model, after.theta, "", before, 0.5)
+    half = result_plots.OnTheWay(after.model, after.theta, "", before, 0.5)
     middle = 0.5 * (before.at(points) + after.at(points))
     np.testing.assert_allclose(half.at(points), middle, rtol=1e-12)
 
@@ -60,13 +60,15 @@ def test_a_passage_goes_from_one_curve_to_the_next(ladder):
 @pytest.mark.soak
 def test_a_test_in_time_is_played_as_a_sweep_is(tmp_path, monkeypatch):
     """Over its own axes; half way the curve lies between both fits, and so does what is left."""
-    monkeypatch.setattr(replay, "FRAMES", 2)
+    monkeypatch.setattr(result_plots, "REPLAY", result_plots.REPLAY._replace(frames=2))
     time = np.geomspace(0.05, 5.0, 16)
     noise = 1.0 + 0.01 * np.random.default_rng(5).normal(size=16)
     test = TimeTest.of_relaxation(time, (2.0 * np.exp(-time) + 1.0) * noise, name="relaxation")
     found = springpot.discover(test, "maxwell", accept=["parallel-spring"])
-    assert images.open(found.plot(tmp_path / "replay.gif")).n_frames == replay.FRAMES + 1
-    [stage] = replay.Replay(found).played
+    assert (
+        images.open(found.plot(tmp_path / "replay.gif")).n_frames == result_plots.REPLAY.frames + 1
+    )
+    [stage] = result_plots.Replay(found).played
     with blank() as figure:
         curve, left = figure.subplots(1, 2)
         stage.curve(curve, 1, 0.5)
@@ -88,10 +90,10 @@ def test_several_tests_are_played_beside_one_another():
         for rise, noise in zip((1.0, 3.0), 1.0 + 0.01 * rng.normal(size=(2, 16)), strict=True)
     ]
     found = springpot.discover(tests, "maxwell", accept=["parallel-spring"], only=["friction"])
-    stage = replay.Replay(found)
+    stage = result_plots.Replay(found)
     assert [one.name for one in stage.played] == ["at-1.0", "at-3.0"]
     assert stage.at(1, 0.5).size == (14 * 100, 5 * 100)
-    assert replay._mosaic(4, 2) == [
+    assert result_plots._mosaic(4, 2) == [
         ["curve 0", "curve 1", "ladder"],
         ["residual 0", "residual 1", "ladder"],
         ["curve 2", "curve 3", "ladder"],
@@ -101,14 +103,14 @@ def test_several_tests_are_played_beside_one_another():
 
 def test_each_way_begins_after_one_fit_and_ends_on_the_next():
     """Never beyond it, slowly at both ends."""
-    moments = list(replay._moments(3))
-    assert moments[0] == (0, 1.0, replay.HOLD)
+    moments = list(result_plots._moments(3))
+    assert moments[0] == (0, 1.0, result_plots.REPLAY.hold)
     for step in (1, 2):
         shares = [share for at, share, _ in moments if at == step]
         assert shares[-1] == 1.0
         assert all(0.0 < one < after <= 1.0 for one, after in itertools.pairwise(shares))
         assert shares[0] + shares[-2] == pytest.approx(1.0)
-        assert shares[0] < 1.0 / replay.FRAMES
+        assert shares[0] < 1.0 / result_plots.REPLAY.frames
 
 
 def test_what_is_nothing_has_no_place_among_decades():
@@ -117,5 +119,7 @@ def test_what_is_nothing_has_no_place_among_decades():
     with blank() as figure:
         axes = figure.subplots()
         stage = SimpleNamespace(data=data, _scene=lambda step, share: Scene(data, []))
-        replay.PlayedSweeps.curve(stage, axes, 0, 1.0)
-    assert axes.get_ylim() == pytest.approx((0.5 / replay.ROOM, 9.0 * replay.ROOM))
+        result_plots.PlayedSweeps.curve(stage, axes, 0, 1.0)
+    assert axes.get_ylim() == pytest.approx(
+        (0.5 / result_plots.LADDER.room, 9.0 * result_plots.LADDER.room)
+    )

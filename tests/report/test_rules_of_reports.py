@@ -11,7 +11,7 @@ from springpot.identification.value import LOST
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import answers, fit_text, html, invention, ladder_text, sweeps
-from springpot.report.canvas import SMOOTH, blank
+from springpot.report.canvas import CANVAS, blank
 from springpot.report.inspection import LONG, sweeps_text
 from springpot.report.views import DrawnFit, Scene, cole_cole
 
@@ -115,7 +115,7 @@ def test_as_many_sweeps_as_are_shown_leave_none():
         assert ("more; --json has all" in text) is bool(more)
 
 
-@pytest.mark.parametrize(("count", "drawn"), [(1, 1), (2, SMOOTH)])
+@pytest.mark.parametrize(("count", "drawn"), [(1, 1), (2, CANVAS.smooth)])
 def test_a_curve_is_smooth_between_two_places_and_a_point_at_one(count, drawn):
     omega = np.repeat(OMEGA[:count], 2)
     scene = Scene(Measurement(omega, omega + 1j), [DrawnFit(parse_model("kelvin"), np.ones(2))])

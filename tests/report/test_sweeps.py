@@ -10,7 +10,7 @@ from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import canvas, figures, views
 from springpot.report.residuals import keys
-from springpot.report.sweeps import MOST_DRAWN, travels
+from springpot.report.sweeps import SWEEPS, travels
 from springpot.report.views import DrawnFit, Scene, axis_of, sweeps_of
 
 pytest.importorskip("matplotlib")
@@ -45,7 +45,7 @@ def _labels(data):
 def test_of_many_sweeps_an_even_choice_is_drawn_and_said():
     data = _measured(np.linspace(-40.0, 78.0, 60))
     scene = Scene(data, [WARM])
-    assert (len(scene.every_sweep), len(scene.sweeps)) == (60, MOST_DRAWN)
+    assert (len(scene.every_sweep), len(scene.sweeps)) == (60, SWEEPS.drawn)
     assert (scene.sweeps[0].label, scene.sweeps[-1].label) == ("-40 °C", "78 °C")
     assert scene.drawn == "12 of 60 sweeps shown"
     assert scene.drawn in keys(scene)
@@ -58,7 +58,7 @@ def test_of_many_sweeps_an_even_choice_is_drawn_and_said():
             for line in axes.lines
             if line.get_linestyle() == "-" and len(line.get_xdata()) > 50
         }
-    assert len(lines) == MOST_DRAWN
+    assert len(lines) == SWEEPS.drawn
 
 
 def test_a_good_fit_of_many_sweeps_looks_good():
@@ -103,7 +103,7 @@ def test_conditions_without_levels_are_taken_in_bins(rng):
     ends = [(temperature[sweep.rows].min(), temperature[sweep.rows].max()) for sweep in found]
     assert all(one[1] <= other[0] for one, other in pairwise(ends))
     assert " to " in found[0].label
-    assert Scene(data, [WARM]).drawn.startswith(f"{MOST_DRAWN} of ")
+    assert Scene(data, [WARM]).drawn.startswith(f"{SWEEPS.drawn} of ")
 
 
 def test_an_amplitude_that_falls_along_the_sweep_makes_no_sweeps():

@@ -15,7 +15,7 @@ from springpot.identification import Value
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report.fit_text import many_csv, many_text
-from springpot.report.tables import write_parameters, write_values
+from springpot.report.page import write_parameters, write_values
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

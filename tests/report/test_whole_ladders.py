@@ -139,7 +139,7 @@ def test_where_a_proposed_experiment_measures(stays):
     stays([[at.log_omega, at.amplitude, at.temperature, *at.columns.values()] for at in found])
     along = answers._along(found[0], {"omega": [1.0]})
     assert along.log_omega[[0, -1]] == pytest.approx([0.0, np.log(100.0)])
-    assert len(along.log_omega) == answers.ON_A_RIVAL
+    assert len(along.log_omega) == answers.DRAWN.rival
     assert answers._along(found[1], {"omega": [], "amplitude": []}) is found[1]
 
 

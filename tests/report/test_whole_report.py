@@ -16,10 +16,10 @@ from springpot.report import figures
 from springpot.report.canvas import blank
 from springpot.report.fit_text import many_csv, many_text
 from springpot.report.html import report_html
-from springpot.report.network import network_svg
 from springpot.report.residuals import VIEWS
 from springpot.report.told import shown, told
 from springpot.report.views import DrawnFit, Scene, residual, storage_and_loss
+from springpot.rheology.drawing import network_svg
 from springpot.rheology.model import Family
 
 pyplot = pytest.importorskip("matplotlib.pyplot")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.registry import parse_model, plugins
-from springpot.rheology import dimensional, grammar, hysteresis, named, nodes, poles
+from springpot.rheology import grammar, hysteresis, named, nodes, poles
 from springpot.rheology.elements import Compliance, Continuum, KnownMass, Relaxation
 from springpot.rheology.nodes import FULL, GRADIENT, Response
 from springpot.rheology.points import HALF_PI, Points
@@ -125,7 +125,7 @@ def test_a_value_within_bounds_lies_away_from_the_end_that_there_is(lower, upper
     ],
 )
 def test_a_power_is_a_sum_of_multiples_of_parameters_or_none(text, shares):
-    assert dimensional._linear(grammar.parsed(text)) == shares
+    assert grammar._linear(grammar.parsed(text)) == shares
 
 
 @pytest.mark.parametrize("z", [-2.0, -0.5, 0.7, 3.0])

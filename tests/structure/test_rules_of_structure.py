@@ -87,9 +87,9 @@ def test_a_record_is_even_and_of_numbers(time, acceleration, says):
 
 
 def test_steps_may_scatter_by_so_much_and_not_more(monkeypatch):
-    monkeypatch.setattr(motion, "EVEN", 0.25)
+    monkeypatch.setattr(motion, "STRUCTURE", motion.STRUCTURE._replace(even=0.25))
     assert GroundMotion.of([0.0, 0.75, 2.0], [1.0] * 3).step == 1.0
-    monkeypatch.setattr(motion, "EVEN", 0.2499)
+    monkeypatch.setattr(motion, "STRUCTURE", motion.STRUCTURE._replace(even=0.2499))
     with pytest.raises(DataError, match="the steps are not equal"):
         GroundMotion.of([0.0, 0.75, 2.0], [1.0] * 3)
 
@@ -288,7 +288,7 @@ def test_steps_are_parted_until_the_shortest_period_has_sixteen(periods, parts, 
     """Of an oscillator whose period holds less than sixteen steps."""
     asked = []
     step = 0.1
-    omega = 2.0 * np.pi * periods / (motion.SHORT * step)
+    omega = 2.0 * np.pi * periods / (motion.STEPS.short * step)
     matrix = np.array([[0.0, 1.0], [-(omega**2), 0.0]])
     system = motion.System(matrix, np.array([0.0, 1.0]), step)
     whole = type(system).in_steps_of
@@ -327,7 +327,7 @@ def test_a_damper_is_followed_between_the_record_and_what_the_frame_can_show(
     with pytest.raises(ModelError, match="enough"):
         motion._system(frame, GroundMotion(step, np.ones(samples)))
     longest = max(samples * step, 10.0 / slow)
-    wanted = 1.0 / (motion.BEYOND * longest), max(motion.BEYOND * fast, np.pi / step)
+    wanted = 1.0 / (motion.STEPS.beyond * longest), max(motion.STEPS.beyond * fast, np.pi / step)
     assert asked[0] == pytest.approx(wanted)
 
 

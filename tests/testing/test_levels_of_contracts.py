@@ -8,28 +8,28 @@ import pytest
 
 from springpot.registry import parse_model
 from springpot.rheology import Continuum, Model, Parameter, stiffness
-from springpot.testing import effects, models, optimisers
+from springpot.testing import effects, optimisers
 
 FREE = Model("any", Continuum(), "any linear passive material at all", "Ferry 1980, ch. 3")
 
 
 @pytest.mark.parametrize(("level", "told"), [(0.5, True), (np.nextafter(0.5, 1.0), False)])
 def test_a_spectrum_follows_a_springpot_to_less_than_the_level(monkeypatch, level, told):
-    exact = models.SAMPLE.stiffness
+    exact = effects.SAMPLE.stiffness
 
     def half_too_stiff(model, data):
         model = SimpleNamespace(stiffness=lambda theta, points: 1.5 * data.stiffness)
         return SimpleNamespace(model=model, theta=np.array([1.0, 0.0]))
 
-    monkeypatch.setattr(models, "fit", half_too_stiff)
-    monkeypatch.setattr(models, "FOLLOWED", level)
+    monkeypatch.setattr(effects, "fit", half_too_stiff)
+    monkeypatch.setattr(effects, "CONTRACT", effects.CONTRACT._replace(followed=level))
     # Powers of two, so that half too stiff is half to the last bit.
     sample = SimpleNamespace(
-        parameters=models.SAMPLE.parameters,
+        parameters=effects.SAMPLE.parameters,
         stiffness=lambda theta, points: 2.0 ** np.round(np.log2(np.abs(exact(theta, points)))) + 0j,
     )
-    monkeypatch.setattr(models, "SAMPLE", sample)
-    found = list(models._spectrum(FREE))
+    monkeypatch.setattr(effects, "SAMPLE", sample)
+    found = list(effects._spectrum(FREE))
     assert (
         found
         == ["a spring beside a spring in series with a springpot is followed to 5.0e-01 only"][
@@ -50,7 +50,7 @@ def test_an_order_is_lawful_at_both_ends_of_its_range_and_tried_there():
         parameters=parameters,
         stiffness=lambda theta, omega: tried.append(theta) or np.ones((len(theta), 3), complex),
     )
-    assert list(models._passive(asked)) == []
+    assert list(effects._passive(asked)) == []
     (theta,) = tried
     assert set(theta[::3, 1]) == {0.2, 0.8}
     assert not set(theta[:, 2]) & {0.1, 7.0}
@@ -60,10 +60,10 @@ def test_an_order_is_lawful_at_both_ends_of_its_range_and_tried_there():
 @pytest.mark.parametrize(
     ("null", "typical", "near"),
     [
-        (0.0, 8.0, 8.0 * effects.NEARLY),
-        (np.inf, 0.25, 0.25 / effects.NEARLY),
-        (np.inf, 0.0, 1.0 / effects.NEARLY),
-        (3.0, 8.0, 3.0 + 3.0 * effects.NEARLY),
+        (0.0, 8.0, 8.0 * effects.CONTRACT.nearly),
+        (np.inf, 0.25, 0.25 / effects.CONTRACT.nearly),
+        (np.inf, 0.0, 1.0 / effects.CONTRACT.nearly),
+        (3.0, 8.0, 3.0 + 3.0 * effects.CONTRACT.nearly),
     ],
 )
 def test_an_effect_is_asked_for_a_little_beside_where_it_vanishes(null, typical, near):

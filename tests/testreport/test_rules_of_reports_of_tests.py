@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import linregress, norm
 
 from springpot.errors import DataError
-from springpot.report import tables
+from springpot.report import page
 from springpot.testreport import certificate, code, deciding, quantities, record, summary
 from springpot.testreport.record import Channel
 
@@ -117,7 +117,7 @@ def test_samples_that_may_be_on_either_side_of_a_turning_point_are_left_out():
 
 def test_sheets_of_one_name_are_counted_from_two():
     taken = set()
-    assert [tables._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
+    assert [page._title("loops", taken) for _ in range(3)] == ["loops", "loops 2", "loops 3"]
 
 
 @pytest.mark.parametrize(("still", "told"), [(120, 0), (160, 161)])

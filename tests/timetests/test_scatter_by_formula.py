@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import toeplitz
 
-from springpot.memory import spectrum_of
+from springpot.distributions import spectrum_of
 from springpot.misfit.coloured_noise import fisher_test
 from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.residual_scatter import (

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import pytest
 from client import ask, head, raw, token_of
 
-from springpot.web import Workbench
-from springpot.web.server import LARGEST, POLICY
+from springpot.web import Workbench, launch
+from springpot.web.server import POLICY, SERVER
 
 
 def test_it_listens_on_the_loopback_address_only(bench: Workbench):
@@ -121,7 +121,7 @@ def test_a_stated_body_that_is_too_large_is_refused_before_it_is_sent(bench: Wor
         "POST",
         "/api/data",
         X_Springpot_Token=token_of(bench),
-        Content_Length=str(LARGEST + 1),
+        Content_Length=str(SERVER.largest + 1),
     )
     assert raw(bench, start)[0] == 413
 
@@ -140,7 +140,7 @@ def test_a_body_without_end_is_cut_off(bench: Workbench):
         line.sendall(begin.replace("\n", "\r\n").encode() + b"\r\n\r\n")
         ended: OSError | None = None
         try:
-            while sent < 4 * LARGEST:
+            while sent < 4 * SERVER.largest:
                 line.sendall(piece)
                 sent += len(piece)
         except OSError as error:
@@ -149,7 +149,7 @@ def test_a_body_without_end_is_cut_off(bench: Workbench):
             answer = line.recv(4096)
         except OSError as error:
             ended = error
-    assert sent < 2 * LARGEST
+    assert sent < 2 * SERVER.largest
     # A connection that is shut while one still sends may lose the answer: then it was cut, and
     # nothing else happened.
     if answer:
@@ -299,8 +299,7 @@ def test_the_page_itself_may_be_come_to_from_a_file(bench: Workbench):
 def impatient() -> Iterator[Workbench]:
     """A workbench that waits a second for a head, and takes eight connections."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("springpot.web.launch.PATIENCE", 1.0)
-        patch.setattr("springpot.web.launch.MOST", 8)
+        patch.setattr(launch, "SERVER", launch.SERVER._replace(patience=1.0, connections=8))
         running = Workbench().start()
         yield running
         running.close()

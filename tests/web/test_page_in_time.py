@@ -19,8 +19,16 @@ from springpot.errors import DataError
 from springpot.registry import plugins
 from springpot.report.text import to_json
 from springpot.web import tasks
-from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
-from springpot.web.specimen import SCHEMA, Specimen, specimen_of
+from springpot.web.sessions import (
+    TESTS,
+    Specimen,
+    data_of,
+    joined,
+    measured_in,
+    session_of,
+    specimen_of,
+    text_of,
+)
 from springpot.web.tasks import answered, curve, first, held, perform, trial, turned, understand
 
 TIME = np.geomspace(0.1, 100.0, 40)
@@ -189,7 +197,7 @@ def test_files_cross_as_they_came_and_so_into_a_session(relaxed: dict[str, Any])
 def test_tests_nested_too_deeply_are_refused_in_one_line():
     nested = "[" * 100_000 + "]" * 100_000
     with pytest.raises(DataError, match="no tests in time: nested too deeply"):
-        specimen_of(f'{{"schema": "{SCHEMA}", "files": {nested}}}')
+        specimen_of(f'{{"schema": "{TESTS}", "files": {nested}}}')
 
 
 def test_a_relaxation_and_a_sweep_are_tests_of_one_specimen():

@@ -12,8 +12,7 @@ from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.rheology.grammar import LONGEST
 from springpot.web import launch, leaving, tasks, trying, watching
-from springpot.web.sessions import State
-from springpot.web.specimen import Specimen
+from springpot.web.sessions import Specimen, State
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
 SWEEP = Measurement(OMEGA, (1.0 + 0.3j) * OMEGA**0.4, units=Units("kPa", "%"), name="sweep")

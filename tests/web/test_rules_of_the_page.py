@@ -123,14 +123,14 @@ def test_two_clocks_run_while_a_body_comes(monkeypatch):
     limited = server._limited(receive, 10, {})
 
     async def several():
-        for at in (100.0, 100.0 + server.LONGEST - 1.0, 300.0 + server.LONGEST):
+        for at in (100.0, 100.0 + server.SERVER.longest - 1.0, 300.0 + server.SERVER.longest):
             now[0] = at
             await limited()
         # The whole body is there: what follows is waited for as long as a fit takes.
         await limited()
 
     _ran(several())
-    assert waits == [server.PATIENCE, 1.0, -200.0]
+    assert waits == [server.SERVER.patience, 1.0, -200.0]
 
 
 def test_a_header_that_stands_twice_is_refused_where_it_matters():

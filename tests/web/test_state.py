@@ -21,9 +21,9 @@ from remembered import remember
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement import Measurement
+from springpot.measurement.replicates import THINNED
 from springpot.report.interactive import scene as drawing
 from springpot.report.interactive.scene import (
-    MOST_POINTS,
     PageScene,
     proposed_points,
     relative_error,
@@ -42,10 +42,10 @@ from springpot.web.sessions import (
     kept,
     measured_in,
     measurement_of,
+    safe_name,
     session_of,
     text_of,
 )
-from springpot.web.specimen import safe_name
 from springpot.web.tasks import answer, curve, held, ladder_of
 
 MODEL = "fractional-maxwell"
@@ -229,7 +229,7 @@ def test_ten_thousand_rows_are_drawn_as_few(rng: np.random.Generator):
     omega = np.sort(rng.uniform(1.0, 100.0, 10_000))
     big = Measurement(omega, omega + 1j * np.sqrt(omega))
     scene = PageScene(big)
-    assert len(scene.rows) == MOST_POINTS
+    assert len(scene.rows) == THINNED.points
     assert {int(scene.rows[0]), int(scene.rows[-1])} == {0, 9999}
 
 

@@ -16,7 +16,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.web import Workbench
 from springpot.web.sessions import data_of, text_of
 from springpot.web.tasks import look
-from springpot.web.watching import SETTLED, seen_in, watched
+from springpot.web.watching import WATCHED, seen_in, watched
 
 
 @pytest.fixture
@@ -58,7 +58,7 @@ def test_a_last_line_without_an_end_waits_until_nobody_writes_on(
     file = tmp_path / "a.csv"
     file.write_bytes(b"".join(lines[:9])[:-3])
     assert len(held(tmp_path)[1]) == 7
-    long_ago = time.time() - SETTLED - 1.0
+    long_ago = time.time() - WATCHED.settled - 1.0
     os.utime(file, (long_ago, long_ago))
     assert len(held(tmp_path)[1]) == 8
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from springpot.report.tables import FORMATS as FORMATS, Table as Table, save_table as save_table
+    from springpot.report.page import FORMATS as FORMATS, Table as Table, save_table as save_table
 
     from .columns import frame as frame
     from .exporting import Export as Export, export as export

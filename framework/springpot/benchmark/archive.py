@@ -27,17 +27,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import StudyError
-from springpot.files import LARGEST, write_with
+from springpot.files import FILES, write_with
 from springpot.numerics import ALIKE
 from springpot.registry import plugins
 
 from .comparison import JudgingScale, judged, reference_of
-from .plan import ASKED
+from .plan import ASKED, ProblemRow
 from .schema import optima_told
 from .statistics import goal_of
 from .store import Store
 from .study import OWN, Study
-from .summary import SUFFIX, CellRow, ProblemRow, TrialRow
+from .summary import SUFFIX, CellRow, TrialRow
 from .trial import Status, TrialResult, contradiction, pack, pack_values
 
 SCHEMA = "springpot.archive/2"
@@ -113,7 +113,7 @@ class Archive:
             If it is none, or damaged.
         """
         with _one_line(path), zipfile.ZipFile(path) as whole, whole.open("study.json") as stream:
-            told = json.loads(stream.read(LARGEST))
+            told = json.loads(stream.read(FILES.largest))
             if told["schema"] != SCHEMA:
                 raise ValueError(f"its schema is {told['schema']:.40}, not {SCHEMA}")
             facts = {str(key): str(value) for key, value in told["facts"].items()}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,18 +18,29 @@ from springpot.identification.problem import Searched
 from springpot.identification.runs import Optimiser, run
 from springpot.identification.space import SearchSpace
 from springpot.registry import parse_model
-from springpot.report.tables import Entry, Table
+from springpot.report.page import Entry, Table
 from springpot.rheology.points import Real
 
 from .gate.baseline import LEVEL
 from .plan import stream_of
 from .statistics import a12, holm, mann_whitney_holm
 
-CENTRE, EDGE = 0.5, 0.1
-"""Shares of the box that are called its centre and its edges: half of it, and a twentieth on each
-side."""
+
+class TrialSizes(NamedTuple):
+    """What an optimiser is tried on."""
+
+    centre: float
+    edge: float
+    """Shares of the box that are called its centre and its edges: half of it, and a twentieth on
+    each side.
+    """
+    dimension: int
+    runs: int
+    budget: int
+
+
+TRIED = TrialSizes(centre=0.5, edge=0.1, dimension=4, runs=60, budget=500)
 PLACES = ("anywhere", "centre", "corner")
-DIMENSION, RUNS, BUDGET = 4, 60, 500
 
 
 def box(dimension: int) -> SearchSpace:
@@ -105,12 +117,12 @@ class Bias:
     @property
     def centre(self) -> float:
         """Share of the coordinates in the middle half of the box."""
-        return float(np.mean(np.abs(self.found - 0.5) <= 0.5 * CENTRE))
+        return float(np.mean(np.abs(self.found - 0.5) <= 0.5 * TRIED.centre))
 
     @property
     def edge(self) -> float:
         """Share of the coordinates at the edges."""
-        return float(np.mean(np.abs(self.found - 0.5) >= 0.5 - 0.5 * EDGE))
+        return float(np.mean(np.abs(self.found - 0.5) >= 0.5 - 0.5 * TRIED.edge))
 
     def chances(self, place: str) -> float:
         """That a run with its optimum at a place ends below one with it anywhere (A12)."""
@@ -130,7 +142,7 @@ class Bias:
         ).min()
         shares = [
             binomtest(round(share * number), number, expected).pvalue
-            for share, expected in ((self.centre, CENTRE), (self.edge, EDGE))
+            for share, expected in ((self.centre, TRIED.centre), (self.edge, TRIED.edge))
         ]
         moved = [
             mann_whitney_holm(np.stack([self.reached[place], self.reached["anywhere"]]))[0, 1]
@@ -142,9 +154,9 @@ class Bias:
 def bias_of(
     optimiser: Optimiser,
     label: str = "",
-    dimension: int = DIMENSION,
-    runs: int = RUNS,
-    budget: int = BUDGET,
+    dimension: int = TRIED.dimension,
+    runs: int = TRIED.runs,
+    budget: int = TRIED.budget,
     seed: int = 1,
 ) -> Bias:
     """Test an optimiser for bias.
@@ -213,12 +225,12 @@ def bias_table(name: str, tested: Sequence[Bias]) -> Table:
     )
     note = (
         f"Flat: the best points of {len(tested[0].found)} runs on random numbers; of a search"
-        f" without bias {100 * CENTRE:g} % of their coordinates lie in the middle half of the box"
-        f" and {100 * EDGE:g} % at its edges. Moved: chance that a run ends lower with the optimum"
-        " at the centre, or in a corner, than anywhere, ties by half; one half without bias: the"
-        " landscape goes on over the edges, so that blind search does equally well anywhere. p: the"
-        " least of the optimiser's, adjusted by Holm over all optimisers and tests; bias: what is"
-        f" certain at {100 * LEVEL:g} %."
+        f" without bias {100 * TRIED.centre:g} % of their coordinates lie in the middle half of the"
+        f" box and {100 * TRIED.edge:g} % at its edges. Moved: chance that a run ends lower with"
+        " the optimum at the centre, or in a corner, than anywhere, ties by half; one half without"
+        " bias: the landscape goes on over the edges, so that blind search does equally well"
+        " anywhere. p: the least of the optimiser's, adjusted by Holm over all optimisers and"
+        f" tests; bias: what is certain at {100 * LEVEL:g} %."
     )
     return Table(f"{name}: bias", columns, rows, note)
 
@@ -227,9 +239,9 @@ def _verdict(bias: Bias, p: Real) -> str:
     told = []
     uniform, centre, edge, to_centre, to_corner = (p <= LEVEL).tolist()
     if centre:
-        told.append("to the centre" if bias.centre > CENTRE else "away from the centre")
+        told.append("to the centre" if bias.centre > TRIED.centre else "away from the centre")
     if edge:
-        told.append("to the edges" if bias.edge > EDGE else "away from the edges")
+        told.append("to the edges" if bias.edge > TRIED.edge else "away from the edges")
     if uniform and not told:
         told.append("uneven")
     if to_centre:

@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from springpot.numerics import AT_ONCE
 from springpot.rheology.points import Real
 from springpot.writing import counted
 
-from .plan import stream_of
+from .plan import ProblemRow, stream_of
 from .statistics import (
     Interval,
     Pairings,
@@ -47,9 +48,12 @@ from .statistics import (
     wilcoxon_holm,
     wilson,
 )
-from .store import Store
-from .summary import CellRow, CellTrials, ProblemRow, TrialRow
+from .summary import CellRow, CellTrials, TrialRow
 from .trial import Traces, at, geometric_grid
+
+if TYPE_CHECKING:
+    from .store import Store
+
 
 MARKS = (100, 500, 2000, 8000, 40_000, 200_000, 1_000_000)
 """Budgets at which optimisers are compared, beside a study's own.

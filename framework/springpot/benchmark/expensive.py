@@ -29,7 +29,7 @@ from springpot.identification import (
     Recorder,
     Searched,
 )
-from springpot.report.tables import Entry, Table
+from springpot.report.page import Entry, Table
 from springpot.rheology.points import Real
 
 from .plan import stream_of

@@ -32,9 +32,10 @@ from springpot.writing import csv_text
 from .archive import opened
 from .coco_suite import NAMES, SUITE
 from .columns import TABLES, required
+from .plan import ProblemRow
 from .store import Store
 from .study import Study
-from .summary import CellRow, ProblemRow, TrialRow, median_of, store_path
+from .summary import CellRow, TrialRow, median_of, store_path
 from .trial import at, geometric_grid
 
 CLOCKS = ("processor", "processor_batched")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,12 +20,20 @@ from springpot.rheology.points import Real
 from .plan import stream_of
 from .statistics import pooled_ranks
 
-STARTS, SAMPLES = 64, 1000
-"""Descents from uniform points of the box, and points at which the objective is looked at."""
-NEAR = 1e-3
-"""Share of an objective within which two descents have ended in the same valley."""
-EASY = 0.5
-"""Share of the problems of a suite that are called easy."""
+
+class Look(NamedTuple):
+    """How a problem is looked at."""
+
+    starts: int
+    samples: int
+    """Descents from uniform points of the box, and points at which the objective is looked at."""
+    near: float
+    """Share of an objective within which two descents have ended in the same valley."""
+    easy: float
+    """Share of the problems of a suite that are called easy."""
+
+
+LOOKED = Look(starts=64, samples=1000, near=1e-3, easy=0.5)
 
 
 @dataclass(frozen=True)
@@ -93,13 +102,13 @@ def features_of(problem: SpecimenProblem, optimum: Real, best: float, target: fl
     width = problem.upper - problem.lower
     with np.errstate(all="ignore"):
         _, jacobian = problem.residuals_and_jacobian(optimum)
-        values = problem.evaluate(points := uniform(problem, SAMPLES, 1))
+        values = problem.evaluate(points := uniform(problem, LOOKED.samples, 1))
     stretch = np.linalg.svd(jacobian * width, compute_uv=False)
     stretch = np.maximum(stretch, stretch[0] * np.finfo(float).eps)
     axes = np.minimum(np.sqrt(max(target - best, 0.0)) / stretch, 1.0)
     away = np.linalg.norm((points - optimum) / width, axis=1)
     finite = np.isfinite(values)
-    _, ends = descents(problem, uniform(problem, STARTS))
+    _, ends = descents(problem, uniform(problem, LOOKED.starts))
     right = float(np.mean(ends <= target))
     return Features(
         problem.dimension,
@@ -115,7 +124,7 @@ def _commonest(ends: Real) -> float:
     """Share of descents that end at the commonest objective, but for a thousandth of it."""
     if not len(ends):
         return 0.0
-    alike = np.abs(ends[:, None] - ends) <= NEAR * np.minimum(ends[:, None], ends)
+    alike = np.abs(ends[:, None] - ends) <= LOOKED.near * np.minimum(ends[:, None], ends)
     return float(np.max(alike.mean(axis=0)))
 
 
@@ -131,7 +140,7 @@ def parts_of(measured: Mapping[str, Features]) -> dict[str, str]:
     table = np.array([[getattr(measured[name], key) for key in keys] for name in names])
     ranks = sum(pooled_ranks(column) for column in table.T)
     order = np.argsort(ranks, kind="stable")
-    easy = set(order[: int(EASY * len(names))].tolist())
+    easy = set(order[: int(LOOKED.easy * len(names))].tolist())
     found = {}
     for i, name in enumerate(names):
         found[name] = "hard"

@@ -512,3 +512,20 @@ def noise_free(source: Source) -> tuple[Test, ...] | None:
 
 def _truth(source: Source, model: Model) -> Real:
     return model.vector(dict(source.truth))
+
+
+@dataclass(frozen=True)
+class ProblemRow:
+    """What the store knows of one problem."""
+
+    id: int
+    dataset: str
+    kind: str
+    points: int
+    stiffness_unit: str
+    model: str
+    objective: str
+    reference: float
+    known: float | None
+    truth: Mapping[str, float]
+    digest: str = ""

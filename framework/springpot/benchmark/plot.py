@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,15 +18,37 @@ from springpot.writing import Html, joined, tag
 
 from ..numerics import ALIKE
 
-WIDTH, HEIGHT = 420.0, 290.0
-LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0
+
+class PlotSizes(NamedTuple):
+    """Of a picture: its size, its margins, and what stands at its axes, in px."""
+
+    width: float
+    height: float
+    left: float
+    right: float
+    top: float
+    bottom: float
+    row: float
+    names: float
+    ticks: int
+    """Numbers at an axis at most."""
+
+
+PLOT = PlotSizes(
+    width=420.0,
+    height=290.0,
+    left=56.0,
+    right=18.0,
+    top=10.0,
+    bottom=40.0,
+    row=19.0,
+    names=150.0,
+    ticks=7,
+)
 DASHES = ("none", "6 3", "2 2.5")
 """What tells lines of one colour apart."""
 GREY = "#C4C4C4"
 """Of lines that are named under the pointer only."""
-
-MOST_TICKS = 7
-"""Numbers at an axis at most."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +174,7 @@ class PlotAxis:
             return [float(v) for v in np.linspace(self.low, self.high, 6)]
         # Rounding must not cost an end that is a decade its number.
         first, last = ceil(log10(self.low) - ALIKE), floor(log10(self.high) + ALIKE)
-        step = max(1, ceil((last - first) / MOST_TICKS))
+        step = max(1, ceil((last - first) / PLOT.ticks))
         return [10.0**power for power in range(first, last + 1, step)]
 
 
@@ -176,7 +199,7 @@ def plot(lines: Sequence[StepLine], x: PlotAxis, y: PlotAxis, title: str) -> Htm
 
 
 def _picture(
-    title: str, parts: Sequence[Html], height: float = HEIGHT, width: float = WIDTH
+    title: str, parts: Sequence[Html], height: float = PLOT.height, width: float = PLOT.width
 ) -> Html:
     box = f"0 0 {width:g} {height:g}"
     return tag("svg", tag("title", title), *parts, viewBox=box, role="img", class_="plot")
@@ -225,7 +248,7 @@ def _dot(dot: Dot, x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
         # In the right part of the frame a name stands to the left of its point, or it would leave
         # the frame.
         beside, anchor = (8, "start")
-        if across > 0.6 * WIDTH:
+        if across > 0.6 * PLOT.width:
             beside, anchor = (-8, "end")
         yield _text(dot.name, across + beside, down + 4, anchor)
 
@@ -261,24 +284,24 @@ def _tick(value: float) -> str:
 
 
 def _across(x: PlotAxis, values: Real) -> Real:
-    return LEFT + (WIDTH - LEFT - RIGHT) * x.place(values)
+    return PLOT.left + (PLOT.width - PLOT.left - PLOT.right) * x.place(values)
 
 
 def _down(y: PlotAxis, values: Real) -> Real:
-    return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * y.place(values)
+    return PLOT.height - PLOT.bottom - (PLOT.height - PLOT.top - PLOT.bottom) * y.place(values)
 
 
 def _frame(x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
-    floor_, right = HEIGHT - BOTTOM, WIDTH - RIGHT
+    floor_, right = PLOT.height - PLOT.bottom, PLOT.width - PLOT.right
     for value, place in zip(x.ticks(), _across(x, np.array(x.ticks())), strict=True):
-        yield _rule(place, TOP, place, floor_)
+        yield _rule(place, PLOT.top, place, floor_)
         yield _text(_tick(value), place, floor_ + 15, "middle")
     for value, place in zip(y.ticks(), _down(y, np.array(y.ticks())), strict=True):
-        yield _rule(LEFT, place, right, place)
-        yield _text(_tick(value), LEFT - 5, place + 4, "end")
+        yield _rule(PLOT.left, place, right, place)
+        yield _text(_tick(value), PLOT.left - 5, place + 4, "end")
     # Every text by `tag`, which escapes it: names of optimisers come from plugins.
-    yield _text(x.label, 0.5 * (LEFT + right), HEIGHT - 6, "middle")
-    middle = 0.5 * (TOP + floor_)
+    yield _text(x.label, 0.5 * (PLOT.left + right), PLOT.height - 6, "middle")
+    middle = 0.5 * (PLOT.top + floor_)
     turned = f"translate(12 {middle:g}) rotate(-90)"
     yield tag("text", y.label, x="0", y="0", transform=turned, text_anchor="middle", fill=INK)
 
@@ -357,9 +380,6 @@ class Ranked:
     high: float
 
 
-ROW, NAMES = 19.0, 150.0
-
-
 def critical_differences(
     rows: Sequence[Ranked], cliques: Sequence[tuple[int, int]], title: str
 ) -> Html:
@@ -379,9 +399,9 @@ def critical_differences(
     # Room at the right, as much as there are bars: the axis gets the rest. A long name makes the
     # picture wider; a letter of 12 px is some 7 wide.
     bars = 7.0 * len(cliques) + 8.0
-    names = max(NAMES, 14.0 + 7.0 * max(len(row.label) for row in rows))
-    width = WIDTH + names - NAMES
-    height = ROW * len(rows) + 34.0
+    names = max(PLOT.names, 14.0 + 7.0 * max(len(row.label) for row in rows))
+    width = PLOT.width + names - PLOT.names
+    height = PLOT.row * len(rows) + 34.0
     # An axis of one rank alone would have no length.
     axis = PlotAxis("mean rank", 1.0, float(max(len(rows), 2)))
     inner = width - names - bars - 12.0
@@ -392,7 +412,7 @@ def critical_differences(
         parts.append(_rule(place, 4, place, height - 30))
         parts.append(_text(f"{mark:g}", place, height - 17, "middle"))
     for i, (row, (low, at, high)) in enumerate(zip(rows, places, strict=True)):
-        level = 4.0 + ROW * (i + 0.5)
+        level = 4.0 + PLOT.row * (i + 0.5)
         weight = "normal"
         if i == 0:
             weight = "600"
@@ -403,7 +423,7 @@ def critical_differences(
         parts.append(tag("circle", tag("title", words), **place, r="4", fill=COLOURS[0]))
     for i, (first, last) in enumerate(cliques):
         place = width - bars + 7.0 * i
-        top, bottom = 4.0 + ROW * (first + 0.2), 4.0 + ROW * (last + 0.8)
+        top, bottom = 4.0 + PLOT.row * (first + 0.2), 4.0 + PLOT.row * (last + 0.8)
         ends = {"x1": place, "y1": top, "x2": place, "y2": bottom}
         shown = {name: f"{at:.1f}" for name, at in ends.items()}
         bar = tag("line", **shown, stroke=INK, stroke_width="3", stroke_linecap="round")

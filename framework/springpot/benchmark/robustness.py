@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.benchmark.summary import CellSummary
-from springpot.report.tables import Entry, Table
+from springpot.report.page import Entry, Table
 from springpot.rheology.points import Real
 from springpot.writing import Html, tag
 

@@ -31,6 +31,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple, Protocol, TextIO
 
+from springpot.benchmark.supervisor import ENGINE
 from springpot.errors import SpringpotError, StudyError, below, plain
 from springpot.registry import versions
 
@@ -44,12 +45,6 @@ from .summary import load_study, store_path
 from .supervisor import LocalEngine
 from .trial import Status, TrialResult, Workshop, failure
 
-IDLE = 60.0
-"""Seconds after its last task that the engine's processes are kept.
-
-A new server costs about a second.
-"""
-
 
 class _Keeper:
     """The engine of one thread; it is closed when another study comes, or none for a while."""
@@ -58,7 +53,7 @@ class _Keeper:
         self._lock = threading.Lock()
         self._parcel: Parcel | None = None
         self._engine: LocalEngine | None = None
-        self._rest = threading.Timer(IDLE, self.close)
+        self._rest = threading.Timer(ENGINE.idle, self.close)
 
     def run(self, parcel: Parcel, tasks: list[WorkOrder]) -> list[TrialResult]:
         """The results of tasks."""
@@ -75,7 +70,7 @@ class _Keeper:
                 self._end()
                 raise
             finally:
-                self._rest = threading.Timer(IDLE, self.close)
+                self._rest = threading.Timer(ENGINE.idle, self.close)
                 self._rest.daemon = True
                 self._rest.start()
 
@@ -103,21 +98,6 @@ _here = _Here()
 def run_tasks(parcel: Parcel, tasks: list[WorkOrder]) -> list[TrialResult]:
     """Run tasks anywhere: what an executor's workers are given."""
     return _here.keeper.run(parcel, tasks)
-
-
-ANSWER = 10.0
-"""Seconds in which a scheduler must answer.
-
-A third of the time that dask itself would wait, in silence.
-"""
-SOON, MOST = 0.5, 256
-"""Seconds within which a batch that comes back was too small, and tasks in the largest: of trials
-of milliseconds an executor would else spend more on its own work than on theirs."""
-LOOK = 1.0
-"""Seconds after which an executor is looked after where nothing has come.
-
-Soon enough for one who waits, and nothing
-beside the trials."""
 
 
 class Engine(Protocol):
@@ -214,7 +194,7 @@ class ExecutorEngine:
                     self._submit(busy, batch)
                 if not busy:
                     return
-                done = wait(busy, timeout=LOOK, return_when=FIRST_COMPLETED).done
+                done = wait(busy, timeout=ENGINE.look, return_when=FIRST_COMPLETED).done
                 if lost := self._complaint():
                     raise StudyError(f"{lost}; finished trials are kept, run again to go on")
                 for future in done:
@@ -260,9 +240,9 @@ class ExecutorEngine:
 
     def _sized(self, tasks: int, seconds: float) -> None:
         """Fit the next batches to what one of so many tasks took."""
-        if seconds < SOON and tasks == self._batch:
-            self._batch = min(2 * self._batch, MOST)
-        elif seconds > 4 * SOON:
+        if seconds < ENGINE.soon and tasks == self._batch:
+            self._batch = min(2 * self._batch, ENGINE.most)
+        elif seconds > 4 * ENGINE.soon:
             self._batch = max(self._batch // 2, self._least)
 
 
@@ -344,7 +324,7 @@ def _dask(address: str, parcel: Parcel) -> Engine:
     for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        client = distributed.Client(address, timeout=ANSWER)
+        client = distributed.Client(address, timeout=ENGINE.answer)
         threads = sum(client.nthreads().values())
         # Scattered once: every batch then carries a key instead of the data.
         future = client.scatter(parcel, broadcast=True)
@@ -358,7 +338,7 @@ def _dask(address: str, parcel: Parcel) -> Engine:
 
     def close() -> None:
         with suppress(Exception):  # a scheduler that is gone cannot be told goodbye
-            client.close(timeout=ANSWER)
+            client.close(timeout=ENGINE.answer)
 
     executor = client.get_executor(pure=False)
     return ExecutorEngine(executor, future, 2 * max(1, threads), close=close, complaint=complaint)

@@ -22,8 +22,7 @@ from typing import Any
 
 from springpot.errors import StudyError
 
-from .plan import Cell, Plan, RaceCase
-from .summary import ProblemRow
+from .plan import Cell, Plan, ProblemRow, RaceCase
 from .trial import TrialResult
 
 PATIENCE = 60.0

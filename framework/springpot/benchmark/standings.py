@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import StudyError
 from springpot.numerics import AT_ONCE
-from springpot.report.tables import FORMATS, Entry, Table, save_table
+from springpot.report.page import FORMATS, Entry, Table, save_table
 
 from .archive import opened
 from .comparison import (

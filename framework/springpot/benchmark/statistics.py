@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf, normal_quantile, student
 from springpot.numerics import AT_ONCE, ROUNDING
-from springpot.report.tables import Interval as Interval
+from springpot.report.page import Interval as Interval
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from springpot.errors import StudyError
 from springpot.writing import suggested
 
-from .plan import ASKED, COMMON, Plan
+from .plan import ASKED, COMMON, Plan, ProblemRow
 from .schema import (
     ALL_LEAST,
     ALL_TRIALS,
@@ -59,7 +59,7 @@ from .schema import (
     trial_fields,
     whole,
 )
-from .summary import CellRow, CellTrials, ProblemRow
+from .summary import CellRow, CellTrials
 from .trial import Status, TrialResult
 
 _Row = TypeVar("_Row", bound=Sequence[Any])

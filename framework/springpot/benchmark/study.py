@@ -21,9 +21,9 @@ from springpot.constraints import optimiser_of
 from springpot.errors import StudyError
 from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, options_of
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet, Test
-from springpot.measurement.other_test import OtherTest
 from springpot.registry import open_measurement, parse_model, plugins
 
 from .plan import (

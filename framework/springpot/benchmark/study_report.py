@@ -10,13 +10,12 @@ import numpy as np
 
 from springpot.benchmark.archive import opened
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
-from springpot.benchmark.plan import ASKED
+from springpot.benchmark.plan import ASKED, ProblemRow
 from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, INSIDER, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
+from springpot.benchmark.summary import CellSummary, store_path
 from springpot.files import write_text
-from springpot.report.page import page
-from springpot.report.tables import element_of
+from springpot.report.page import element_of, page
 from springpot.report.text import seconds
 from springpot.writing import NAMED, Html, counted, joined, number, table, tag, wide, wide_table
 

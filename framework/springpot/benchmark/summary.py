@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import SpringpotError, StudyError
-from springpot.report.tables import Entry, Table
+from springpot.report.page import Entry, Table
 from springpot.rheology.points import Real
 
-from .plan import stream_of
+from .plan import ProblemRow, stream_of
 from .statistics import Interval, median, medians, running_time_interval, wilson
 from .study import Study
 from .trial import Status, TrialResult, unpack, unpack_values
@@ -116,23 +116,6 @@ def load_study(path: str | Path) -> Study:
     if not studies:
         raise StudyError(f"{path} declares no study: write study = Study(...) in it")
     raise StudyError(f"{path} declares {', '.join(studies)}: call the one to run 'study'")
-
-
-@dataclass(frozen=True)
-class ProblemRow:
-    """What the store knows of one problem."""
-
-    id: int
-    dataset: str
-    kind: str
-    points: int
-    stiffness_unit: str
-    model: str
-    objective: str
-    reference: float
-    known: float | None
-    truth: Mapping[str, float]
-    digest: str = ""
 
 
 @dataclass(frozen=True)

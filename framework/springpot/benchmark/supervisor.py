@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from multiprocessing.connection import Connection, wait
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
 from springpot.errors import StudyError
 from springpot.processes import end_group
@@ -24,35 +24,75 @@ from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, ForkServer, Parcel
 from .plan import Plan, WorkOrder
 from .trial import Status, TrialResult, failure
 
-START = 120.0
-"""Seconds that the server may take until it is ready; no trial's deadline runs before that.
 
-It takes about one: a hundred times as much is left for a cold disk and a busy machine.
-"""
-IMPORTS = 30.0
-"""Seconds that an optimiser may take beside the deadline until it asks for its first value.
+class Patience(NamedTuple):
+    """How long the engine waits, and how much it does at once."""
 
-In each new process: the largest libraries take three to import, and ten times as much is left for a
-cold disk and a busy machine.
-"""
-AHEAD = 0.03
-"""Seconds of work in a batch.
+    start: float
+    """Seconds that the server may take until it is ready; no trial's deadline runs before that.
 
-A worker has another in its pipe, so that it never waits for the coordinator, who needs milliseconds
-to keep one."""
-DEEPEST = 32
-"""Most tasks in a batch: what a worker that dies gives back is done again by another."""
-NEWEST = 0.2
-"""Weight of the newest trial in the mean time of an optimiser's.
+    It takes about one: a hundred times as much is left for a cold disk and a busy machine.
+    """
+    imports: float
+    """Seconds that an optimiser may take beside the deadline until it asks for its first value.
 
-Early ones carry first-use costs that later ones do not, and a mean of all would keep them.
-"""
-ORPHANED = 3
-"""Times that the server may end before what it did is given up.
+    In each new process: the largest libraries take three to import, and ten times as much is left
+    for a cold disk and a busy machine.
+    """
+    ahead: float
+    """Seconds of work in a batch.
 
-During a trial that runs alone, before that is blamed; between trials, before the study gives up.
-Once proves nothing: the trial before may have ended the server, and its result have come first.
-"""
+    A worker has another in its pipe, so that it never waits for the coordinator, who needs
+    milliseconds to keep one."""
+    deepest: int
+    """Most tasks in a batch: what a worker that dies gives back is done again by another."""
+    newest: float
+    """Weight of the newest trial in the mean time of an optimiser's.
+
+    Early ones carry first-use costs that later ones do not, and a mean of all would keep them.
+    """
+    orphaned: int
+    """Times that the server may end before what it did is given up.
+
+    During a trial that runs alone, before that is blamed; between trials, before the study gives
+    up. Once proves nothing: the trial before may have ended the server, and its result have come
+    first.
+    """
+    idle: float
+    """Seconds after its last task that the engine's processes are kept.
+
+    A new server costs about a second.
+    """
+    answer: float
+    """Seconds in which a scheduler must answer.
+
+    A third of the time that dask itself would wait, in silence.
+    """
+    soon: float
+    most: int
+    """Seconds within which a batch that comes back was too small, and tasks in the largest: of
+    trials of milliseconds an executor would else spend more on its own work than on theirs.
+    """
+    look: float
+    """Seconds after which an executor is looked after where nothing has come.
+
+    Soon enough for one who waits, and nothing
+    beside the trials."""
+
+
+ENGINE = Patience(
+    start=120.0,
+    imports=30.0,
+    ahead=0.03,
+    deepest=32,
+    newest=0.2,
+    orphaned=3,
+    idle=60.0,
+    answer=10.0,
+    soon=0.5,
+    most=256,
+    look=1.0,
+)
 
 
 @dataclass(eq=False)
@@ -237,7 +277,9 @@ class LocalEngine:
             return 1
         # Quick trials are handed out by many, or workers would wait for the next; slow ones singly,
         # or they could not be shared. A batch has the time of one.
-        return int(min(max(min(AHEAD, 0.25 * self._plan.deadline) / mean, 1), DEEPEST))
+        return int(
+            min(max(min(ENGINE.ahead, 0.25 * self._plan.deadline) / mean, 1), ENGINE.deepest)
+        )
 
     def _listen(self) -> list[TrialResult]:
         fork_server = self._fork_server
@@ -257,8 +299,14 @@ class LocalEngine:
             w for w in self._workers.values() if w.batches and now - w.since > self._limit(w)
         ]:
             results += self._overdue(worker)
-        if self._fork_server is fork_server and not fork_server.ready and now - self._asked > START:
-            raise StudyError(f"study {self._plan.name}: workers were not ready after {START:g} s")
+        if (
+            self._fork_server is fork_server
+            and not fork_server.ready
+            and now - self._asked > ENGINE.start
+        ):
+            raise StudyError(
+                f"study {self._plan.name}: workers were not ready after {ENGINE.start:g} s"
+            )
         return results
 
     def _patience(self) -> float:
@@ -273,7 +321,7 @@ class LocalEngine:
         limit = self._plan.runs_of(worker.batches[0][0]) * self._plan.deadline
         # Who hangs before the first value is waited for once, and not in each of its trials.
         if not worker.begun and worker.entrant not in self._silent:
-            limit += IMPORTS
+            limit += ENGINE.imports
         return limit
 
     def _hear(self, worker: Worker) -> list[TrialResult]:
@@ -309,7 +357,7 @@ class LocalEngine:
         # The first one is all that is known.
         weight = 1.0
         if mean:
-            weight = NEWEST
+            weight = ENGINE.newest
         self._means[worker.entrant] = mean + ((now - worker.since) / len(batch) - mean) * weight
         worker.since = now
         if worn:
@@ -383,13 +431,13 @@ class LocalEngine:
         # With several under way nobody knows whose trial ended the server: they are tried one at a
         # time first.
         self._orphaned[alone] += len(under_way) < 2
-        if self._orphaned[None] >= ORPHANED:
+        if self._orphaned[None] >= ENGINE.orphaned:
             raise StudyError(
                 f"study {self._plan.name}: the server of workers ends again and again ({cause})"
             )
         results: list[TrialResult] = []
         for task in under_way:
-            if self._orphaned[task] >= ORPHANED:
+            if self._orphaned[task] >= ENGINE.orphaned:
                 results += failure(task, Status.CRASH, f"it ends the server of workers ({cause})")
             else:
                 self._suspects.append(task)

@@ -23,8 +23,8 @@ from click.shell_completion import CompletionItem
 from .group import BAD_INPUT, FAULT, INTERRUPTED, exit_code
 
 if TYPE_CHECKING:
+    from springpot.measurement.covered import OtherTest
     from springpot.measurement.measurement import Measurement
-    from springpot.measurement.other_test import OtherTest
     from springpot.measurement.timetest import TimeTest
 
     T = TypeVar("T", Measurement, TimeTest, TimeTest | OtherTest)
@@ -147,7 +147,7 @@ class Output(click.Path):
 
 
 FILE, FIGURE = Output(), Output("springpot.report.canvas:check_figure_path")
-TABLE = Output("springpot.report.tables:check_table_path")
+TABLE = Output("springpot.report.page:check_table_path")
 DATA, INPUT = _Input(path_type=str), _Input(path_type=Path)
 """What is read: data as a user names them, and any other file."""
 
@@ -279,7 +279,7 @@ def seen_through(test: T, geometry: str | None) -> T:
     if geometry is None:
         return test
     from springpot.errors import OptionError
-    from springpot.measurement.other_test import OtherTest
+    from springpot.measurement.covered import OtherTest
 
     if isinstance(test, OtherTest):
         raise OptionError(f"{test.name}: a geometry is for stiffness, not for {test.kind}")

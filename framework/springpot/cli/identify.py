@@ -132,7 +132,7 @@ def command(
     fractional-zener
     """
     from springpot.constraints import asks_for_all, values_of
-    from springpot.report.tables import write_parameters
+    from springpot.report.page import write_parameters
 
     if view is not None and figure is None:
         raise click.UsageError("--view says what is drawn: give --figure FILE too")
@@ -217,7 +217,7 @@ def _each(
     What is there is printed even where the rest is interrupted.
     """
     from springpot.report.fit_text import many_csv, many_text
-    from springpot.report.tables import write_parameters
+    from springpot.report.page import write_parameters
 
     fits: list[Identification] = []
 

@@ -13,7 +13,7 @@ from .common import emit, note_to_stderr, notes_of, opened, seen_through, tell_w
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
-    from springpot.measurement.other_test import OtherTest
+    from springpot.measurement.covered import OtherTest
     from springpot.measurement.timetest import TimeTest
     from springpot.misfit.residuals_of_tests import Test
     from springpot.timetests.prediction import TestPrediction
@@ -93,7 +93,7 @@ def described(tests: Sequence[TimeTest | OtherTest]) -> dict[str, Any]:
 def _described(test: TimeTest | OtherTest) -> dict[str, Any]:
     import numpy as np
 
-    from springpot.measurement.other_test import OtherTest
+    from springpot.measurement.covered import OtherTest
 
     if isinstance(test, OtherTest):
         return _described_of_kind(test)
@@ -194,7 +194,7 @@ def predict(
 def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     """The test to be predicted: in time, measured or only planned, or else a sweep."""
     from springpot.errors import DataError
-    from springpot.measurement.other_test import OtherTest
+    from springpot.measurement.covered import OtherTest
     from springpot.measurement.reader import with_part
     from springpot.registry import open_in_time
 

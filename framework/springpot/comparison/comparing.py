@@ -21,7 +21,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.notes import judged, overtones
 from springpot.diagnosis.result import Progress, silent
 from springpot.errors import DataError, OptionError
-from springpot.identification.held_material import is_relaxing
+from springpot.identification.convex import is_relaxing
 from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material
 from springpot.identification.searching import STARTS

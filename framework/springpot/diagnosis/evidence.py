@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.identification.held_material import is_passive
+from springpot.identification.convex import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit

@@ -13,12 +13,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification.fitted import FittedModel
 from springpot.identification.leastsquares import levenberg_marquardt, one_by_one
+from springpot.identification.native import FittedModel
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
@@ -333,24 +334,45 @@ def first_telling(
     return promised
 
 
-FARTHER = 10.0
-"""Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything.
-"""
-STRONGER = 3.0
-"""Factor by which amplitudes go beyond what was measured.
+class ActionReach(NamedTuple):
+    """What an action may ask of a rig."""
 
-Nonlinear effects go with a power of it, and show there.
-"""
-POINTS = 20
-"""Points of a new sweep."""
-DENSER = 4
-"""How many times as many frequencies, or repeats, an action takes as there were."""
-MOST_POINTS = 400
-"""Points of a denser sweep at most."""
-STEPS = (20.0, 40.0)
-"""Kelvin by which the range of temperatures is widened at least and at most."""
-COLDEST = -180.0
-"""Temperature in degC that liquid nitrogen reaches in a test chamber."""
+    farther: float
+    """Factor by which the frequencies are extended: a decade is what a rig has to spare, if
+    anything.
+    """
+    stronger: float
+    """Factor by which amplitudes go beyond what was measured.
+
+    Nonlinear effects go with a power of it, and show there.
+    """
+    points: int
+    """Points of a new sweep."""
+    denser: int
+    """How many times as many frequencies, or repeats, an action takes as there were."""
+    most: int
+    """Points of a denser sweep at most."""
+    kelvins: tuple[float, float]
+    """Kelvin by which the range of temperatures is widened at least and at most."""
+    coldest: float
+    """Temperature in degC that liquid nitrogen reaches in a test chamber."""
+    beside: tuple[float, float, float]
+    """Factors of a frequency at which a point was bad.
+
+    So near that no material changes, and off the line of a hum.
+    """
+
+
+ACTION = ActionReach(
+    farther=10.0,
+    stronger=3.0,
+    points=20,
+    denser=4,
+    most=400,
+    kelvins=(20.0, 40.0),
+    coldest=-180.0,
+    beside=(0.97, 1.0, 1.03),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -388,7 +410,9 @@ def actions(measurement: Measurement) -> Iterator[Action]:
     """What could be measured next, the cheap things first."""
     again = "repeat the same measurement four times"
     # Always feasible; its effort lets any other win that tells as much.
-    yield Action(again, measurement.points, WORKED_FOR, repeats=DENSER, action={"repeats": [4.0]})
+    yield Action(
+        again, measurement.points, WORKED_FOR, repeats=ACTION.denser, action={"repeats": [4.0]}
+    )
     yield from _frequencies(measurement)
     yield from _amplitudes(measurement)
     yield from _temperatures(measurement)
@@ -410,7 +434,7 @@ def _sweep(says: str, measurement: Measurement, omega: Real, effort: float) -> A
 
 def _usual(measurement: Measurement) -> Real:
     """Frequencies over the range of the data, in rad/s."""
-    return np.geomspace(measurement.omega.min(), measurement.omega.max(), POINTS)
+    return np.geomspace(measurement.omega.min(), measurement.omega.max(), ACTION.points)
 
 
 def _frequencies(measurement: Measurement) -> Iterator[Action]:
@@ -421,17 +445,20 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
     )
     hertz = omega / (2.0 * np.pi)
     if distinct == 1:
-        new = np.geomspace(1.0 / FARTHER, FARTHER, POINTS) * omega[0]
-        band = _range(1.0 / FARTHER * hertz[0], FARTHER * hertz[0], clock)
+        new = np.geomspace(1.0 / ACTION.farther, ACTION.farther, ACTION.points) * omega[0]
+        band = _range(1.0 / ACTION.farther * hertz[0], ACTION.farther * hertz[0], clock)
         yield _sweep(
-            f"measure a sweep of frequencies: {POINTS} points {band}", measurement, new, WAITED_FOR
+            f"measure a sweep of frequencies: {ACTION.points} points {band}",
+            measurement,
+            new,
+            WAITED_FOR,
         )
         return
-    for factor, word in ((FARTHER, "up"), (1.0 / FARTHER, "down")):
+    for factor, word in ((ACTION.farther, "up"), (1.0 / ACTION.farther, "down")):
         band = _range(hertz[0] * factor, hertz[-1] * factor, clock)
-        says = f"extend the frequencies {word}wards: {POINTS} points {band}"
+        says = f"extend the frequencies {word}wards: {ACTION.points} points {band}"
         yield _sweep(says, measurement, omega * factor, WAITED_FOR)
-    count = min(DENSER * distinct, MOST_POINTS)
+    count = min(ACTION.denser * distinct, ACTION.most)
     # Of so many points already, no denser sweep is on offer.
     if count <= distinct:
         return
@@ -440,7 +467,7 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
         f"measure the same frequencies more densely: {count} points"
         f" {_range(hertz[0], hertz[-1], clock)}"
     )
-    yield _sweep(says, measurement, dense, TYPED_IN + count / (DENSER * POINTS))
+    yield _sweep(says, measurement, dense, TYPED_IN + count / (ACTION.denser * ACTION.points))
 
 
 def _amplitudes(measurement: Measurement) -> Iterator[Action]:
@@ -450,10 +477,10 @@ def _amplitudes(measurement: Measurement) -> Iterator[Action]:
     unit = ""
     if measurement.units.amplitude != "-":
         unit = f" {measurement.units.amplitude}"
-    for new in (STRONGER * float(amplitude.max()), float(amplitude.min()) / STRONGER):
-        says = f"measure {POINTS} points at the amplitude {new:.3g}{unit}"
+    for new in (ACTION.stronger * float(amplitude.max()), float(amplitude.min()) / ACTION.stronger):
+        says = f"measure {ACTION.points} points at the amplitude {new:.3g}{unit}"
         swept = _sweep(says, measurement, _usual(measurement), TYPED_IN)
-        points = replace(swept.points, amplitude=np.full(POINTS, new))
+        points = replace(swept.points, amplitude=np.full(ACTION.points, new))
         yield replace(swept, points=points, action=swept.action | {"amplitude": [new]})
 
 
@@ -461,25 +488,31 @@ def _temperatures(measurement: Measurement) -> Iterator[Action]:
     temperature = measurement.conditions.get("temperature")
     if temperature is None:
         return
-    step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
-    for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
+    step = float(np.clip(0.5 * np.ptp(temperature), *ACTION.kelvins))
+    for new in (
+        float(temperature.max()) + step,
+        max(float(temperature.min()) - step, ACTION.coldest),
+    ):
         swept = _sweep(
-            f"measure {POINTS} points at {new:.3g} degC",
+            f"measure {ACTION.points} points at {new:.3g} degC",
             measurement,
             _usual(measurement),
             WAITED_FOR,
         )
-        points = replace(swept.points, temperature=np.full(POINTS, new + KELVIN))
+        points = replace(swept.points, temperature=np.full(ACTION.points, new + KELVIN))
         yield replace(swept, points=points, action=swept.action | {"temperature": [new]})
 
 
 def _specimens(measurement: Measurement) -> Iterator[Action]:
     omega = _usual(measurement)
-    says = f"measure a specimen of twice the area, in the same rig, at {POINTS} points"
+    says = f"measure a specimen of twice the area, in the same rig, at {ACTION.points} points"
     larger = _sweep(says, measurement, omega, WORKED_FOR)
     yield replace(larger, scale=2.0, action=larger.action | {"specimen": [2.0]})
     without = _sweep(
-        f"measure the rig without a specimen, at {POINTS} points", measurement, omega, WAITED_FOR
+        f"measure the rig without a specimen, at {ACTION.points} points",
+        measurement,
+        omega,
+        WAITED_FOR,
     )
     without = replace(without, scale=0.0, action=without.action | {"specimen": [0.0]})
     yield without
@@ -489,20 +522,13 @@ def _specimens(measurement: Measurement) -> Iterator[Action]:
     # Heavy enough to be as stiff as the specimen at the highest frequency.
     mass = float(np.median(measurement.magnitude)) / float(omega[-1]) ** 2
     about = f"a known mass of about {factor * mass:.2g} kg"
-    says = f"measure {about} in place of the specimen, at {POINTS} points"
+    says = f"measure {about} in place of the specimen, at {ACTION.points} points"
     yield replace(without, says=says, mass=mass, action=without.action | {"mass": [factor * mass]})
 
 
 def _range(low: float, high: float, units: Units) -> str:
     """Frequencies in Hz, as the data tell them."""
     return f"from {plain(units.on_clock(low))} to {plain(units.on_clock(high))} {units.clock}"
-
-
-BESIDE = (0.97, 1.0, 1.03)
-"""Factors of a frequency at which a point was bad.
-
-So near that no material changes, and off the line of a hum.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -602,7 +628,7 @@ def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> 
     """
     moved, *_ = sorted(moved_along(measurement))
     middle = float(np.median(measurement.conditions[moved]))
-    omega = np.exp(distinct_log_omega(measurement))[:MOST_POINTS]
+    omega = np.exp(distinct_log_omega(measurement))[: ACTION.most]
     says = (
         f"measure the same frequencies at one {moved}, and again at another: only then can an"
         f" effect of it ({', '.join(names[:NAMED])}) be told from one of the frequency"
@@ -623,7 +649,9 @@ def experiment_on_points(outliers: Sequence[Outlier]) -> NextExperiment:
         f"measure again at {places}, and close beside: a bad point does not come back, an"
         " interference or a resonance does"
     )
-    omega = [2.0 * np.pi * outlier.frequency * factor for outlier in outliers for factor in BESIDE]
+    omega = [
+        2.0 * np.pi * outlier.frequency * factor for outlier in outliers for factor in ACTION.beside
+    ]
     return NextExperiment(says, (), None, {"omega": omega})
 
 
@@ -641,7 +669,7 @@ def experiment_on_untold(untold: Untold, measurement: Measurement) -> NextExperi
         f"measure the same points at another {COLUMN} too, and write both in a column {COLUMN}:"
         f" {untold.effect} stays as it is, {' or '.join(untold.others)} changes with it"
     )
-    return NextExperiment(says, (), None, {"omega": measurement.omega[:MOST_POINTS].tolist()})
+    return NextExperiment(says, (), None, {"omega": measurement.omega[: ACTION.most].tolist()})
 
 
 def experiment_on_unknown(measurement: Measurement) -> NextExperiment:
@@ -656,7 +684,7 @@ def experiment_on_unknown(measurement: Measurement) -> NextExperiment:
     """
     longest = max(sweeps_of(measurement), key=lambda sweep: len(sweep.rows))
     # As they stand in the file, which is the order in which they were measured.
-    omega = measurement.omega[np.sort(longest.rows)][:MOST_POINTS]
+    omega = measurement.omega[np.sort(longest.rows)][: ACTION.most]
     again: dict[str, list[float]] = {"omega": omega[::-1].tolist()}
     # The cheapest question first: nothing else is worth asking of what is gone the next time.
     if measurement.repeat is None:

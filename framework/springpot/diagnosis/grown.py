@@ -20,7 +20,7 @@ from typing import Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
-from springpot.identification.held_material import is_passive
+from springpot.identification.convex import is_passive
 from springpot.identification.known_factors import refused_laws
 from springpot.identification.leastsquares import Effort
 from springpot.measurement.mixed_tests import sweeps_of

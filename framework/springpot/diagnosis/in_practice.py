@@ -13,7 +13,7 @@ import numpy as np
 from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.identification.calibration import Calibration, calibration_of
-from springpot.identification.fitted import FittedModel
+from springpot.identification.native import FittedModel
 from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias,
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification.fitted import FittedModel
+from springpot.identification.native import FittedModel
 from springpot.identification.space import require_conditions
 from springpot.identification.uncertainty import Uncertainty
 from springpot.identification.value import PartResult, Value, in_floors, parts_of

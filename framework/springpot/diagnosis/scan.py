@@ -13,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import normal_quantile
 from springpot.errors import owned
-from springpot.identification.held_material import within_material
+from springpot.identification.convex import within_material
 from springpot.identification.starts import Window, settings
 from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
@@ -33,7 +34,6 @@ from springpot.misfit.frame import (
     near_an_alarm,
     relative_to,
 )
-from springpot.misfit.refit import Refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -41,24 +41,36 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING, SMALLEST
 
+if TYPE_CHECKING:
+    from springpot.misfit.refit import Refit
+
+
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""
-SETTINGS_OF_ONE = 64
-"""Settings of an effect of one parameter, over all that is physically possible."""
-SETTINGS_OF_MORE = 96
-"""Settings of an effect of more parameters, beside those for each further one."""
-SETTINGS_OF_EACH = 160
-"""Settings for each further parameter, of a sequence that fills space evenly."""
-PER_EFFECT = 64
-"""Directions kept of one effect: its grid is finer than the data resolve."""
+
+
+class Settings(NamedTuple):
+    """How closely all settings of an effect are looked at."""
+
+    of_one: int
+    """Settings of an effect of one parameter, over all that is physically possible."""
+    of_more: int
+    """Settings of an effect of more parameters, beside those for each further one."""
+    of_each: int
+    """Settings for each further parameter, of a sequence that fills space evenly."""
+    kept: int
+    """Directions kept of one effect: its grid is finer than the data resolve."""
+    told: int
+    """Directions kept for each effect: the best one, and those least alike it and each other."""
+    starts: int
+    """Settings of the grid from which a refit starts beside the tangent."""
+
+
+SETTINGS = Settings(of_one=64, of_more=96, of_each=160, kept=64, told=10, starts=3)
 DRAWS = 3000
 """Simulated residuals, jointly for all effects."""
-WHOLE_STARTS = 3
-"""Settings of the grid from which a refit starts beside the tangent."""
 POWER = float(normal_quantile(INTERVAL))
 """Standard deviations, on one side, of the power at which bounds are stated."""
-REPRESENTATIVES = 10
-"""Directions kept for each effect: the best one, and those least alike it and each other."""
 PARALLEL = 0.9995
 """Directions more alike than this are one direction."""
 
@@ -128,9 +140,9 @@ def influence(
     old = [grown.names.index(name) for name in model.names]
     new = [i for i in range(len(grown.names)) if i not in old]
     added = tuple(grown.parameters[i] for i in new)
-    count = SETTINGS_OF_ONE
+    count = SETTINGS.of_one
     if len(added) > 1:
-        count = SETTINGS_OF_MORE + SETTINGS_OF_EACH * (len(added) - 1)
+        count = SETTINGS.of_more + SETTINGS.of_each * (len(added) - 1)
     grid = settings(added, Window.of(measurement), count)
     # The model's own parameters stand fixed: their part of the change is projected off later, to
     # first order.
@@ -177,7 +189,7 @@ class Directions:
         # Below the least, differences of K are rounding; above the most, a change is no tangent any
         # more.
         is_small = (influence.relative > SMALL[0]) & (influence.relative < SMALL[1])
-        small = np.flatnonzero(is_small)[:PER_EFFECT]
+        small = np.flatnonzero(is_small)[: SETTINGS.kept]
         columns = frame.whiten(influence.change[small]).T
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
@@ -384,7 +396,7 @@ def _score(
     # numbers costs endlessly much.
     with np.errstate(over="ignore"):
         cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
-    starts = influence.theta[np.argsort(cost)[:WHOLE_STARTS]]
+    starts = influence.theta[np.argsort(cost)[: SETTINGS.starts]]
     if score > 0.0:
         best = int(np.argmax(along))
         # First of the starts, as for a small effect it is nearly the answer.
@@ -493,7 +505,7 @@ def _representatives(frame: NoiseFrame, score: Score) -> np.ndarray[tuple[int], 
     # Not the best ten: these are neighbours on the grid, and beside a partner another one may be
     # the best.
     alike = np.abs(unit.T @ unit[:, kept[0]])
-    while len(kept) < REPRESENTATIVES and alike.min() < PARALLEL:
+    while len(kept) < SETTINGS.told and alike.min() < PARALLEL:
         kept.append(int(np.argmin(alike)))
         alike = np.maximum(alike, np.abs(unit.T @ unit[:, kept[-1]]))
     return np.array(kept, dtype=np.int64)

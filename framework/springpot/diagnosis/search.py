@@ -11,7 +11,7 @@ from math import inf
 
 import numpy as np
 
-from springpot.identification.held_material import within_material
+from springpot.identification.convex import within_material
 from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material
 from springpot.identification.starts import EDGE

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .fitted import Fit as Fit
-    from .fitting import identify as identify
-    from .held_material import (
-        intervals_beside_material as intervals_beside_material,
+    from .convex import (
         is_passive as is_passive,
+        least_error as least_error,
         within_material as within_material,
     )
+    from .fitting import identify as identify
+    from .held_material import intervals_beside_material as intervals_beside_material
     from .intervals import (
         bootstrap as bootstrap,
         fit_batch as fit_batch,
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
         profile as profile,
     )
     from .leastsquares import Effort as Effort, levenberg_marquardt as levenberg_marquardt
-    from .material_fit import least_error as least_error
     from .native import (
         BoundedDescent as BoundedDescent,
+        Fit as Fit,
         fit as fit,
         minima_in_box as minima_in_box,
         scanned_starts as scanned_starts,

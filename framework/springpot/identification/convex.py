@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import sqrt
 from typing import TypeAlias
 
@@ -18,19 +19,23 @@ import numpy as np
 from springpot.errors import SpringpotError
 from springpot.measurement.imposed import Loading, noise_of_transducer
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.replicates import thinned
 from springpot.measurement.rounding import is_even
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import DECADE, ENOUGH, PER_DECADE, SMALLEST, evenly, non_negative
-from springpot.rheology.effect import ALL
+from springpot.rheology.effect import ALL, Effect, Layer
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.motion import acceleration, velocity
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.rheology.rational import Rational
+from springpot.rheology.spectrum import REFUSED
 from springpot.rheology.terms import Modes, driven
 
-from .material import CLOSER, REFINEMENTS
+from .material import CLOSER, REFINEMENTS, SpectrumSearch, is_material
+from .material_fit import KEPT
 from .native import fit
+from .problem import relative_objective
 
 SLOWER, FASTER = 1.0, 0.5
 """Decades beyond the times of the tests.
@@ -390,3 +395,110 @@ def _stacked(sweeps: Sequence[Measurement]) -> Measurement:
         units=sweeps[0].units,
         name=sweeps[0].name,
     )
+
+
+OMEGA = np.geomspace(1e-3, 1e3, 61)
+"""Frequencies in rad/s, about the time of one second that an element is given."""
+RATES = np.geomspace(1e-7, 1e7, 57)
+"""Four lines a decade, and four decades beyond: a springpot between is followed to 0.1 %."""
+
+
+def within_material(model: Model, effect: Effect) -> bool:
+    """Whether an effect is a part of any material.
+
+    So that beside a free spectrum it can explain nothing.
+
+    Around a material whose times are shifted, what gives way in the mounting is not shifted with
+    it, and shows.
+
+    Parameters
+    ----------
+    model : Model
+        The material with other effects; of any other model nothing is a part of the material.
+    effect : Effect
+        That may be missing.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import within_material
+    >>> model, registry = springpot.parse_model("material"), springpot.plugins()
+    >>> [within_material(model, registry.effect(name)) for name in ("parallel-spring", "inertia")]
+    [True, False]
+    """
+    shifted = any(own.plane == "shift" for own in model.effects)
+    return (
+        is_material(model)
+        and not (shifted and effect.layer > Layer.MATERIAL)
+        and is_passive(effect)
+    )
+
+
+@lru_cache(maxsize=256)
+def is_passive(effect: Effect) -> bool:
+    """Whether it adds a spring, dashpot, springpot or mode: what a sum of relaxations follows.
+
+    Parameters
+    ----------
+    effect : Effect
+        That may be missing.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import is_passive
+    >>> effects = [springpot.plugins().effect(name) for name in ("series-springpot", "time-delay")]
+    >>> [is_passive(effect) for effect in effects]
+    [True, False]
+    """
+    if effect.plane not in ("stiffness", "compliance") or effect.needs:
+        return False
+    return is_relaxing(Model(effect.name, effect.element))
+
+
+def is_relaxing(model: Model) -> bool:
+    """Whether a sum of relaxations follows a model: springs, dashpots, springpots and modes.
+
+    Parameters
+    ----------
+    model : Model
+        Any.
+    """
+    if model.needs or any(not is_passive(effect) for effect in model.effects):
+        return False
+    # Inside its range no parameter decides whether an element is passive: any value will do.
+    bounds = np.array([(parameter.lower, parameter.upper) for parameter in model.parameters])
+    theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
+    stiffness = model.stiffness(theta, OMEGA)
+    s = 1j * OMEGA[:, None]
+    columns = (
+        np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
+    )
+    target = stiffness / np.abs(stiffness)
+    _, left = non_negative(real_form(columns), real_form(target))
+    return left < REFUSED**2 * len(OMEGA)
+
+
+def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -> float:
+    """The least relative error, as printed, of any linear passive material with a model's effects.
+
+    Parameters
+    ----------
+    model : Model
+        Its material is a `Continuum`.
+    measurement : Measurement
+        The rows over which the error is taken.
+    known : sequence of ndarray, shape (q,)
+        Parameters of the effects from which the search begins; of no effect one that is empty.
+    """
+    # Of many rows some show where the lines are, and all of them what these leave.
+    few = thinned(measurement)
+    search = SpectrumSearch.of(model, few, relative_objective())
+    trials = sorted((search.solve(search.u_of(own)) for own in known), key=lambda trial: trial.cost)
+    # No line is spared for the degrees of freedom: they are no part of an error.
+    ends = [search.refined(search.descend(trial)[0]) for trial in trials[:KEPT]]
+    best = min(ends, key=lambda trial: trial.cost)
+    if few is not measurement:
+        whole = SpectrumSearch.of(model, measurement, relative_objective())
+        best = whole.solve(best.u, best.log_rates)
+    return float(np.sqrt(best.cost / len(measurement)))

@@ -18,12 +18,11 @@ from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .fitted import Fit
 from .held_material import intervals_beside_material
 from .intervals import bootstrap, over_specimens, profiled
 from .levels_alone import usual_objective
 from .material import is_material
-from .native import fit, require_enough
+from .native import Fit, fit, require_enough
 from .notes import notes_on
 from .problem import Objective, Problem
 from .result import Identification

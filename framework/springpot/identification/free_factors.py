@@ -9,10 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import student
+from springpot.distributions import Links, autocorrelation_time, student
 from springpot.measurement.independence import meeting, ranges, reached_from
 from springpot.measurement.measurement import Measurement
-from springpot.memory import Links, autocorrelation_time
 from springpot.numerics import ENDLESS, ROUNDING, Tangent, level_means
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum
@@ -22,9 +21,8 @@ from springpot.rheology.nodes import shift
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, INTERVAL
 
-from .fitted import Fit
 from .material import is_material, shifted_by
-from .native import fit
+from .native import Fit, fit
 from .problem import Objective, weighted
 from .space import Expected, expectation
 

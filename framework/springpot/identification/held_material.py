@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
-from springpot.distributions import f_sf, student
+from springpot.distributions import Links, autocorrelation_time, f_sf, student
 from springpot.measurement.independence import at_one_frequency
-from springpot.memory import Links, autocorrelation_time
 from springpot.numerics import (
     BEYOND,
     DECADE,
@@ -25,20 +23,17 @@ from springpot.numerics import (
     non_negative,
     orthonormal,
 )
-from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.elements import Continuum, asked_as_measured
 from springpot.rheology.levels import levels_of
-from springpot.rheology.model import Model
-from springpot.rheology.points import Real, real_form
-from springpot.rheology.spectrum import REFUSED
+from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
 from .convex import FASTER, SLOWER
-from .fitted import Fit
 from .intervals import Path, allowed_cost, bent, beside_endless, profiled
 from .known_factors import ends_of_factors, laws_of_shift, refused_laws
 from .leastsquares import Trial
 from .material import SpectrumSearch, is_material, own_parameters, shifted_by
+from .native import Fit
 from .normal import RANK
 from .problem import weighted
 from .uncertainty import Uncertainty
@@ -122,88 +117,6 @@ def _alike(known: Uncertainty, column: str) -> float:
     data = known.fit.measurement
     number = levels_of(column, data.points.need(column))
     return autocorrelation_time(known.fit.residual, Links.of_levels(data.omega, number))
-
-
-OMEGA = np.geomspace(1e-3, 1e3, 61)
-"""Frequencies in rad/s, about the time of one second that an element is given."""
-RATES = np.geomspace(1e-7, 1e7, 57)
-"""Four lines a decade, and four decades beyond: a springpot between is followed to 0.1 %."""
-
-
-def within_material(model: Model, effect: Effect) -> bool:
-    """Whether an effect is a part of any material.
-
-    So that beside a free spectrum it can explain nothing.
-
-    Around a material whose times are shifted, what gives way in the mounting is not shifted with
-    it, and shows.
-
-    Parameters
-    ----------
-    model : Model
-        The material with other effects; of any other model nothing is a part of the material.
-    effect : Effect
-        That may be missing.
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.identification import within_material
-    >>> model, registry = springpot.parse_model("material"), springpot.plugins()
-    >>> [within_material(model, registry.effect(name)) for name in ("parallel-spring", "inertia")]
-    [True, False]
-    """
-    shifted = any(own.plane == "shift" for own in model.effects)
-    return (
-        is_material(model)
-        and not (shifted and effect.layer > Layer.MATERIAL)
-        and is_passive(effect)
-    )
-
-
-@lru_cache(maxsize=256)
-def is_passive(effect: Effect) -> bool:
-    """Whether it adds a spring, dashpot, springpot or mode: what a sum of relaxations follows.
-
-    Parameters
-    ----------
-    effect : Effect
-        That may be missing.
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.identification import is_passive
-    >>> effects = [springpot.plugins().effect(name) for name in ("series-springpot", "time-delay")]
-    >>> [is_passive(effect) for effect in effects]
-    [True, False]
-    """
-    if effect.plane not in ("stiffness", "compliance") or effect.needs:
-        return False
-    return is_relaxing(Model(effect.name, effect.element))
-
-
-def is_relaxing(model: Model) -> bool:
-    """Whether a sum of relaxations follows a model: springs, dashpots, springpots and modes.
-
-    Parameters
-    ----------
-    model : Model
-        Any.
-    """
-    if model.needs or any(not is_passive(effect) for effect in model.effects):
-        return False
-    # Inside its range no parameter decides whether an element is passive: any value will do.
-    bounds = np.array([(parameter.lower, parameter.upper) for parameter in model.parameters])
-    theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
-    stiffness = model.stiffness(theta, OMEGA)
-    s = 1j * OMEGA[:, None]
-    columns = (
-        np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
-    )
-    target = stiffness / np.abs(stiffness)
-    _, left = non_negative(real_form(columns), real_form(target))
-    return left < REFUSED**2 * len(OMEGA)
 
 
 MOST_PROFILED = 6

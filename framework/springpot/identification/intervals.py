@@ -9,18 +9,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from springpot.distributions import student
+from springpot.distributions import autoregressive, student
 from springpot.errors import OptionError
-from springpot.memory import autoregressive
 from springpot.numerics import ALIKE, AT_ONCE, FAR, NEGLIGIBLE, PRINTED, ROUNDING
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Coordinates
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
-from .fitted import Fit
 from .leastsquares import WHOLE, Evaluate, Rows, Solution, levenberg_marquardt
-from .native import CONFIRMED, NEAR, within_bounds
+from .native import CONFIRMED, NEAR, Fit, within_bounds
 from .normal import Equations, matrix_of
 from .task import Task
 from .uncertainty import Uncertainty, ends, printed_spread

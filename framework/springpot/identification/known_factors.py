@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +24,15 @@ from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 from ..numerics import ALIKE, DECADE, DEVIATIONS, FEWEST, level_means
-from .fitted import Fit
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
 from .material import is_material
 from .problem import relative_objective
 from .space import spread_between
 from .uncertainty import Uncertainty
+
+if TYPE_CHECKING:
+    from .native import Fit
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.replicates import thinned as thinned_rows
 from springpot.numerics import DECADE, MOST_STEPS, level_means, vertex
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
@@ -27,7 +26,7 @@ from springpot.rheology.points import Real
 
 from .leastsquares import Effort, Trial
 from .material import STILL, SpectrumSearch
-from .problem import Objective, relative_objective
+from .problem import Objective
 from .starts import Window, settings, thinned
 
 if TYPE_CHECKING:
@@ -417,31 +416,6 @@ def _deepest(
         begun += sorted(trials, key=lambda trial: trial.cost)[:KEPT]
     ends = search.descend_each(begun, MOST_STEPS, still, hopeless)
     return min(ends, key=lambda end: end[0].cost)
-
-
-def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -> float:
-    """The least relative error, as printed, of any linear passive material with a model's effects.
-
-    Parameters
-    ----------
-    model : Model
-        Its material is a `Continuum`.
-    measurement : Measurement
-        The rows over which the error is taken.
-    known : sequence of ndarray, shape (q,)
-        Parameters of the effects from which the search begins; of no effect one that is empty.
-    """
-    # Of many rows some show where the lines are, and all of them what these leave.
-    few = thinned_rows(measurement)
-    search = SpectrumSearch.of(model, few, relative_objective())
-    trials = sorted((search.solve(search.u_of(own)) for own in known), key=lambda trial: trial.cost)
-    # No line is spared for the degrees of freedom: they are no part of an error.
-    ends = [search.refined(search.descend(trial)[0]) for trial in trials[:KEPT]]
-    best = min(ends, key=lambda trial: trial.cost)
-    if few is not measurement:
-        whole = SpectrumSearch.of(model, measurement, relative_objective())
-        best = whole.solve(best.u, best.log_rates)
-    return float(np.sqrt(best.cost / len(measurement)))
 
 
 def _on_closer_lines(search: SpectrumSearch, finer: Trial) -> Trial:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,33 +18,41 @@ from springpot.thresholds import INTERVAL
 from springpot.writing import NAMED
 
 from ..numerics import FEWEST, NEGLIGIBLE, ROUNDING
-from .fitted import Fit
 from .kept import note_on_levels, words_in
 from .known_factors import refused_in_words
 from .material import is_material
+from .native import Fit
 from .normal import Bordered, variance_of
 from .population import told
 from .uncertainty import Uncertainty, printed_covariance
 from .value import LOST
 
-WEAK = 1.0
-"""Width of an interval, over its value, from which a parameter is called weakly identified."""
-CORRELATED = 0.98
-"""Correlation from which a pair is told.
 
-Either interval is then five times what it were with the other known.
-"""
-LOOSE = 2.0
-"""Given standard deviations that a misfit may be on average before intervals by them are called too
-narrow.
-"""
-ENOUGH = 6
-"""Specimens from which their scatter is known within a factor of two and a half."""
-SETTLING = 0.5
-"""Power of omega by which the loss falls towards rest: level it were 0, at rest it is 1."""
-NEAR_END = 0.1
-"""The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
-"""
+class NoteLevels(NamedTuple):
+    """From where something is told of a fit."""
+
+    weak: float
+    """Width of an interval, over its value, from which a parameter is called weakly identified."""
+    correlated: float
+    """Correlation from which a pair is told.
+
+    Either interval is then five times what it were with the other known.
+    """
+    loose: float
+    """Given standard deviations that a misfit may be on average before intervals by them are called
+    too narrow.
+    """
+    specimens: int
+    """Specimens from which their scatter is known within a factor of two and a half."""
+    settling: float
+    """Power of omega by which the loss falls towards rest: level it were 0, at rest it is 1."""
+    near_end: float
+    """The same that may be taken for none: the phase is within 9 degrees of a spring's or a
+    dashpot's.
+    """
+
+
+TOLD = NoteLevels(weak=1.0, correlated=0.98, loose=2.0, specimens=6, settling=0.5, near_end=0.1)
 
 
 def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
@@ -92,7 +101,7 @@ def notes_on_specimens(model: Model, words: Mapping[str, Sequence[str]]) -> Iter
     count = len(model.places)
     if count < FEWEST:
         yield f"{count} specimens do not tell how others would differ: three or more do"
-    elif count < ENOUGH:
+    elif count < TOLD.specimens:
         # Of a normal scatter, by its chi-square.
         most = sqrt((count - 1) / float(chi2_quantile(0.5 * (1.0 - INTERVAL), count - 1)))
         yield (
@@ -143,7 +152,7 @@ def _slower_still(fit: Fit, high: Real) -> Iterator[str]:
     value, slope = response.value[slow], response.by_log_omega[slow]
     # One that is zero has a note of its own.
     falls = 0.0 < fit.theta[0] <= high[0] < value.real
-    if falls and slope.imag < SETTLING * value.imag:
+    if falls and slope.imag < TOLD.settling * value.imag:
         slowest = fit.measurement.units.at(float(np.min(fit.measurement.frequency)))
         yield (
             f"K_e counts all that relaxes more slowly than {slowest}: storage still falls there,"
@@ -160,7 +169,7 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
             near = abs(known.fit.theta[i] - bound)
             if near < NEGLIGIBLE:
                 yield f"{parameter.name} is {bound}: the springpot is a {element[bound]}"
-            elif near < NEAR_END and abs(end - bound) < ROUNDING:
+            elif near < TOLD.near_end and abs(end - bound) < ROUNDING:
                 yield (
                     f"{parameter.name} cannot be told from {bound}: a {element[bound]} for the"
                     " springpot fits too"
@@ -178,7 +187,7 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
         # Not "above": a width that is no number counts as well.
         if np.isinf(variance[i]) or not width < LOST * size:
             open_ones.append(name)
-        elif width > WEAK * size:
+        elif width > TOLD.weak * size:
             yield (
                 f"{name} is weakly identified: its interval is"
                 f" {100 * width / max(size, 1e-300):.0f} % of its value"
@@ -222,7 +231,7 @@ def _pairs_of_levels(fit: Fit, covariance: Bordered) -> Iterator[tuple[int, int,
 
 
 def _told_of_pairs(names: Sequence[str], pairs: Iterable[tuple[int, int, float]]) -> list[str]:
-    strong = [pair for pair in pairs if abs(pair[2]) > CORRELATED]
+    strong = [pair for pair in pairs if abs(pair[2]) > TOLD.correlated]
     strong.sort(key=lambda pair: -abs(pair[2]))
     return [
         f"{names[j]} and {names[i]} are strongly correlated ({size:+.3f}): the data"
@@ -236,7 +245,7 @@ def _too_narrow(known: Uncertainty) -> Iterator[str]:
     if known.absolute and fit.dof > 0:
         # Where standard deviations are given each weighted residual should be one: more is misfit.
         ratio = float(np.sqrt(fit.cost / fit.dof))
-        if ratio > LOOSE:
+        if ratio > TOLD.loose:
             yield (
                 f"the misfit is {ratio:.1f} times the given standard deviations: the model lacks"
                 " something or they are too small, and the intervals are too narrow"

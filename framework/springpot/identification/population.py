@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,20 @@ from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable
-from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL, WHERE
 
 from ..numerics import FEWEST, SMALLEST
-from .fitted import Fit
 from .material import is_material
 from .normal import Bordered, Covariance, LevelSlopes
 from .value import Value
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
+
+    from .native import Fit
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,8 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
-from .fitted import Fit
 from .material import is_material
+from .native import Fit
 from .problem import weighted
 
 PER_DECADE = 8

@@ -28,7 +28,6 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
 from .calibration import Calibration
-from .fitted import Fit
 from .fitted_quantities import in_short
 from .kept import (
     bounds_of,
@@ -41,6 +40,7 @@ from .kept import (
     words_in,
 )
 from .material import is_material
+from .native import Fit
 from .normal import Bordered, Covariance, carried, matrix_of, told_of
 from .population import Population, populations, specimens_of
 from .prediction import Known

@@ -16,7 +16,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import MOST_STEPS, NEGLIGIBLE, NORMAL, SMALLEST
-from .fitted import Fit
+from .native import Fit
 from .problem import Objective
 from .uncertainty import Uncertainty
 

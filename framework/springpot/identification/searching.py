@@ -15,12 +15,11 @@ from springpot.numerics import NEGLIGIBLE
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .fitted import Fit, FittedModel
 from .free_factors import superposed_fit
 from .levels_alone import usual_objective
 from .material import is_material, shifted_by
 from .material_fit import STARTS as STARTS
-from .native import fit
+from .native import Fit, FittedModel, fit
 from .problem import Objective, Searched
 from .runs import Optimiser, Run, run
 

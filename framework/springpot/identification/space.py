@@ -16,13 +16,13 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from springpot.errors import DataError, ModelError
-from springpot.measurement.measurement import Measurement
 from springpot.numerics import LARGEST as LARGEST_NUMBER, ROUNDING
 from springpot.rheology.levels import Levels
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
 if TYPE_CHECKING:
+    from springpot.measurement.measurement import Measurement
     from springpot.rheology.effect import Test
     from springpot.rheology.model import Model
 

@@ -5,22 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import student
+from springpot.distributions import (
+    LIKENESS,
+    Links,
+    covariance_along,
+    effective_share,
+    fitted_memory,
+    student,
+)
 from springpot.measurement.mixed_tests import longest_memory, sweeps_of
 from springpot.measurement.units import Units
-from springpot.memory import LIKENESS, Links, covariance_along, effective_share, fitted_memory
-from springpot.rheology.model import Model
 from springpot.rheology.parameters import WIDEST, SearchForm, box_of
 from springpot.rheology.points import Real
 from springpot.rheology.tied import Follower
 from springpot.thresholds import INTERVAL, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING, Tangent
-from .fitted import Fit
 from .material import prior_residual_of, prior_slopes
 from .normal import (
     PART,
@@ -35,6 +40,11 @@ from .normal import (
 from .population import Specimens, follows_specimens
 from .problem import weighted
 from .value import Value, printed
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
+
+    from .native import Fit
 
 
 @dataclass(frozen=True, eq=False)

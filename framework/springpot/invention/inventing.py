@@ -35,14 +35,16 @@ from springpot.rheology.written import FACTORS, Written, causal, passive, told
 from springpot.thresholds import INVENTION, VERDICT
 from springpot.writing import counted
 
-from .grammar import candidates, formula_of, text_of
 from .result import (
     FoundLaw,
     Invention,
     Verdict,
     Weighed,
+    candidates,
+    formula_of,
     known_alike,
     rivals_of,
+    text_of,
     verdict_of,
     weighed,
 )

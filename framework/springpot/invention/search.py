@@ -37,7 +37,7 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.thresholds import INVENTION, SEARCH
 
-from .grammar import (
+from .result import (
     filled,
     forms_of,
     formula_of,

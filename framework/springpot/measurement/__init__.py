@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         joined as joined,
         through as through,
     )
+    from .covered import OtherTest as OtherTest
     from .from_signals import measurement_from_signals as measurement_from_signals
     from .geometry import parse_geometry as parse_geometry
     from .imposed import Loading as Loading
@@ -58,7 +59,6 @@ if TYPE_CHECKING:
         select as select,
         without as without,
     )
-    from .other_test import OtherTest as OtherTest
     from .reader import (
         Choice as Choice,
         OpenQuestion as OpenQuestion,

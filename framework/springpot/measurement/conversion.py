@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -14,9 +14,12 @@ from springpot.rheology.points import Real
 
 from .geometry import Geometry
 from .measurement import CONDITIONS, Measurement
-from .other_test import OtherTest
 from .timetest import TimeTest
 from .units import AMPLITUDE_UNITS, LENGTH_UNITS, STRAIN_UNITS, one_modulus
+
+if TYPE_CHECKING:
+    from .covered import OtherTest
+
 
 FILE = "file"
 LEVELS = "levels {}"

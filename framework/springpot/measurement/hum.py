@@ -25,16 +25,24 @@ MULTIPLES = (1.0 / 3.0, 0.5, *HARMONICS)
 """At which hum lands at all: there, and at tests one of whose own harmonics is the mains."""
 NEAR = 0.015
 """Relative distance from a mains multiple at which hum leaks into a sinusoid of ten periods."""
-TAPER = 0.5
-"""Share of the record that is faded at either end (Hann's window), lest what is slow leak."""
-FEWEST_OF_LINE = 200
-"""Samples of a record in which a line is sought."""
-AROUND = 20
-"""Ordinates on either side with which one is compared."""
-RARE = 1e-6
-"""Chance of noise alone below which the largest ordinate is a line."""
-WIDE = 3
-"""Ordinates on either side over which a line that falls between two of them is spread."""
+
+
+class Line(NamedTuple):
+    """How a line is looked for in the spectrum of a record."""
+
+    taper: float
+    """Share of the record that is faded at either end (Hann's window), lest what is slow leak."""
+    fewest: int
+    """Samples of a record in which a line is sought."""
+    around: int
+    """Ordinates on either side with which one is compared."""
+    rare: float
+    """Chance of noise alone below which the largest ordinate is a line."""
+    wide: int
+    """Ordinates on either side over which a line that falls between two of them is spread."""
+
+
+LINE = Line(taper=0.5, fewest=200, around=20, rare=1e-6, wide=3)
 
 
 class Hum(NamedTuple):
@@ -68,7 +76,7 @@ def periodogram(residual: Real) -> tuple[Real, Real]:
 
 def _faded(count: int) -> Real:
     """Weights (n,) that fade a record at both ends."""
-    fade = max(1, int(TAPER * count))
+    fade = max(1, int(LINE.taper * count))
     window = np.ones(count)
     window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
     window[-fade:] = window[:fade][::-1]
@@ -78,7 +86,7 @@ def _faded(count: int) -> Real:
 def over_neighbours(power: Real) -> Real:
     """Powers (m,) over what those around them say that noise has there."""
     around = np.lib.stride_tricks.sliding_window_view(
-        np.pad(power, AROUND, mode="reflect"), 2 * AROUND + 1
+        np.pad(power, LINE.around, mode="reflect"), 2 * LINE.around + 1
     )
     # Of an exponential the median is ln 2 times the mean, and a line does not move it.
     return np.asarray(power / np.maximum(np.median(around, axis=1) / np.log(2.0), SMALLEST))
@@ -142,7 +150,7 @@ def hum_in(response: Real, clock: Real, imposed: Real) -> list[Hum]:
     (50.0, 0.1)
     """
     found: list[Hum] = []
-    if len(response) < FEWEST_OF_LINE or not (np.isfinite(response).all() and is_even(clock)):
+    if len(response) < LINE.fewest or not (np.isfinite(response).all() and is_even(clock)):
         return found
     # Two samples of a period at least: what is quicker is seen as something else.
     step = float(np.mean(np.diff(clock)))
@@ -153,7 +161,7 @@ def hum_in(response: Real, clock: Real, imposed: Real) -> list[Hum]:
         rest = response - sum(hum.course for hum in found)
         sought = np.where(own, 0.0, _ratios(rest, step, apart))
         top = int(np.argmax(sought))
-        if len(sought) * np.exp(-sought[top]) > RARE:
+        if len(sought) * np.exp(-sought[top]) > LINE.rare:
             break
         found.append(_fitted(rest, step, top))
     return found
@@ -168,13 +176,13 @@ def of_a_motion(imposed: Real) -> tuple[NDArray[np.bool_], int]:
     power = periodogram(imposed)[0]
     number = np.arange(1.0, len(power) + 1.0)
     own = len(power) * np.exp(-over_neighbours(power)) < 1.0
-    own = np.convolve(own, np.ones(2 * WIDE + 1), "same") > 0.0
+    own = np.convolve(own, np.ones(2 * LINE.wide + 1), "same") > 0.0
     own |= number <= max(HARMONICS) * np.max(number[power > EVEN * power.max()], initial=0.0)
     top = int(np.argmax(power))
     # Where it lies between two ordinates, by a parabola.
     apart = number[top] + vertex(*np.log(np.maximum(np.pad(power, 1)[top : top + 3], SMALLEST)))
     order = np.round(number / apart)
-    own |= (np.abs(number - order * apart) <= WIDE) & (order <= AROUND)
+    own |= (np.abs(number - order * apart) <= LINE.wide) & (order <= LINE.around)
     return own, top + 1
 
 
@@ -188,9 +196,9 @@ def _ratios(channel: Real, step: float, apart: int) -> Real:
     ratio = over_neighbours(power)
     # Of several lines side by side none is the mains, nor of the harmonics of a motion: of these
     # the two next ones that its own lobe does not reach, as some motions have every other one.
-    first = -(-2 * WIDE // apart)
-    for away in (*range(2 * WIDE, AROUND), first * apart, (first + 1) * apart):
-        ratio[power < 2 * WIDE * _largest_beside(power, away)] = 0.0
+    first = -(-2 * LINE.wide // apart)
+    for away in (*range(2 * LINE.wide, LINE.around), first * apart, (first + 1) * apart):
+        ratio[power < 2 * LINE.wide * _largest_beside(power, away)] = 0.0
     return np.where(at_mains(omega / (2.0 * np.pi * step)), ratio, 0.0)
 
 
@@ -211,7 +219,7 @@ def _fitted(channel: Real, step: float, top: int) -> Hum:
     # Faded twice, lest what is slow be followed.
     weights = _faded(count) ** 2
     left = weights * (channel - channel.mean())
-    near = 2.0 * np.pi / count * (top + 1 + np.linspace(-1.0, 1.0, 6 * AROUND + 1))
+    near = 2.0 * np.pi / count * (top + 1 + np.linspace(-1.0, 1.0, 6 * LINE.around + 1))
     waves = np.exp(1j * np.multiply.outer(near, np.arange(count)))
     omega = near[int(np.argmax(np.abs(waves @ left)))]
     wave = np.exp(1j * omega * np.arange(count))

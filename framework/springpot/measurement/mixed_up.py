@@ -16,7 +16,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from springpot.memory import autocorrelation_time
+from springpot.distributions import autocorrelation_time
 from springpot.numerics import BEYOND, COARSE, PER_DECADE, evenly, non_negative
 from springpot.rheology.points import STEADY, Complex, Real, real_form
 from springpot.thresholds import SIGNALS

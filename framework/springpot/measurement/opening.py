@@ -19,10 +19,10 @@ from springpot.errors import DataError, SpringpotError, described, owned
 from springpot.files import keep_input, require_regular, within_budget
 from springpot.writing import NAMED, near_names, suggested
 
+from .covered import OtherTest
 from .from_signals import OneTest, one_test
 from .measurement import Measurement
 from .mixed_tests import NOTE, runs_together
-from .other_test import OtherTest
 from .reader import (
     LISTED,
     Choice,

@@ -9,7 +9,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from springpot.distributions import f_sf
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 
-from ..memory import Links, effective_share, fitted_memory, prewhitened
+from ..distributions import Links, effective_share, fitted_memory, prewhitened
 from ..numerics import SMALLEST, evenly, level_means, rms, set_numbers
 from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
@@ -52,12 +52,20 @@ SETTLING_TIMES = np.geomspace(0.03, 3.0, 8)
 
 From a thirtieth to what is all but a straight line.
 """
-MOST_POINTS = 1500
-"""Points that are kept at most: more tell a smooth curve no better and cost time."""
-FEWEST_OF_A_SWEEP = 10
-"""Points of a sweep that are kept before sweeps are left out."""
-MOST_REPEATS = 30
-"""Repeats of one point that are kept before points are left out."""
+
+
+class Thinned(NamedTuple):
+    """What is kept of many points."""
+
+    points: int
+    """Points that are kept at most: more tell a smooth curve no better and cost time."""
+    of_a_sweep: int
+    """Points of a sweep that are kept before sweeps are left out."""
+    repeats: int
+    """Repeats of one point that are kept before points are left out."""
+
+
+THINNED = Thinned(points=1500, of_a_sweep=10, repeats=30)
 
 
 @dataclass(frozen=True, eq=False)
@@ -419,11 +427,11 @@ def _tails(averaged: Averaged, noise: Noise) -> float:
 
 
 def thinned(measurement: Measurement) -> Measurement:
-    """At most `MOST_POINTS` rows, in the order in which they stand.
+    """At most `THINNED.points` rows, in the order in which they stand.
 
     Every sweep keeps as many points as the longest may have, spread evenly over its own, with all
-    their repeats. Only where that leaves fewer than `FEWEST_OF_A_SWEEP` of each, whole sweeps are
-    left out; only of more than `MOST_REPEATS` repeats some are.
+    their repeats. Only where that leaves fewer than `THINNED.of_a_sweep` of each, whole sweeps are
+    left out; only of more than `THINNED.repeats` repeats some are.
 
     Parameters
     ----------
@@ -439,23 +447,25 @@ def thinned(measurement: Measurement) -> Measurement:
     >>> len(thinned(Measurement(omega, omega**0.5 + 1j)))
     1500
     """
-    if len(measurement) <= MOST_POINTS:
+    if len(measurement) <= THINNED.points:
         return measurement
     # Points are thinned, and not rows: all repeats of a point that stays go with it.
     data = average_repeats(measurement)
     points = np.split(
         np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1]
     )
-    most = max(MOST_REPEATS, MOST_POINTS // len(points))
+    most = max(THINNED.repeats, THINNED.points // len(points))
     points = [rows[evenly(len(rows), most)] for rows in points]
     size = np.array([len(rows) for rows in points])
     lines = [sweep.rows for sweep in sweeps_of(data.mean)]
 
     def fits(lines: Sequence[Rows], each: int) -> bool:
-        return sum(int(size[line[evenly(len(line), each)]].sum()) for line in lines) <= MOST_POINTS
+        return (
+            sum(int(size[line[evenly(len(line), each)]].sum()) for line in lines) <= THINNED.points
+        )
 
     kept = _largest(
-        lambda count: fits([lines[i] for i in evenly(len(lines), count)], FEWEST_OF_A_SWEEP),
+        lambda count: fits([lines[i] for i in evenly(len(lines), count)], THINNED.of_a_sweep),
         len(lines),
     )
     lines = [lines[i] for i in evenly(len(lines), kept)]

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
-from springpot.distributions import chi2_quantile
+from springpot.distributions import chi2_quantile, effective_share
 from springpot.errors import DataError
-from springpot.memory import effective_share
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT

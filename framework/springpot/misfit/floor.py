@@ -13,7 +13,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import f_quantile, f_sf
+from springpot.distributions import (
+    FittedMemory,
+    deviance,
+    effective_share,
+    f_quantile,
+    f_sf,
+    fitted_memory,
+)
 from springpot.identification.searching import STARTS as STARTS_AGAIN
 from springpot.measurement.independence import SMOOTH_DEGREE
 from springpot.measurement.measurement import Measurement
@@ -29,7 +36,6 @@ from springpot.measurement.scatter import (
     robust_noise_shape,
     student_cost,
 )
-from springpot.memory import FittedMemory, deviance, effective_share, fitted_memory
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import REPEATS, SCATTER, SEARCH, SIGNALS, VERDICT

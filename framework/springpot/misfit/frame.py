@@ -9,24 +9,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from springpot.distributions import chi2_sf, f_sf
+from springpot.distributions import (
+    Links,
+    autoregressive,
+    chi2_sf,
+    effective_share,
+    f_sf,
+    prewhitened,
+)
 from springpot.identification.problem import weighted
-from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers
+from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers, telling
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
-from springpot.memory import Links, autoregressive, effective_share, prewhitened
-from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real, real_form
-from springpot.thresholds import REPEATS, VERDICT
+from springpot.thresholds import EVIDENCE, REPEATS, VERDICT
 
 from ..numerics import ALIKE, FEWEST, NEGLIGIBLE, SMALLEST, orthonormal, projected_out
+
+if TYPE_CHECKING:
+    from springpot.rheology.model import Model
+
 
 MOST_SHARED = 60
 """Frequencies above which sweeps are dense enough for their neighbours to show what is shared."""
@@ -646,3 +655,92 @@ class NoiseFrame:
         # decades of |K|.
         columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
         return np.concatenate(columns).T
+
+
+FOLDS = 4
+"""Levels or bands left out at most, each by itself."""
+FEWEST_LEVELS = 4
+"""Levels from which two inner ones can be left out between others."""
+BANDS = 6
+"""Bands into which a swept condition is divided, or the frequency if no condition differs."""
+
+
+def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
+    """Rows of a few inner levels of a condition, or of inner bands where it was swept.
+
+    Ends would be extrapolated.
+    """
+    column = measurement.conditions.get(name)
+    if column is None or (name == "temperature" and not temperatures_differ(measurement)):
+        return []
+    level = measurement.levels(name)
+    count = int(level.max()) + 1
+    if count < FEWEST_LEVELS:
+        return []
+    if len(level) >= EVIDENCE.points_of_each * count:
+        return [level == number for number in _inner(count)]
+    # Bands of what moved with the frequency would be bands of the frequency.
+    if name not in telling(measurement):
+        return []
+    return folds_of_bands(level)
+
+
+def folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
+    """Rows of inner bands of frequencies, or of levels, by their numbers (n,).
+
+    None where they are few.
+    """
+    distinct = int(number.max()) + 1
+    # A band of a single frequency is predicted by its neighbours, whatever the model.
+    if distinct < 2 * BANDS:
+        return []
+    band = number * BANDS // distinct
+    return [band == each for each in _inner(BANDS)]
+
+
+def _inner(count: int) -> list[int]:
+    """A few of the numbers 1 to count - 2, evenly."""
+    return sorted({round(x) for x in np.linspace(1, count - 2, min(FOLDS, count - 2)).tolist()})
+
+
+def unseen_error(frame: NoiseFrame, sample: Drawn, name: str) -> Real | None:
+    """Squared error (m,) of inner levels of a condition in fits without them.
+
+    From residuals (m, 2n) of full fits.
+
+    To first order what a fit without some rows misses of them is (I - H)^-1 times their residual, H
+    being their part of the projection on the parameters (Cook and Weisberg, Residuals and Influence
+    in Regression, 1982). What those rows alone determine is left out of it: nothing else predicts
+    that.
+
+    Parameters
+    ----------
+    frame : NoiseFrame
+        The fit.
+    sample : ndarray, shape (m, 2n)
+        Residuals.
+    name : str
+        Of the condition.
+
+    Returns
+    -------
+    ndarray or None
+        None where too few levels were measured to leave inner ones out.
+    """
+    folds = folds_of(frame.measurement, name)
+    if not folds:
+        return None
+    total = np.zeros(len(sample))
+    for fold in folds:
+        rows = np.flatnonzero(np.tile(fold, 2))
+        # By the axes of H, not by a refit of each draw: thousands of draws are asked.
+        followed = frame.absorbed[rows]
+        axes, shares, _ = np.linalg.svd(followed, full_matrices=False)
+        seen = 1.0 - shares**2 > LEAST_LEFT
+        # Along an axis of which the parameters follow the share h, 1 / (1 - h) of the residual is
+        # missed.
+        gain = np.where(seen, 1.0 / np.where(seen, 1.0 - shares**2, 1.0), 0.0)
+        part = sample[:, rows].astype(np.float64)
+        along = part @ axes
+        total += np.einsum("ij,ij->i", part, part) + (along**2) @ (gain**2 - 1.0)
+    return total

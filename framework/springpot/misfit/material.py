@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.identification.fitted import FittedModel
+from springpot.identification.convex import least_error
 from springpot.identification.material import is_material
-from springpot.identification.material_fit import least_error
+from springpot.identification.native import FittedModel
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import temperatures_differ
 from springpot.rheology.effect import Effect

@@ -12,26 +12,24 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.fitted import Fit
 from springpot.identification.leastsquares import Effort
 from springpot.identification.material import is_material, own_parameters
-from springpot.identification.native import fit
+from springpot.identification.native import Fit, fit
 from springpot.identification.problem import Objective, weighted
 from springpot.identification.searching import searched
 from springpot.identification.uncertainty import Uncertainty, uses_sd
-from springpot.measurement.independence import frequency_numbers, telling
+from springpot.measurement.independence import frequency_numbers
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.measurement.mixed_tests import temperatures_differ
 from springpot.measurement.replicates import Averaged
 from springpot.measurement.scatter import Noise
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real, real_form
-from springpot.thresholds import EVIDENCE, VERDICT
+from springpot.thresholds import VERDICT
 
 from ..numerics import ROUNDING, SMALLEST
 from .error import times
-from .frame import LEAST_LEFT, Drawn, NoiseFrame, able_to_follow, phase_of
+from .frame import NoiseFrame, able_to_follow, folds_of, folds_of_bands, phase_of
 
 STARTS_OF_A_ROUND = 2
 """Starts in a noise that only changed its size or shape: the minima stay nearly where they are."""
@@ -371,14 +369,6 @@ def in_noise(before: Refit, noise: Noise, starts: int = STARTS_OF_A_ROUND) -> Re
     )
 
 
-FOLDS = 4
-"""Levels or bands left out at most, each by itself."""
-FEWEST_LEVELS = 4
-"""Levels from which two inner ones can be left out between others."""
-BANDS = 6
-"""Bands into which a swept condition is divided, or the frequency if no condition differs."""
-
-
 def validation(base: Refit, grown: Refit) -> Iterator[str]:
     """One sentence for each condition of which several levels were measured.
 
@@ -419,7 +409,7 @@ def prediction_gain(before: Refit, after: Refit) -> float:
     measurement = after.fit.measurement
     # A condition before the frequency: leaving out a whole level is the harder question.
     by_condition = (folds for name in CONDITIONS if (folds := folds_of(measurement, name)))
-    folds = next(by_condition, _folds_of_bands(frequency_numbers(measurement)))
+    folds = next(by_condition, folds_of_bands(frequency_numbers(measurement)))
     # Nothing to predict is no sign of physics: the rung is judged as one that gains nothing.
     if not folds:
         return 1.0
@@ -451,101 +441,3 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
         total += float(missed @ missed)
         count += 2 * int(np.sum(fold))
     return float(np.sqrt(total / count))
-
-
-def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
-    """Rows of a few inner levels of a condition, or of inner bands where it was swept.
-
-    Ends would be extrapolated.
-    """
-    column = measurement.conditions.get(name)
-    if column is None or (name == "temperature" and not temperatures_differ(measurement)):
-        return []
-    level = measurement.levels(name)
-    count = int(level.max()) + 1
-    if count < FEWEST_LEVELS:
-        return []
-    if len(level) >= EVIDENCE.points_of_each * count:
-        return [level == number for number in _inner(count)]
-    # Bands of what moved with the frequency would be bands of the frequency.
-    if name not in telling(measurement):
-        return []
-    return _folds_of_bands(level)
-
-
-def _folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
-    """Rows of inner bands of frequencies, or of levels, by their numbers (n,).
-
-    None where they are few.
-    """
-    distinct = int(number.max()) + 1
-    # A band of a single frequency is predicted by its neighbours, whatever the model.
-    if distinct < 2 * BANDS:
-        return []
-    band = number * BANDS // distinct
-    return [band == each for each in _inner(BANDS)]
-
-
-def _inner(count: int) -> list[int]:
-    """A few of the numbers 1 to count - 2, evenly."""
-    return sorted({round(x) for x in np.linspace(1, count - 2, min(FOLDS, count - 2)).tolist()})
-
-
-def unseen_error(frame: NoiseFrame, sample: Drawn, name: str) -> Real | None:
-    """Squared error (m,) of inner levels of a condition in fits without them.
-
-    From residuals (m, 2n) of full fits.
-
-    To first order what a fit without some rows misses of them is (I - H)^-1 times their residual, H
-    being their part of the projection on the parameters (Cook and Weisberg, Residuals and Influence
-    in Regression, 1982). What those rows alone determine is left out of it: nothing else predicts
-    that.
-
-    Parameters
-    ----------
-    frame : NoiseFrame
-        The fit.
-    sample : ndarray, shape (m, 2n)
-        Residuals.
-    name : str
-        Of the condition.
-
-    Returns
-    -------
-    ndarray or None
-        None where too few levels were measured to leave inner ones out.
-    """
-    folds = folds_of(frame.measurement, name)
-    if not folds:
-        return None
-    total = np.zeros(len(sample))
-    for fold in folds:
-        rows = np.flatnonzero(np.tile(fold, 2))
-        # By the axes of H, not by a refit of each draw: thousands of draws are asked.
-        followed = frame.absorbed[rows]
-        axes, shares, _ = np.linalg.svd(followed, full_matrices=False)
-        seen = 1.0 - shares**2 > LEAST_LEFT
-        # Along an axis of which the parameters follow the share h, 1 / (1 - h) of the residual is
-        # missed.
-        gain = np.where(seen, 1.0 / np.where(seen, 1.0 - shares**2, 1.0), 0.0)
-        part = sample[:, rows].astype(np.float64)
-        along = part @ axes
-        total += np.einsum("ij,ij->i", part, part) + (along**2) @ (gain**2 - 1.0)
-    return total
-
-
-def unseen_in_words(frame: NoiseFrame, name: str) -> tuple[float, str]:
-    """By how much such levels are missed, over what noise makes of it, and the sentence."""
-    error = unseen_error(frame, frame.rest[None], name)
-    assert error is not None, "the test was made"
-    count = 2.0 * sum(float(np.sum(fold)) for fold in folds_of(frame.measurement, name))
-    ratio = float(np.sqrt(error[0] / count))
-    return ratio, f"{one_of(name)} that a fit has not seen is predicted to {times(ratio)} the noise"
-
-
-def one_of(name: str) -> str:
-    """A level of a condition with its article: ``an amplitude``."""
-    article = "a"
-    if name[0] in "aeiou":
-        article = "an"
-    return f"{article} {name}"

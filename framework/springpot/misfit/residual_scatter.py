@@ -21,15 +21,22 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view as windows
 from numpy.typing import NDArray
 
-from springpot.distributions import chi2_sf, normal_score, normal_sf
-from springpot.measurement.hum import WIDE
+from springpot.distributions import (
+    autoregressive,
+    chi2_sf,
+    effective_share,
+    normal_score,
+    normal_sf,
+    prewhitened,
+    spectrum_of,
+)
+from springpot.measurement.hum import LINE
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.rounding import digit_of, is_even
 from springpot.measurement.scatter import tails_of
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.measurement.timetest import TimeTest
-from springpot.memory import autoregressive, effective_share, prewhitened, spectrum_of
 from springpot.rheology.points import Real
 
 from ..numerics import (
@@ -384,7 +391,7 @@ def _beside_lines(
     sought = omega > np.pi * min(UPPER, SLOWEST / n)
     if period[1]:
         motion = 2.0 * np.pi * period[0] / period[1]
-        sought &= np.abs(omega - motion * np.round(omega / motion)) > WIDE * np.pi / n
+        sought &= np.abs(omega - motion * np.round(omega / motion)) > LINE.wide * np.pi / n
     for _ in range(PARTS):
         white = transformed(transformed(rest) / size, back=True)
         chance, line = fisher_test(white[None], sought, followed)

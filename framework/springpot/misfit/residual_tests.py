@@ -26,7 +26,7 @@ from springpot.plain_data import Plain
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, REPEATS, VERDICT
 
-from ..memory import autoregressive
+from ..distributions import autoregressive
 from ..numerics import SMALLEST, orthonormal
 from .error import plain, point_in_words, times
 from .frame import (
@@ -37,12 +37,13 @@ from .frame import (
     Drawn,
     NoiseFrame,
     drift_curves,
+    folds_of,
     near_an_alarm,
     relative_to,
     spectrum,
+    unseen_error,
 )
 from .outliers import outlying
-from .refit import unseen_error, unseen_in_words
 
 Rows: TypeAlias = NDArray[np.int64]
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
@@ -615,3 +616,20 @@ def sets_apart(data: Averaged) -> Apart:
     if alternate and by_curves > VERDICT.own_curves:
         one_curve = False
     return Apart(by_drift / size, by_curves, one_curve)
+
+
+def unseen_in_words(frame: NoiseFrame, name: str) -> tuple[float, str]:
+    """By how much such levels are missed, over what noise makes of it, and the sentence."""
+    error = unseen_error(frame, frame.rest[None], name)
+    assert error is not None, "the test was made"
+    count = 2.0 * sum(float(np.sum(fold)) for fold in folds_of(frame.measurement, name))
+    ratio = float(np.sqrt(error[0] / count))
+    return ratio, f"{one_of(name)} that a fit has not seen is predicted to {times(ratio)} the noise"
+
+
+def one_of(name: str) -> str:
+    """A level of a condition with its article: ``an amplitude``."""
+    article = "a"
+    if name[0] in "aeiou":
+        article = "an"
+    return f"{article} {name}"

@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import autocorrelation_time
 from springpot.identification.convex import (
     ConvexSpectrum,
     apparent,
@@ -21,15 +22,14 @@ from springpot.identification.convex import (
 )
 from springpot.identification.leastsquares import Residual as Residual
 from springpot.identification.problem import Objective
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
-from springpot.measurement.other_test import OtherTest
 from springpot.measurement.recording import recorded, spread
 from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
-from springpot.memory import autocorrelation_time
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node

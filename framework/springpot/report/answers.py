@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.comparison.result import Comparison, Judgement
 from springpot.diagnosis.result import Candidate, Diagnosis, NextExperiment, Shelf
 from springpot.errors import ModelError
 from springpot.identification.value import Quantities, Quantity, Value
@@ -26,6 +26,10 @@ from springpot.rheology.points import KELVIN, Points, Real
 from springpot.writing import FEW, LISTED, NAMED, SHOWN, counted, listed, number
 
 from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
+
+if TYPE_CHECKING:
+    from springpot.comparison.result import Comparison, Judgement
+
 
 OUTSIDE = "outside     of what was measured: it holds only if the model does"
 

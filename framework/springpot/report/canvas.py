@@ -11,7 +11,7 @@ from functools import cache
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_with
@@ -21,9 +21,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-SCREEN = 110
-"""Dots per inch of a picture in a notebook: text of 10 points stays readable at a column's width.
-"""
+class Canvas(NamedTuple):
+    """What all pictures share."""
+
+    screen: int
+    """Dots per inch of a picture in a notebook: text of 10 points stays readable at a column's
+    width.
+    """
+    smooth: int
+    """Points of a drawn curve: hardly fewer than a picture has columns."""
+    tenfold: float
+    """Values that differ by more than this are drawn on a logarithmic axis."""
+    narrow: float
+    """A logarithmic axis whose ends differ by less than this factor is also labelled at 2 and 5."""
+    plain: tuple[float, float]
+    """Sizes between which numbers stand without a power of ten."""
+
+
+CANVAS = Canvas(screen=110, smooth=200, tenfold=10.0, narrow=300.0, plain=(1e-3, 1e6))
 
 
 @cache
@@ -35,7 +50,7 @@ def picture() -> type[Figure]:
     class Picture(Figure):
         def _repr_png_(self) -> bytes:
             stream = BytesIO()
-            self.savefig(stream, format="png", dpi=SCREEN)
+            self.savefig(stream, format="png", dpi=CANVAS.screen)
             return stream.getvalue()
 
     return Picture
@@ -48,15 +63,6 @@ MOVING = (*SUFFIXES, ".gif")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Told apart by the colour-blind; doi:10.1038/nmeth.1618."""
 
-SMOOTH = 200
-"""Points of a drawn curve: hardly fewer than a picture has columns."""
-TENFOLD = 10.0
-"""Values that differ by more than this are drawn on a logarithmic axis."""
-NARROW = 300.0
-"""A logarithmic axis whose ends differ by less than this factor is also labelled at 2 and 5."""
-
-PLAIN = 1e-3, 1e6
-"""Sizes between which numbers stand without a power of ten."""
 
 INK, QUIET = "#222222", "#8A8A8A"
 
@@ -155,9 +161,9 @@ def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
     axis = getattr(axes, f"{direction}axis")
     # An axis may run from right to left.
     low, high = sorted(map(abs, axis.get_view_interval()))
-    if low > 0 and high < NARROW * low:
+    if low > 0 and high < CANVAS.narrow * low:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    plain = PLAIN[0] <= low and high <= PLAIN[1]
+    plain = CANVAS.plain[0] <= low and high <= CANVAS.plain[1]
     powers = LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(inf, inf))
     if plain:
         axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))

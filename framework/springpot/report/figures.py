@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,11 +23,12 @@ from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.residuals_of_tests import SweepPart, parts_of_specimen
 from springpot.numerics import rms
+from springpot.report.text import LETTERS
 from springpot.rheology.points import Real
 from springpot.writing import NAMED, number
 
 from . import views
-from .canvas import COLOURS, INK, QUIET, TENFOLD, blank, finished, logarithmic
+from .canvas import CANVAS, COLOURS, INK, QUIET, blank, finished, logarithmic
 from .text import Passage, Prose, TextTable, cut, percent, shown
 from .views import DrawnFit, Scene
 
@@ -39,8 +40,6 @@ if TYPE_CHECKING:
 
 LABELLED = 40
 """Specimens whose names find room beside their marks."""
-NAME_WIDTH = 18
-"""Characters of such a name before it is cut."""
 
 
 def population_passages(identified: Identification) -> list[Passage]:
@@ -136,12 +135,12 @@ def _forest(axes: Axes, name: str, identified: Identification) -> None:
     shrunken = list(drawn.values())
     axes.plot(shrunken, places, "|", color="black", markersize=6.0, label="drawn to the mean")
     ends = np.array([*values, *shrunken, mean.low, mean.high, *(population.limits or ())])
-    if ends.min() > 0.0 and ends.max() > TENFOLD * ends.min():
+    if ends.min() > 0.0 and ends.max() > CANVAS.tenfold * ends.min():
         logarithmic(axes, "x")
     axes.set_ylim(len(drawn) - 0.4, -0.6)
     axes.set_yticks([])
     if len(drawn) <= LABELLED:
-        axes.set_yticks(places, [cut(str(each), NAME_WIDTH) for each in drawn])
+        axes.set_yticks(places, [cut(str(each), LETTERS.specimen) for each in drawn])
     axes.grid(False, axis="y")
     axes.set_xlabel(f"{name} [{mean.unit}]")
 
@@ -196,13 +195,17 @@ def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> 
     axes.set_xlim(edges[0], edges[-1])
 
 
-MARK_WIDTH = 1.75
-"""Inches for one entry of a legend, at least."""
-LINE_WIDTH, LETTER_WIDTH = 0.6, 0.075
-"""Inches for the line and for each letter of an entry."""
+class Legend(NamedTuple):
+    """Inches that an entry of a legend takes."""
 
-TITLE_WIDTH = 78
-"""Characters of a title before it is cut."""
+    mark: float
+    """Inches for one entry of a legend, at least."""
+    line: float
+    letter: float
+    """Inches for the line and for each letter of an entry."""
+
+
+LEGEND = Legend(mark=1.75, line=0.6, letter=0.075)
 
 
 def figure_identification(
@@ -305,15 +308,15 @@ def _headline(scene: Scene, beside: str, error: float | None) -> str:
         drawn = f"; {scene.drawn}"
     # Data alone have no error to tell.
     if not scene.fits:
-        return f"{cut(data.name, TITLE_WIDTH)}{drawn}"
+        return f"{cut(data.name, LETTERS.title)}{drawn}"
     # Of several models each has its error in the table, and its name in the legend.
     if len(scene.fits) > 1:
-        return f"{cut(data.name, TITLE_WIDTH)}\npoints measured, lines fitted{drawn}"
+        return f"{cut(data.name, LETTERS.title)}\npoints measured, lines fitted{drawn}"
     fit = scene.fits[0]
     if error is None:
         # Of all points, those among them that are too many to be drawn.
         error = rms(np.abs(fit.at(data.points) - data.stiffness) / data.magnitude)
-    fitted = cut(f"{fit.name} fitted to {data.name}", TITLE_WIDTH)
+    fitted = cut(f"{fit.name} fitted to {data.name}", LETTERS.title)
     # On a line of its own: together they are wider than the figure.
     beside = beside.replace(", ", "\n", 1)
     return (
@@ -375,7 +378,7 @@ def headed(
 def _width(marks: Sequence[Line2D]) -> float:
     """Inches that the widest entry of a legend needs."""
     return max(
-        MARK_WIDTH, *(LINE_WIDTH + LETTER_WIDTH * len(str(mark.get_label())) for mark in marks)
+        LEGEND.mark, *(LEGEND.line + LEGEND.letter * len(str(mark.get_label())) for mark in marks)
     )
 
 
@@ -500,7 +503,7 @@ def draw_spectrum(axes: Axes, spectrum: SmoothSpectrum, unit: str) -> None:
     # What lies beyond the measured frequencies is the smoothest guess, and must not set the axis.
     inside = density[(rates >= spectrum.seen[0]) & (rates <= spectrum.seen[1])]
     top = float(spectrum.high.max())
-    if len(inside) and inside.max() > TENFOLD * inside.min():
+    if len(inside) and inside.max() > CANVAS.tenfold * inside.min():
         axes.set_ylim(max(0.3 * float(inside.min()), top * 10.0**-DECADES), 3.0 * top)
         logarithmic(axes, "y")
     else:

@@ -17,6 +17,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
 from springpot.misfit.residuals_of_tests import SweepPart, parts_of_specimen
 from springpot.registry import versions
+from springpot.rheology.drawing import network_svg
 from springpot.writing import LISTED, Html, joined, tag, wide, wide_table
 
 from .answers import (
@@ -38,7 +39,6 @@ from .fit_text import parameters_table
 from .interactive.answers import DrawnTests, TimeScene, drawn, rungs
 from .interactive.scene import PageScene
 from .ladder_text import accepted_name, data_of, draw_ladder, remarks, steps_table
-from .network import network_svg
 from .page import PageParts, bench_of, page
 from .residuals import (
     data_and_model,

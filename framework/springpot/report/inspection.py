@@ -12,19 +12,18 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from springpot.measurement.other_test import OtherTest
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.numerics import NEGLIGIBLE
+from springpot.report.text import LETTERS
 from springpot.writing import counted, number, suggested
 
 from .text import TextTable, cut, percent, wrapped
 
 LONG = 24
 """Sweeps that are printed: a screen of them; JSON has all."""
-LABEL = 24
-"""Letters of a label in a table; a longer one is cut."""
 KNOWN = ("step", "temperature", "repeat", "points", "frequency", "amplitude")
 """What is told of a sweep beside the labels that tell it from others."""
 PLAIN = frozenset({*KNOWN, "conditions"})
@@ -86,7 +85,7 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
 def _few(words: Sequence[str], width: int) -> str:
     """As many words as fit a line, and how many there are."""
     # The label itself and the count stand in the same line.
-    room = width - LABEL
+    room = width - LETTERS.label
     line = ", ".join(words)
     if len(line) <= room:
         return line
@@ -173,7 +172,7 @@ def _cell(value: Any) -> str:
         # A range whose ends are printed alike is one number.
         return " to ".join(dict.fromkeys([number(value["from"], 3), number(value["to"], 3)]))
     if isinstance(value, str):
-        return cut(value, LABEL)
+        return cut(value, LETTERS.label)
     return f"{value:.4g}"
 
 
@@ -184,7 +183,9 @@ def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
         reason = ""
         if not part["usable"]:
             reason = part["says"]
-        rows.append([f"#{part['number']}", cut(part["name"], LABEL), str(part["points"]), reason])
+        rows.append(
+            [f"#{part['number']}", cut(part["name"], LETTERS.label), str(part["points"]), reason]
+        )
     table = TextTable(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"}))
     if all(part["usable"] for part in parts):
         table = table.lacking("cannot be opened")

@@ -11,6 +11,7 @@ import numpy as np
 from springpot.invention.result import FoundLaw, Invention
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.error import over_floor
+from springpot.report.text import LETTERS
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex, Real
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDEST = 62
-"""Signs of a formula that stand on one line above its picture."""
 PHYSICS = {
     (True, True): "causal, passive",
     (True, False): "causal, not passive",
@@ -128,7 +127,7 @@ def _draw_law(found: Invention, axes: Axes) -> None:
         logarithmic(axes, "x")
     axes.set_xlabel(label)
     axes.set_ylabel(_of_plane(law.plane, best.fit.measurement.units.stiffness))
-    axes.set_title("\n".join(wrap(f"{law.text} (dots)", WIDEST)), fontsize=9)
+    axes.set_title("\n".join(wrap(f"{law.text} (dots)", LETTERS.formula)), fontsize=9)
     axes.legend()
 
 

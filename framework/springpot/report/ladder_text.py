@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from springpot.identification.value import LOST
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import sweep_of
 from springpot.misfit.error import over_floor, plain
+from springpot.report.text import LETTERS
 from springpot.writing import LISTED, listed, number
 
 from ..numerics import NEGLIGIBLE, Real
@@ -39,11 +40,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-MOVED = 1.1
-"""Ratio of noise floors that are shown as two different numbers.
+class LadderLayout(NamedTuple):
+    """Of the picture of a ladder."""
 
-Their own uncertainty is about as large.
-"""
+    moved: float
+    """Ratio of noise floors that are shown as two different numbers.
+
+    Their own uncertainty is about as large.
+    """
+    level: int
+    """Steps whose names are set level; of more, they are slanted."""
+    after: float
+    """Room for the words at the last step, in steps."""
+    room: float
+    """The error axis reaches this factor below the floor and above the largest error."""
+
+
+LADDER = LadderLayout(moved=1.1, level=5, after=0.4, room=2.5)
 
 
 def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
@@ -131,7 +144,10 @@ def floor_moved(ladder: Ladder) -> str:
     """Why the noise floor is not the same at each step, where it is not."""
     floors = [step.noise_floor for step in ladder.steps]
     # A floor that repeats or the user told does not depend on the model.
-    if max(floors) <= MOVED * min(floors) or ladder.diagnosis.error.noise_source != "estimated":
+    if (
+        max(floors) <= LADDER.moved * min(floors)
+        or ladder.diagnosis.error.noise_source != "estimated"
+    ):
         return ""
     return (
         f"the noise floor moved from {percent(floors[0], 2)} to {percent(floors[-1], 2)}: it is"
@@ -300,16 +316,6 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     return text
 
 
-MOST_LEVEL = 5
-"""Steps whose names are set level; of more, they are slanted."""
-LETTERS = 14
-"""Letters of a name's line before it is broken."""
-AFTER = 0.4
-"""Room for the words at the last step, in steps."""
-ROOM = 2.5
-"""The error axis reaches this factor below the floor and above the largest error."""
-
-
 def figure_ladder(ladder: Ladder, path: str | Path | None = None) -> Figure | Path:
     """The ladder as a figure, which is written to `path` if there is one.
 
@@ -334,7 +340,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     error = 100.0 * np.array([step.relative_rms for step in steps])
     floor = 100.0 * np.array([step.noise_floor for step in steps])
     material = 100.0 * np.array([step.material_floor for step in steps])
-    draw_floors(axes, floor, material, AFTER)
+    draw_floors(axes, floor, material, LADDER.after)
     _forecast(axes, steps, error)
     axes.plot(place, error, "o-", color=COLOURS[0], label="error", zorder=4, markersize=6.0)
     for x, step in enumerate(steps):
@@ -351,7 +357,7 @@ def error_axis(axes: Axes, levels: Real) -> None:
     # A floor of exact data is zero, which has no place there, and what could not be fitted has no
     # error.
     drawn = levels[(levels > 0.0) & np.isfinite(levels)]
-    axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
+    axes.set_ylim(float(drawn.min()) / LADDER.room, float(drawn.max()) * LADDER.room)
     # Again: which numbers stand at the axis depends on its ends.
     logarithmic(axes, "y")
     axes.set_ylabel("error [%]")
@@ -414,7 +420,7 @@ def _forecast(
 def _names(axes: Axes, steps: tuple[Step, ...]) -> None:
     names = [broken(_name(step)) for step in steps]
     axes.set_xticks(range(len(steps)), names, color=INK)
-    if len(steps) > MOST_LEVEL:
+    if len(steps) > LADDER.level:
         axes.tick_params(axis="x", labelrotation=30)
     axes.tick_params(axis="x", length=0)
     axes.grid(False, axis="x")
@@ -435,7 +441,7 @@ def broken(name: str) -> str:
     lines = [""]
     # The hyphen stays at the end of its line.
     for part in name.replace("-", "-\0").split("\0"):
-        if lines[-1] and len(lines[-1]) + len(part) > LETTERS:
+        if lines[-1] and len(lines[-1]) + len(part) > LETTERS.step:
             lines.append("")
         lines[-1] += part
     return "\n".join(lines)

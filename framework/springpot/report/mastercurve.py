@@ -16,7 +16,7 @@ from springpot.writing import LISTED, number
 
 from ..numerics import ALIKE
 from ..thresholds import SUPERPOSITION
-from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
+from .canvas import CANVAS, COLOURS, INK, QUIET, blank, finished, logarithmic
 from .text import Listing, Passage, Prose, TextTable, percent, seconds, with_interval
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
     data, levels = master.reduced, master.factors.levels
     measured = master.data.conditions[master.factors.column]
     colour, norm = _colours(master)
-    omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), SMOOTH)
+    omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), CANVAS.smooth)
     x, *lines = master.drawn(omega, master.curve(omega))
     places, *measured_at = master.drawn(data.omega, data.stiffness)
     if clock == "omega":
@@ -298,8 +298,8 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
             label="not determined",
         )
         if not vertical:
-            axes.set_ylim(value.min() / TENFOLD, value.max() * TENFOLD)
-    if value.max() > TENFOLD * value.min():
+            axes.set_ylim(value.min() / CANVAS.tenfold, value.max() * CANVAS.tenfold)
+    if value.max() > CANVAS.tenfold * value.min():
         logarithmic(axes, "y")
     axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")
     title = "factors a of frequency"
@@ -316,7 +316,7 @@ def _draw_laws(axes: Axes, master: MasterCurve, vertical: bool) -> None:
     labels = {"WLF": "WLF = VFT"}
     laws = [law for law in master.laws if law.law.vertical == vertical and law.law.name != "VFT"]
     # Only between the levels: beyond them a law would be a claim without data.
-    fine = np.linspace(master.factors.levels.min(), master.factors.levels.max(), SMOOTH)
+    fine = np.linspace(master.factors.levels.min(), master.factors.levels.max(), CANVAS.smooth)
     for law, colour in zip(laws, COLOURS, strict=False):
         label, drawn = labels.get(law.law.name, law.law.name), np.exp(_along(law, fine, master))
         axes.plot(fine, drawn, "-", color=colour, linewidth=1.2, label=label, zorder=2)
@@ -350,7 +350,7 @@ def _draw_errors(axes: Axes, master: MasterCurve) -> None:
         linewidth=1.0,
     )
     # A level with too few points has no error of its own, and is left out.
-    if max(level.error for level in levels) > TENFOLD * np.nanmin(
+    if max(level.error for level in levels) > CANVAS.tenfold * np.nanmin(
         [level.alone for level in levels]
     ):
         logarithmic(axes, "y")

@@ -21,12 +21,13 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.measurement.units import Units
 from springpot.misfit.error import Error
+from springpot.report.text import LETTERS
 from springpot.rheology.nodes import FULL, PLANES, Composition, Parallel, Response
 from springpot.rheology.points import Complex, Real
 from springpot.writing import Html, joined, tag
 
 from . import views
-from .canvas import COLOURS, QUIET, TENFOLD, blank, finished, logarithmic
+from .canvas import CANVAS, COLOURS, QUIET, blank, finished, logarithmic
 from .figures import DASHES, headed, literal
 from .text import cut, percent
 from .views import DrawnFit, Scene, draw_bands, sweep_colours
@@ -36,10 +37,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from springpot.comparison.result import Comparison
-
-
-TITLE = 44
-"""Letters of a model's name above a panel before it is cut."""
 
 
 def residual_in(
@@ -98,7 +95,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: type[Composition]) -> None:
     # falsely.
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
-    if middle > 0 and largest > TENFOLD * middle:
+    if middle > 0 and largest > CANVAS.tenfold * middle:
         symmetric(axes, middle, largest)
     if scene.axis.logarithmic:
         logarithmic(axes, "x")
@@ -160,7 +157,7 @@ def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bo
     title = f"error {percent(error.relative_rms)}, material floor {percent(error.material_floor)}"
     # The headline names a single model.
     if named:
-        title = f"{literal(cut(scene.fits[0].name, TITLE))}\n{title}"
+        title = f"{literal(cut(scene.fits[0].name, LETTERS.panel))}\n{title}"
     row[0].set_title(title)
     for axes, plane in zip(row[1:], PLANES, strict=True):
         draw_plane(axes, scene, plane)

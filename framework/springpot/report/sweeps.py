@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,19 +20,26 @@ from springpot.thresholds import VARIED
 Rows = NDArray[np.int64]
 Words = NDArray[np.str_]
 
-MOST_DRAWN = 12
-"""Sweeps drawn at most; of more, evenly many are chosen.
 
-More colours than this cannot be told apart.
-"""
-VARIES = 1.2
-"""A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
-PROFILE = 3.0
-"""Ranges that a condition travels at most if it changes along a sweep, not between sweeps."""
-BIN = 8
-"""Points of a bin of a condition that was never held."""
-MOST_BINS = 40
-"""Bins at most, however many points there are."""
+class Drawing(NamedTuple):
+    """Which of many curves are drawn, and what one is."""
+
+    drawn: int
+    """Sweeps drawn at most; of more, evenly many are chosen.
+
+    More colours than this cannot be told apart.
+    """
+    varies: float
+    """A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
+    profile: float
+    """Ranges that a condition travels at most if it changes along a sweep, not between sweeps."""
+    bin: int
+    """Points of a bin of a condition that was never held."""
+    bins: int
+    """Bins at most, however many points there are."""
+
+
+SWEEPS = Drawing(drawn=12, varies=1.2, profile=3.0, bin=8, bins=40)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +64,7 @@ def varies(name: str, column: Real) -> bool:
     # Degrees have no zero of their own, so that their ratio means nothing.
     if name == "temperature":
         return high - low > VARIED.temperature_wanders
-    return high > VARIES * low
+    return high > SWEEPS.varies * low
 
 
 def travels(along: Real, column: Real) -> bool:
@@ -74,7 +82,7 @@ def travels(along: Real, column: Real) -> bool:
     np.minimum.at(low, place.ravel(), column)
     np.maximum.at(high, place.ravel(), column)
     whole = float(np.ptp(column))
-    return way > PROFILE * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
+    return way > SWEEPS.profile * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
 
 
 def all_sweeps(
@@ -141,9 +149,9 @@ def _further(measurement: Measurement, name: str) -> tuple[Rows, Real | Words]:
 
 
 def chosen(sweeps: list[DrawnSweep]) -> list[DrawnSweep]:
-    """At most `MOST_DRAWN` of the sweeps, evenly spread, the first and the last among them."""
+    """At most `SWEEPS.drawn` of the sweeps, evenly spread, the first and the last among them."""
     # Both ends among them: they show how much a condition changes.
-    return [sweeps[i] for i in evenly(len(sweeps), MOST_DRAWN)]
+    return [sweeps[i] for i in evenly(len(sweeps), SWEEPS.drawn)]
 
 
 def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
@@ -178,7 +186,7 @@ def _alike(rows: Rows, numbers: NDArray[np.int64]) -> list[Rows]:
 
 def _bins(values: Real) -> NDArray[np.int64]:
     """Number of the bin of each value, bins holding equally many."""
-    count = int(np.clip(len(values) // BIN, 1, MOST_BINS))
+    count = int(np.clip(len(values) // SWEEPS.bin, 1, SWEEPS.bins))
     # By rank, so that bins hold equally many wherever the values crowd.
     rank = np.empty(len(values), dtype=np.int64)
     rank[np.argsort(values, kind="stable")] = np.arange(len(values))

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import floor, inf, isfinite, log10
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 from unicodedata import combining, east_asian_width
 
 from springpot.errors import below, plain, plain_json
@@ -25,8 +25,28 @@ if TYPE_CHECKING:
 
 SILENT = frozenset({"", "-"})
 """Cells that say nothing."""
-LEAST = 12
-"""Letters that are left of a name."""
+
+
+class Letters(NamedTuple):
+    """Of words for which there is little room, before they are cut or broken."""
+
+    left: int
+    """Letters that are left of a name."""
+    specimen: int
+    """Characters of such a name before it is cut."""
+    title: int
+    """Characters of a title before it is cut."""
+    panel: int
+    """Letters of a model's name above a panel before it is cut."""
+    label: int
+    """Letters of a label in a table; a longer one is cut."""
+    step: int
+    """Letters of a name's line before it is broken."""
+    formula: int
+    """Signs of a formula that stand on one line above its picture."""
+
+
+LETTERS = Letters(left=12, specimen=18, title=78, panel=44, label=24, step=14, formula=62)
 
 
 @dataclass(frozen=True)
@@ -107,7 +127,7 @@ class TextTable:
         # can.
         if table.width > columns and self.cuts:
             longest = max(len(row[0]) for row in table.rows)
-            most = max(longest - table.width + columns, LEAST)
+            most = max(longest - table.width + columns, LETTERS.left)
             shortened = [[cut(row[0], most), *row[1:]] for row in table.rows]
             return replace(table, rows=shortened)
         return table

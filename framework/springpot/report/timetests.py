@@ -30,7 +30,7 @@ from springpot.timetests.prediction import TestPrediction
 from springpot.writing import FEW
 
 from . import views
-from .canvas import COLOURS, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
+from .canvas import CANVAS, COLOURS, QUIET, blank, finished, logarithmic
 from .figures import marks_of, scene_of
 from .views import Scene
 
@@ -110,7 +110,7 @@ def _draw_first(
         # Computed at times of its own: between samples a curve is smooth where its points are few.
         # The beginning has no place on a logarithmic axis.
         positive = test.time[test.time > 0.0]
-        clock = np.geomspace(positive[0], positive[-1], SMOOTH)
+        clock = np.geomspace(positive[0], positive[-1], CANVAS.smooth)
 
     def along(time: Real) -> Real:
         return np.interp(time, loading.time, loading.value) if loop else time
@@ -124,7 +124,7 @@ def _draw_first(
     if loop:
         return f"{test.words[0]} [{test.loading_unit}]"
     logarithmic(axes, "x")
-    if test.response.min() > 0.0 and test.response.max() > TENFOLD * test.response.min():
+    if test.response.min() > 0.0 and test.response.max() > CANVAS.tenfold * test.response.min():
         logarithmic(axes, "y")
     return "t [s]"
 
@@ -175,7 +175,7 @@ def _even_times(test: TimeTest) -> Real:
     # A record may swing faster than evenly spaced times would show: computed where it was measured.
     if test.kind == "history":
         return test.time
-    return np.linspace(test.time[0], test.time[-1], SMOOTH)
+    return np.linspace(test.time[0], test.time[-1], CANVAS.smooth)
 
 
 def _draw_sweep(row: Sequence[Axes], scene: Scene) -> None:

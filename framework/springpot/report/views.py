@@ -20,7 +20,7 @@ from springpot.numerics import ENOUGH
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
-from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, logarithmic
+from .canvas import CANVAS, COLOURS, INK, QUIET, logarithmic
 from .sweeps import DrawnSweep, all_sweeps, chosen, travels, varies
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def smooth(measurement: Measurement, axis: DrawnAxis, sweep: DrawnSweep) -> tupl
     known, first = np.unique(place, return_index=True)
     fine: Real = known
     if len(known) > 1:
-        fine = np.linspace(known[0], known[-1], SMOOTH)
+        fine = np.linspace(known[0], known[-1], CANVAS.smooth)
 
     def between(column: Real) -> Real:
         here = column[sweep.rows]
@@ -377,7 +377,7 @@ def cole_cole(axes: Axes, scene: Scene) -> None:
     positive = np.all(data.storage > 0) and np.all(data.loss > 0)
     # Over decades a semicircle is no longer seen at equal scales, and small values vanish at the
     # origin.
-    if positive and _ratio(data.magnitude) > TENFOLD:
+    if positive and _ratio(data.magnitude) > CANVAS.tenfold:
         logarithmic(axes, "x")
         logarithmic(axes, "y")
     else:

@@ -14,9 +14,8 @@ import numpy as np
 from springpot.errors import ModelError
 
 from ..numerics import ALIKE, NEGLIGIBLE
-from .dimensional import units_of
 from .factors import activation_energy, bounded_shift
-from .grammar import OWN, free_names, names_in, parsed, spread
+from .grammar import OWN, free_names, names_in, parsed, spread, units_of
 from .nodes import VALUE, Response
 from .nonlinear import Compliant
 from .parameters import PURE, Dimension, Parameter, order

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,13 +26,34 @@ from ..numerics import ROUNDING
 from .damper import Beside, Damper, forces
 from .frame import Frame, Mode, modes_of
 
-SHORT = 16.0
-"""Steps in the shortest period around a largest value.
 
-A cubic errs there by (2 pi / 16)^4 / 384 = 6e-5 of it.
-"""
-NEAREST = 8
-"""Steps of the record that are looked at again for each value, the largest by the cubic first."""
+class Fineness(NamedTuple):
+    """How finely a motion is followed."""
+
+    short: float
+    """Steps in the shortest period around a largest value.
+
+    A cubic errs there by (2 pi / 16)^4 / 384 = 6e-5 of it.
+    """
+    nearest: int
+    """Steps of the record that are looked at again for each value, the largest by the cubic
+    first.
+    """
+    tolerance: float
+    """Relative error of K for which a damper's spectrum is read: far below what is known of any
+    damper.
+    """
+    beyond: float
+    """How far the band of a spectrum reaches beyond the frequencies of frame and record."""
+    fine: float
+    """Steps in the shortest period of the frame where something is not linear.
+
+    The motion is then within 0.5 % of that of an adaptive integrator, with stops as stiff as the
+    storey; the error falls with the square of their number.
+    """
+
+
+STEPS = Fineness(short=16.0, nearest=8, tolerance=1e-5, beyond=30.0, fine=120.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,14 +129,14 @@ class System:
         whole = self._between(state, a, seen)
         top: Real = whole.max(axis=0)
         fastest = float(np.abs(np.linalg.eigvals(self.matrix).imag).max())
-        wanted = np.ceil(self.step * SHORT * fastest / (2.0 * np.pi))
+        wanted = np.ceil(self.step * STEPS.short * fastest / (2.0 * np.pi))
         if wanted <= 1:
             return top
         # Only about the largest: a smaller one does not become the largest when it is looked at
         # more closely.
-        order = np.argsort(whole, axis=0)[-NEAREST:]
+        order = np.argsort(whole, axis=0)[-STEPS.nearest :]
         rows = np.unique(order)
-        if not wanted * len(rows) <= MOST_STEPS:
+        if not wanted * len(rows) <= STRUCTURE.steps:
             raise ModelError(
                 f"the shortest period of the frame is {2.0 * np.pi / fastest:.3g} s, far below the"
                 f" record's steps of {self.step:.3g} s; check masses and stiffnesses"
@@ -160,23 +182,26 @@ def _exponential(matrix: Real) -> Real:
     return grown
 
 
-TOLERANCE = 1e-5
-"""Relative error of K for which a damper's spectrum is read: far below what is known of any damper.
-"""
-BEYOND = 30.0
-"""How far the band of a spectrum reaches beyond the frequencies of frame and record."""
-FINE = 120.0
-"""Steps in the shortest period of the frame where something is not linear.
+class Believed(NamedTuple):
+    """What is believed of a structure and its record."""
 
-The motion is then within 0.5 % of that of an adaptive integrator, with stops as stiff as the
-storey; the error falls with the square of their number.
-"""
-MOST_STEPS = 1_000_000
-"""Of a record in short steps, which take some minutes: a minute of shaking and a period of 7 ms."""
-STRONGEST = 1e6
-"""Acceleration of the ground in m/s^2: far above a shock table's."""
-EVEN = 1e-3
-"""Relative scatter of the steps of a record that is taken for even: of times with four digits."""
+    steps: int
+    """Of a record in short steps, which take some minutes: a minute of shaking and a period of 7
+    ms.
+    """
+    acceleration: float
+    """Acceleration of the ground in m/s^2: far above a shock table's."""
+    even: float
+    """Relative scatter of the steps of a record that is taken for even: of times with four
+    digits.
+    """
+    storeys: int
+    """The tallest buildings have half as many; the work grows with their cube."""
+    mass: float
+    """Of kg of a floor, or N/m of a storey: more than a mountain has."""
+
+
+STRUCTURE = Believed(steps=1_000_000, acceleration=1e6, even=1e-3, storeys=300, mass=1e15)
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +258,7 @@ class GroundMotion:
             raise DataError(
                 f"{name}: sample {bad + 1} is no number: leave the record whole, or mend it"
             )
-        if (strong := np.flatnonzero(np.abs(acceleration) > STRONGEST)).size:
+        if (strong := np.flatnonzero(np.abs(acceleration) > STRUCTURE.acceleration)).size:
             raise DataError(
                 f"{name}: sample {strong[0] + 1} is {acceleration[strong[0]]:g} m/s^2, which no"
                 " ground does: mend it, or the unit"
@@ -245,7 +270,7 @@ class GroundMotion:
                 f"{name}: the time does not rise after sample {back + 1} (t = {time[back]:g} s)"
             )
         mean = float(np.mean(steps))
-        if np.abs(steps - mean).max() > EVEN * mean:
+        if np.abs(steps - mean).max() > STRUCTURE.even * mean:
             worst = int(np.argmax(np.abs(steps - mean)))
             raise DataError(
                 f"{name}: the steps are not equal ({steps[worst]:.4g} s after sample {worst + 1},"
@@ -468,13 +493,13 @@ def _stepped(
     with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
     """
     # By the shortest period: the highest mode is the one that a jump of a force sets ringing.
-    wanted = np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi))
+    wanted = np.ceil(record.step * STEPS.fine * frame.natural[0][-1] / (2.0 * np.pi))
     # Also where it is no number, as of a frame that is far too stiff for one.
-    if not wanted * len(record.acceleration) <= MOST_STEPS:
+    if not wanted * len(record.acceleration) <= STRUCTURE.steps:
         period = 2.0 * np.pi / frame.natural[0][-1]
         raise ModelError(
             f"the shortest period of the frame is {period:.3g} s: friction, a slider or a stop in a"
-            f" damper takes more than {MOST_STEPS} steps of the record; check masses and"
+            f" damper takes more than {STRUCTURE.steps} steps of the record; check masses and"
             " stiffnesses, or give a shorter record"
         )
     parts = int(wanted)
@@ -549,7 +574,7 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
     spectrum = damper.linear.spectrum(
         damper.linear_theta,
         band,
-        tolerance=TOLERANCE,
+        tolerance=STEPS.tolerance,
         temperature=damper.kelvin,
         reference_temperature=damper.reference,
     )
@@ -571,7 +596,10 @@ def _system(frame: Frame, record: GroundMotion) -> tuple[Real, Real, list[_Part]
     n = len(frame)
     # A short record leaves the frame swinging: its longest period counts as well.
     longest = max(len(record.acceleration) * record.step, 10.0 / frame.natural[0][0])
-    band = 1.0 / (BEYOND * longest), max(BEYOND * float(frame.natural[0][-1]), np.pi / record.step)
+    band = (
+        1.0 / (STEPS.beyond * longest),
+        max(STEPS.beyond * float(frame.natural[0][-1]), np.pi / record.step),
+    )
     parts: list[_Part] = []
     start = 2 * n
     for damper in frame.dampers:

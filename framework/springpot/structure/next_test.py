@@ -13,7 +13,7 @@ from math import inf
 
 import numpy as np
 
-from springpot.diagnosis.experiment import POINTS, Action, actions, planned_sweep
+from springpot.diagnosis.experiment import ACTION, Action, actions, planned_sweep
 from springpot.errors import ModelError
 from springpot.identification.prediction import Known
 from springpot.misfit.residuals_of_tests import SweepPart
@@ -150,12 +150,12 @@ def _of_one(known: Known, damper: int, moves: Real, variance: float) -> Iterator
         return
     action, point, rows = closest
     # All at the one frequency that tells most.
-    whole = WIDE * np.sqrt(rest + _left(moves, np.sqrt(POINTS / action.repeats) * rows))
+    whole = WIDE * np.sqrt(rest + _left(moves, np.sqrt(ACTION.points / action.repeats) * rows))
     hertz = _hertz(action, point)
     told = {name: values for name, values in action.action.items() if len(values) == 1}
     where = ", ".join(f"{name} {value[0]:.3g}" for name, value in told.items() if name != "repeats")
-    says = f"measure {POINTS} times at {hertz:.3g} Hz" + (f" ({where})" if where else "")
-    told |= {"omega": [2.0 * np.pi * hertz], "repeats": [float(POINTS)]}
+    says = f"measure {ACTION.points} times at {hertz:.3g} Hz" + (f" ({where})" if where else "")
+    told |= {"omega": [2.0 * np.pi * hertz], "repeats": [float(ACTION.points)]}
     yield FurtherTest(damper, says, float(whole), hertz, told)
 
 

@@ -32,7 +32,7 @@ from springpot.rheology.points import KELVIN, Real
 
 from .damper import Damper
 from .frame import Frame
-from .motion import STRONGEST, GroundMotion, artificial
+from .motion import STRUCTURE, GroundMotion, artificial
 
 ACCELERATIONS = {
     "m/s^2": 1.0,
@@ -107,7 +107,7 @@ def _drawn(spec: str, rng: np.random.Generator) -> GroundMotion:
     except ValueError:
         largest = float("nan")
     # One that is no number, or beyond any earthquake, is told alike.
-    if not 0.0 < largest < STRONGEST:
+    if not 0.0 < largest < STRUCTURE.acceleration:
         raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2")
     return artificial(rng, peak=largest)
 
@@ -194,10 +194,6 @@ def _acceleration_unit(header: str, path: Path) -> float:
     return ACCELERATIONS[unit]
 
 
-MOST_STOREYS = 300
-"""The tallest buildings have half as many; the work grows with their cube."""
-HEAVIEST = 1e15
-"""Of kg of a floor, or N/m of a storey: more than a mountain has."""
 Fits = dict[tuple[Path, str], Known]
 FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
 DAMPER_KEYS = {
@@ -248,7 +244,7 @@ def read_structure(path: str | Path) -> Frame:
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise DataError(f"{path}: each damper is a [[damper]]")
     try:
-        storeys = _count(frame.get("storeys", 1), "storeys", MOST_STOREYS)
+        storeys = _count(frame.get("storeys", 1), "storeys", STRUCTURE.storeys)
         mass = _column(frame, "mass", storeys, path)
         stiffness = _column(frame, "stiffness", storeys, path)
         fits: Fits = {}
@@ -276,7 +272,10 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     if not isinstance(value, list):
         value = [value] * storeys
     return np.array(
-        [_number(each, name, 1.0 / HEAVIEST, HEAVIEST) for each in value[: MOST_STOREYS + 1]]
+        [
+            _number(each, name, 1.0 / STRUCTURE.mass, STRUCTURE.mass)
+            for each in value[: STRUCTURE.storeys + 1]
+        ]
     )
 
 
@@ -315,7 +314,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: Fits) -> Da
     return Damper(
         known.model,
         known.theta,
-        _count(entry.get("storey", 1), f"{where}: storey", MOST_STOREYS),
+        _count(entry.get("storey", 1), f"{where}: storey", STRUCTURE.storeys),
         _number(entry.get("count", 1), f"{where}: count", 0.0),
         covariance,
         temperature,

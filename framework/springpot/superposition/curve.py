@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.identification.fitted import Fit
 from springpot.identification.free_factors import (
     FactorRows,
     Factors,
@@ -30,6 +29,7 @@ from springpot.identification.known_factors import (
     known_factors,
 )
 from springpot.identification.levels_alone import FEW, Alone, weighing_of
+from springpot.identification.native import Fit
 from springpot.identification.problem import Objective, default_objective
 from springpot.lazy import Drawn, Printed
 from springpot.measurement.independence import at_one_frequency

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
         check_plugin as check_plugin,
         check_writer as check_writer,
     )
-    from .effects import check_effect as check_effect
-    from .models import check_model as check_model
+    from .effects import check_effect as check_effect, check_model as check_model
     from .optimisers import check_optimiser as check_optimiser
     from .readers import check_reader as check_reader
 

@@ -27,10 +27,9 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import ROUNDING
-from .effects import check_effect
-from .models import check_model
+from .effects import check_effect, check_model
 from .networks import (
-    EXACT,
+    CONTRACT,
     SAMPLE,
     cited,
     complaints,
@@ -78,8 +77,6 @@ def check_writer(
 
 
 KINDS = ("measured", "artificial", "reconstruction")
-LONGEST = 240
-"""Characters of a summary."""
 
 
 def check_dataset(
@@ -120,10 +117,10 @@ def _words(dataset: DataSet) -> Iterator[str]:
     if (
         len(dataset.summary.split()) < 3
         or "\n" in dataset.summary
-        or len(dataset.summary) > LONGEST
+        or len(dataset.summary) > CONTRACT.described
     ):
         yield (
-            f"the summary must be one sentence of at most {LONGEST} characters, not"
+            f"the summary must be one sentence of at most {CONTRACT.described} characters, not"
             f" {dataset.summary!r:.60}"
         )
     if dataset.kind not in KINDS:
@@ -267,7 +264,9 @@ def _derivative(objective: Objective) -> Iterator[str]:
 
         numeric = derivative(residual, THETA)
         # Times the parameters, for these differ by orders of magnitude.
-        if not np.max(np.abs(exact - numeric) * THETA) < EXACT * np.max(np.abs(numeric) * THETA):
+        if not np.max(np.abs(exact - numeric) * THETA) < CONTRACT.exact * np.max(
+            np.abs(numeric) * THETA
+        ):
             yield f"{which}: derivative is not that of the residuals"
 
 

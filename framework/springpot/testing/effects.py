@@ -1,4 +1,4 @@
-"""The contract of an effect, and of its law in time on a made-up test of each kind."""
+"""The contracts of a model and of an effect; of its law in time on a made-up test of each kind."""
 
 from __future__ import annotations
 
@@ -8,41 +8,174 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.identification.material import is_material
+from springpot.identification.native import fit
 from springpot.measurement.imposed import Loading
 from springpot.measurement.recording import recorded
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.residuals_of_tests import InTimePart
+from springpot.rheology.drawing import drawing_of
 from springpot.rheology.effect import CONTROLS, Effect, Layer
-from springpot.rheology.elements import spring, springpot
-from springpot.rheology.model import Model
+from springpot.rheology.elements import Continuum, spring, springpot
+from springpot.rheology.model import Family, Model
 from springpot.rheology.nodes import parallel, series
 from springpot.rheology.points import Points, Real
 from springpot.timetests.specimen import Scales, tries_of
 
-from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE, PRINTED
+from ..numerics import ALIKE, DIFFERENCE, NEGLIGIBLE, PRINTED, ROUNDING
 from .networks import (
+    CONTRACT,
+    OMEGA,
     POINTS,
     SAMPLE,
-    SEED,
     Aspect,
     cited,
     complaints,
+    derivative,
     name_and_summary,
     network_aspects,
     sample,
+    sample_measurement,
 )
+
+RATES = (0.03, 1.0, 40.0)
+"""Lines [rad/s] below, within and above the frequencies at which a material is checked."""
+
+
+def check_model(
+    model: Model | Family, *, passive: bool = False, skip: Collection[str] = ()
+) -> list[str]:
+    """What is wrong with a model, as plain sentences; of a family, with some of its members.
+
+    Aspects: ``words`` (name, summary, citation, drawing), ``parameters``, ``shapes``,
+    ``derivatives`` (exact, by Cauchy's integral), ``finite`` (over the search box), ``units``,
+    ``pure``, ``search`` (the search form inverts and keeps the bounds) and ``passive``. Of a
+    material whose spectrum the data choose everything is checked with lines in it, whether
+    ``passive`` is asked for or not, and ``spectrum``: that a fit follows a network of springs,
+    springpots and dashpots.
+
+    Parameters
+    ----------
+    model : Model or Family
+        The model.
+    passive : bool
+        Also demand that storage and loss are never negative.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    if isinstance(model, Family):
+        return _check_family(model, passive, skip)
+    if is_material(model):
+        return _check_material(model, skip)
+    aspects = {
+        "words": lambda: _words(model),
+        **network_aspects(model),
+        "search": lambda: _search(model),
+    }
+    if passive:
+        aspects["passive"] = lambda: _passive(model)
+    return complaints(aspects, skip)
+
+
+def _check_family(family: Family, passive: bool, skip: Collection[str]) -> list[str]:
+    sentences = complaints(
+        {"words": lambda: name_and_summary(family.name, family.summary, family.aliases)}
+    )
+    for number in (1, 3):
+        expected = f"{family.name.removesuffix('-N')}-{number}"
+        member = family.member(expected)
+        # A member's name is typed and stored: it must lead back to the same member.
+        if member is None or member.base != expected:
+            sentences.append(
+                f"words: member {number} is called {member and member.base}, not {expected}"
+            )
+        else:
+            sentences += [
+                f"{expected}: {says}" for says in check_model(member, passive=passive, skip=skip)
+            ]
+    return sentences
+
+
+def _check_material(model: Model, skip: Collection[str]) -> list[str]:
+    """The contract with the lines that a fit may choose.
+
+    Without any there is only a spring beside a dashpot.
+    """
+    lined = replace(model, material=Continuum(RATES))
+    aspects = {
+        "words": lambda: _words(model),
+        **network_aspects(lined),
+        "passive": lambda: _passive(lined),
+    }
+    return complaints({**aspects, "spectrum": lambda: _spectrum(model)}, skip)
+
+
+def _spectrum(model: Model) -> Iterator[str]:
+    """Any network of springs, springpots and dashpots is one of the materials."""
+    data = sample_measurement()
+    theta = sample(SAMPLE.parameters, np.random.default_rng(CONTRACT.seed), (1,))[0]
+    exact = SAMPLE.stiffness(theta, data.points)
+    fitted = fit(model, replace(data, stiffness=exact))
+    left = np.abs(fitted.model.stiffness(fitted.theta, data.points) / exact - 1.0)
+    if not left.max() < CONTRACT.followed:
+        yield (
+            f"a spring beside a spring in series with a springpot is followed to {left.max():.1e}"
+            " only"
+        )
+    if np.any(fitted.theta < 0.0):
+        yield "a weight of the spectrum is negative"
+
+
+def _words(model: Model) -> Iterator[str]:
+    yield from name_and_summary(model.base, model.summary, model.aliases)
+    yield from cited(model.citation)
+    if len(drawing_of(model).splitlines()) < 2:
+        yield "the drawing is no picture of a network"
+
+
+def _search(model: Model) -> Iterator[str]:
+    form = model.search
+    if form is None:
+        return
+    x = sample(form.parameters, np.random.default_rng(CONTRACT.seed), (4,))
+    # Search points keep the order of the form, as they do wherever one is searched.
+    if form.ordered:
+        x[:, list(form.ordered)] = np.sort(x[:, list(form.ordered)], axis=-1)
+    if not np.allclose(form.from_elements(form.to_elements(x)), x, rtol=1e-8):
+        yield "from_elements does not undo to_elements"
+    numeric = np.stack([derivative(form.to_elements, row, 1e-3) for row in x])
+    # Written this way round, a derivative that is no number fails too.
+    if not np.max(np.abs(form.jacobian(x) - numeric)) < CONTRACT.exact * np.max(np.abs(numeric)):
+        yield "jacobian is not the derivative of to_elements"
+    # In any order: an optimiser knows nothing of the order, and the form has to mend it.
+    free = sample(form.parameters, np.random.default_rng(CONTRACT.seed), (50,))
+    theta = form.to_elements(form.repaired(free))
+    for parameter, values in zip(model.parameters, theta.T, strict=True):
+        if np.any(values < parameter.lower) or np.any(values > parameter.upper):
+            yield f"a lawful search point gives {parameter.name} beyond its bounds"
+
+
+def _passive(model: Model) -> Iterator[str]:
+    rng = np.random.default_rng(CONTRACT.seed)
+    theta = sample(model.parameters, rng, (200,))
+    # Orders at the very ends of their range are lawful too.
+    for i, parameter in enumerate(model.parameters):
+        if parameter.scale == "linear" and np.isfinite(parameter.upper):
+            theta[::3, i] = rng.choice([parameter.lower, parameter.upper], len(theta[::3]))
+    stiffness = model.stiffness(theta, OMEGA)
+    for name, part in (("storage", stiffness.real), ("loss", stiffness.imag)):
+        # A loss of zero, as of a spring, is computed to rounding only.
+        if np.any(part < -ROUNDING * np.abs(stiffness)):
+            yield f"the {name} is negative for lawful parameters"
+
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
 THETA = np.array([50.0, 400.0, 60.0, 0.5])
-AGREE = 2e-3
-"""Relative difference from it up to which a derivative is right.
-
-The response itself is good to 1e-6.
-"""
-APART = 0.03
-"""Share of the samples that may lie at a corner, where a difference is no derivative."""
-GONE = 1e-5
-"""Change of the record that is left there, over the largest response."""
 
 
 def tests_in_time() -> list[TimeTest]:
@@ -84,7 +217,7 @@ def _suits(tests: list[TimeTest]) -> Iterator[str]:
 def _theta(effect: Effect, test: TimeTest) -> Real:
     """Parameters of the material, and those of the effect at one of the places that are tried."""
     places = tries_of(effect, test, Scales.of([InTimePart(test)]))
-    place = places[int(np.random.default_rng(SEED).integers(len(places)))]
+    place = places[int(np.random.default_rng(CONTRACT.seed).integers(len(places)))]
     return np.concatenate([THETA, place])
 
 
@@ -119,9 +252,9 @@ def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
             wanted = (ends[0] - ends[1]) / (2.0 * step)
             off = np.abs(wanted - slopes[:, i])[1:]
             size = float(np.abs(wanted[1:]).max())
-            wrong = float(np.mean(off > AGREE * size + ALIKE))
+            wrong = float(np.mean(off > CONTRACT.agree * size + ALIKE))
             # A parameter that does nothing in this kind of test has no derivative to be wrong.
-            if size > 0.0 and wrong > APART:
+            if size > 0.0 and wrong > CONTRACT.apart:
                 where = f"at {100.0 * wrong:.0f} % of the samples"
                 yield f"in a {test.kind} test the derivative by {name} is wrong {where}"
 
@@ -157,7 +290,7 @@ def _law_vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
         tried = abs(theta[first])
         theta[first] = tried / ALIKE if np.isinf(null) else null + ALIKE * tried
         left = _change(effect, theta, test)
-        if not left < GONE:
+        if not left < CONTRACT.gone:
             yield (
                 f"in a {test.kind} test {left:.1e} of the record still changes when"
                 f" {effect.element.parameters[0].name}, its first parameter, goes to {null:g};"
@@ -166,8 +299,6 @@ def _law_vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
 
 
 COLUMNS = frozenset({"amplitude", "temperature"})
-NEARLY = 1e-24
-"""Distance from the size at which an effect vanishes, relative to its typical size."""
 
 
 def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = ()) -> list[str]:
@@ -195,7 +326,7 @@ def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = 
     """
     # An effect of the levels of a column has parameters only once it knows these levels.
     effect = effect.bound_to(POINTS)
-    aspects: dict[str, Aspect] = {"words": lambda: _words(effect)}
+    aspects: dict[str, Aspect] = {"words": lambda: _effect_words(effect)}
     if effect.of_test:
         return complaints(aspects | law_aspects(effect), skip)
     grown = on + effect
@@ -208,7 +339,7 @@ def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = 
     return complaints(aspects, skip)
 
 
-def _words(effect: Effect) -> Iterator[str]:
+def _effect_words(effect: Effect) -> Iterator[str]:
     yield from name_and_summary(effect.name, effect.summary, effect.aliases)
     yield from cited(effect.citation)
     if not 0.0 < effect.prior <= 1.0:
@@ -227,7 +358,7 @@ def _words(effect: Effect) -> Iterator[str]:
 
 
 def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
-    theta = sample(grown.parameters, np.random.default_rng(SEED), (4,))
+    theta = sample(grown.parameters, np.random.default_rng(CONTRACT.seed), (4,))
     n = len(on.parameters)
     alone = on.stiffness(theta[:, :n], POINTS)
     if not np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0)) > 1e-4:
@@ -240,11 +371,11 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     typical = abs(size.typical) or 1.0
     if np.isinf(null):
         # An effect that vanishes at infinity, such as the stiffness of a mounting.
-        theta[:, n] = typical / NEARLY
+        theta[:, n] = typical / CONTRACT.nearly
     elif null == 0.0:
-        theta[:, n] = NEARLY * typical
+        theta[:, n] = CONTRACT.nearly * typical
     else:
-        theta[:, n] = null + NEARLY * null
+        theta[:, n] = null + CONTRACT.nearly * null
     left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))
     if not left < NEGLIGIBLE:
         yield (
@@ -261,7 +392,7 @@ def _without(column: str) -> Points:
 
 
 def _columns(effect: Effect, grown: Model) -> Iterator[str]:
-    theta = sample(grown.parameters, np.random.default_rng(SEED))
+    theta = sample(grown.parameters, np.random.default_rng(CONTRACT.seed))
     for column in sorted(effect.needs - COLUMNS):
         yield (
             f"it needs '{column}', but measurements have only amplitude and temperature beside the"
@@ -290,7 +421,7 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
 
 
 def _harmonic(effect: Effect) -> Iterator[str]:
-    theta = sample(effect.element.parameters, np.random.default_rng(SEED), (2,))
+    theta = sample(effect.element.parameters, np.random.default_rng(CONTRACT.seed), (2,))
     third = effect.third_harmonic(theta, POINTS)
     expected = (2, len(POINTS.log_omega))
     if third is not None and (np.shape(third) != expected or not np.all(np.isfinite(third))):

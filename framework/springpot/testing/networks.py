@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -31,22 +31,74 @@ from springpot.rheology.poles import CIRCLE
 
 from ..numerics import ALIKE
 
-DEADLINE = 120.0
-"""Seconds in which a plugin must have shown all that is asked of it.
 
-The slowest of springpot's own take five.
-"""
+class Strictness(NamedTuple):
+    """How closely a plugin is looked at, and what is asked of it."""
+
+    deadline: float
+    """Seconds in which a plugin must have shown all that is asked of it.
+
+    The slowest of springpot's own take five.
+    """
+    seed: int
+    """Of whatever is drawn: a contract that holds once holds again."""
+    summary: int
+    """Characters of a summary that still fit a listing."""
+    exact: float
+    """Relative error above which a derivative is not exact; finite differences are worse than
+    this.
+    """
+    described: int
+    """Characters of a summary."""
+    agree: float
+    """Relative difference from it up to which a derivative is right.
+
+    The response itself is good to 1e-6.
+    """
+    apart: float
+    """Share of the samples that may lie at a corner, where a difference is no derivative."""
+    gone: float
+    """Change of the record that is left there, over the largest response."""
+    nearly: float
+    """Distance from the size at which an effect vanishes, relative to its typical size."""
+    followed: float
+    """Relative error to which lines follow a smooth spectrum at points that are two a decade.
+
+    1.1e-4 with the most lines
+    that a fit allows itself, which leaves a few of the measured numbers over."""
+    long: int
+    """Evaluations in which it must get somewhere."""
+    better: float
+    """What is left by then of the objective at the centre of the box."""
+    random_files: int
+    """Files of random bytes, and as many of random pieces of tables."""
+    damaged: int
+    """Bytes of a sample that are damaged; more would take long and show no more."""
+
+
+CONTRACT = Strictness(
+    deadline=120.0,
+    seed=20240607,
+    summary=160,
+    exact=1e-8,
+    described=240,
+    agree=2e-3,
+    apart=0.03,
+    gone=1e-5,
+    nearly=1e-24,
+    followed=2e-4,
+    long=400,
+    better=0.5,
+    random_files=40,
+    damaged=1 << 14,
+)
 Aspect: TypeAlias = Callable[[], Iterable[str]]
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(-N)?")
-SEED = 20240607
-"""Of whatever is drawn: a contract that holds once holds again."""
-LONGEST = 160
-"""Characters of a summary that still fit a listing."""
 
 
 def complaints(
-    aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadline: float = DEADLINE
+    aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadline: float = CONTRACT.deadline
 ) -> list[str]:
     """What is wrong, each sentence preceded by its aspect; empty if nothing is.
 
@@ -144,9 +196,10 @@ def name_and_summary(name: str, summary: str, aliases: Iterable[str] = ()) -> It
                 f"'{word}' must be lower-case words, digits and hyphens,"
                 " such as 'fractional-maxwell'"
             )
-    if len(summary.split()) < 2 or "\n" in summary or len(summary) > LONGEST:
+    if len(summary.split()) < 2 or "\n" in summary or len(summary) > CONTRACT.summary:
         yield (
-            f"the summary must be one sentence of at most {LONGEST} characters, not {summary!r:.60}"
+            f"the summary must be one sentence of at most {CONTRACT.summary} characters,"
+            f" not {summary!r:.60}"
         )
     elif summary.endswith("."):
         yield "the summary ends with a full stop, which a listing does not need"
@@ -252,8 +305,6 @@ def _along(function: Callable[[Any], Any], x: Real, i: int, steps: Any) -> Any:
 
 OMEGA: Real = np.geomspace(0.1, 30.0, 9)
 POINTS = Points(np.log(OMEGA), np.linspace(0.5, 2.0, 9), np.linspace(285.0, 305.0, 9))
-EXACT = 1e-8
-"""Relative error above which a derivative is not exact; finite differences are worse than this."""
 
 SAMPLE = Model(
     "sample", parallel(spring("k1"), series(spring("k2"), springpot())), search=MAXWELL_FORM
@@ -286,7 +337,7 @@ def network_aspects(model: Model) -> dict[str, Aspect]:
 
 
 def _thetas(model: Model, count: int = 4) -> Real:
-    return sample(model.parameters, np.random.default_rng(SEED), (count,))
+    return sample(model.parameters, np.random.default_rng(CONTRACT.seed), (count,))
 
 
 def _parameters(parameters: Sequence[Parameter]) -> Iterator[str]:
@@ -348,10 +399,10 @@ def _derivatives(model: Model) -> Iterator[str]:
     worst = np.max([_by_theta(model, row) for row in theta], axis=0)
     for name, error in zip(model.names, worst, strict=True):
         # Written this way round, an error that is no number fails too.
-        if not error < EXACT:
+        if not error < CONTRACT.exact:
             yield f"dK/d{name} is not the derivative of K: off by {error:.1e} relative to K/{name}"
     slope = max(_by_log_omega(model, row) for row in theta)
-    if not slope < EXACT:
+    if not slope < CONTRACT.exact:
         yield f"by_log_omega is not dK/d ln omega: off by {slope:.1e} relative to K"
 
 
@@ -387,7 +438,7 @@ def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -
     # A derivative that is nothing beside the others is held against them, not against its own
     # roundings.
     natural = np.maximum(natural, ALIKE * np.max(natural))
-    smooth = np.abs(near - nearer) <= 0.1 * EXACT * natural
+    smooth = np.abs(near - nearer) <= 0.1 * CONTRACT.exact * natural
     wrong = np.abs(exact - nearer) / natural
     # A derivative that is not a number is wrong, kink or not; and where all is rough, nothing has
     # been shown.
@@ -398,7 +449,7 @@ def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -
 def _finite(model: Model) -> Iterator[str]:
     """Optimisers visit the whole box and its corners; none may meet an infinity there."""
     box = paper_box(model, sample_measurement())
-    inside = np.random.default_rng(SEED).random((300, len(box.lower)))
+    inside = np.random.default_rng(CONTRACT.seed).random((300, len(box.lower)))
     for where, x in (("inside", inside), ("in a corner of", np.round(inside))):
         theta = box.theta(box.lower + x * (box.upper - box.lower))
         response = model.network.respond(theta, sample_measurement().points, FULL)

@@ -23,12 +23,8 @@ from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE
-from .networks import DEADLINE, SAMPLE, SEED, complaints, kept_random_state, name_and_summary
+from .networks import CONTRACT, SAMPLE, complaints, kept_random_state, name_and_summary
 
-LONG = 400
-"""Evaluations in which it must get somewhere."""
-BETTER = 0.5
-"""What is left by then of the objective at the centre of the box."""
 TRUTH = np.array([600.0, 400.0, 150.0, 0.6])
 """Those of the paper, section 5.1, in kN/m and s."""
 
@@ -36,7 +32,7 @@ EQUAL = Objective("sample", "plain squares", lambda data: np.full(data.stiffness
 
 
 def check_optimiser(
-    optimiser: type[Optimiser], *, skip: Collection[str] = (), deadline: float = DEADLINE
+    optimiser: type[Optimiser], *, skip: Collection[str] = (), deadline: float = CONTRACT.deadline
 ) -> list[str]:
     """What is wrong with an optimiser, as plain sentences.
 
@@ -84,7 +80,7 @@ def sample_problem() -> Problem:
 
 
 def _run(
-    optimiser: Optimiser, budget: int, seed: int = SEED, problem: Problem | None = None
+    optimiser: Optimiser, budget: int, seed: int = CONTRACT.seed, problem: Problem | None = None
 ) -> Run:
     return run(optimiser, problem or sample_problem(), budget, np.random.default_rng(seed))
 
@@ -155,7 +151,7 @@ def _box(optimiser: Optimiser) -> Iterator[str]:
         np.fmax(high, x.max(axis=0), out=high)
 
     problem = watched(sample_problem(), watch)
-    outcome = _run(optimiser, LONG, problem=problem)
+    outcome = _run(optimiser, CONTRACT.long, problem=problem)
     if outcome.failed:
         yield f"the run ends as '{outcome.status}'"
     # Rounding may put a point that was meant for the edge a little beyond it.
@@ -177,11 +173,11 @@ def _improves(optimiser: Optimiser) -> Iterator[str]:
     problem = sample_problem()
     centre = float(problem.evaluate(0.5 * (problem.lower + problem.upper)))
     # Of three, as one run of a search by chance may be unlucky.
-    best = min(_run(optimiser, LONG, seed).best for seed in (1, 2, 3))
-    if not best < BETTER * centre:
+    best = min(_run(optimiser, CONTRACT.long, seed).best for seed in (1, 2, 3))
+    if not best < CONTRACT.better * centre:
         yield (
-            f"the best of three runs of {LONG} evaluations is {best / centre:.2g} of the value at"
-            " the box's centre"
+            f"the best of three runs of {CONTRACT.long} evaluations is {best / centre:.2g} of the"
+            " value at the box's centre"
         )
 
 
@@ -194,14 +190,14 @@ def _faults(optimiser: Optimiser) -> Iterator[str]:
         if calls > 5:
             raise ZeroDivisionError("the model fails")
 
-    outcome = _run(optimiser, LONG, problem=watched(sample_problem(), fail))
+    outcome = _run(optimiser, CONTRACT.long, problem=watched(sample_problem(), fail))
     # Some end by themselves before the sixth call, and have met no error.
     if not outcome.status.startswith("failed: ZeroDivisionError") and calls > 5:
         yield f"an error of the model is swallowed: the run ends as '{outcome.status}'"
 
 
 def _gradient(optimiser: Optimiser) -> Iterator[str]:
-    used = _run(optimiser, LONG).gradients > 0
+    used = _run(optimiser, CONTRACT.long).gradients > 0
     if used != optimiser.card.gradient:
         does = "does not use"
         if used:

@@ -19,12 +19,8 @@ from springpot.measurement.opening import HEAD
 from springpot.measurement.reader import Choice, Reader
 from springpot.measurement.signals import Signals
 
-from .networks import SEED, complaints, name_and_summary, sample_measurement
+from .networks import CONTRACT, complaints, name_and_summary, sample_measurement
 
-RANDOM_FILES = 40
-"""Files of random bytes, and as many of random pieces of tables."""
-DAMAGED = 1 << 14
-"""Bytes of a sample that are damaged; more would take long and show no more."""
 TABLE = b"frequency [Hz],storage [kN/m],loss [kN/m]\n"
 PIECES = (
     *(bytes([i]) for i in (0, 9, 10, 13, 44, 59, 34, 35, 255)),
@@ -112,14 +108,14 @@ def _samples(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
 
 
 def _files(samples: list[bytes]) -> Iterator[bytes]:
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(CONTRACT.seed)
     # An empty file, as an export that was interrupted leaves it.
     yield b""
-    for _ in range(RANDOM_FILES):
+    for _ in range(CONTRACT.random_files):
         yield rng.bytes(int(rng.integers(1, 2000)))
         yield b"".join(PIECES[i] for i in rng.integers(0, len(PIECES), 30))
-    for sample in [whole[:DAMAGED] for whole in samples if whole]:
-        for _ in range(RANDOM_FILES):
+    for sample in [whole[: CONTRACT.damaged] for whole in samples if whole]:
+        for _ in range(CONTRACT.random_files):
             # Cut off, then with bytes that are wrong: what a broken transfer and a broken disk make
             # of a file.
             yield sample[: rng.integers(len(sample))]
@@ -188,7 +184,7 @@ def _bare(measurement: Measurement) -> Measurement:
 
 def _versions() -> Iterator[tuple[str, Measurement]]:
     full, n = sample_measurement(), len(sample_measurement())
-    bare, rng = _bare(full), np.random.default_rng(SEED)
+    bare, rng = _bare(full), np.random.default_rng(CONTRACT.seed)
     yield "plain data", bare
     # Up to e^500, and down to its inverse: as text they need all their digits, and an exponent.
     yield (

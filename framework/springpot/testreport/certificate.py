@@ -25,6 +25,7 @@ from springpot.registry import versions
 from springpot.report.page import page
 from springpot.report.residuals import framed
 from springpot.report.text import with_interval
+from springpot.testreport.report import PAGE
 from springpot.thresholds import INTERVAL
 from springpot.writing import NAMED, Html, number, table, tag, wide_table
 
@@ -44,9 +45,6 @@ from .deciding import (
 from .record import LoopRecord, read_record
 from .report import CycleReport, Sheet, check_sheets_path, figure_cycles, report_of, write_sheets
 from .summary import EvaluatedTest, evaluate
-
-SHOWN = 40
-"""Rows of a budget on a page: all are in the workbook."""
 
 
 @dataclass(frozen=True)
@@ -285,7 +283,7 @@ def _reasons(certificate: Certificate) -> Iterator[Html]:
 
 def _budget(rows: Sequence[DecidedRow]) -> Html:
     cells = []
-    for row in rows[:SHOWN]:
+    for row in rows[: PAGE.budget]:
         for line in row.budget.lines:
             freedom = number(line.freedom, 3) if np.isfinite(line.freedom) else "∞"
             cells.append([row.name, row.subject, line.name, line.kind, number(line.standard, 2),

@@ -18,7 +18,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
 from .record import (
-    EIGHTH,
+    WINDOW,
     Channel,
     Estimate,
     Found,
@@ -125,7 +125,7 @@ def cycles_of(record: LoopRecord, found: Found, first: int, last: int) -> list[C
         pulled = Channel(record.time[near], record.force[near] - drifts[1] * away, noise[1])
         loops.append(_loop(moved, pulled, found, i))
     turned = [(each.pulled, turning) for each in loops for turning in each.turnings]
-    forces = forces_at_turnings(turned, EIGHTH * found.period)
+    forces = forces_at_turnings(turned, WINDOW.share * found.period)
     made = []
     for i, loop in enumerate(loops):
         start, stop = bounds[i : i + 2]
@@ -198,12 +198,12 @@ class _Loop(NamedTuple):
     @property
     def width(self) -> float:
         """Of the window of fits."""
-        return EIGHTH * (self.stop.value - self.start.value)
+        return WINDOW.share * (self.stop.value - self.start.value)
 
 
 def _loop(moved: Channel, pulled: Channel, found: Found, i: int) -> _Loop:
     start, stop, middle = found.bounds[i], found.bounds[i + 1], found.middles[i]
-    width = EIGHTH * (stop.value - start.value)
+    width = WINDOW.share * (stop.value - start.value)
     first = 1.0 if found.speeds[2 * i].value > 0 else -1.0
     ahead = turning_point(moved, _extreme(moved, start, middle, first), width, first)
     back = turning_point(moved, _extreme(moved, middle, stop, -first), width, -first)
@@ -346,7 +346,7 @@ def _greatest(
     while few:
         inner = np.abs(np.convolve(values, np.ones(few), mode="valid"))
         place = int(np.argmax(inner)) + few // 2
-        found = smooth_value(channel, float(time[place]), EIGHTH * (stop - start))
+        found = smooth_value(channel, float(time[place]), WINDOW.share * (stop - start))
         few //= 4
         if found is None:
             # Beside a jump there is no smooth piece: the sample itself, once the highest is meant.

@@ -33,12 +33,22 @@ from springpot.registry import open_in_time, open_signals
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
-EIGHTH = 0.125
-"""Share of a cycle to either side: a sinusoid is a polynomial of degree four there to 2e-4."""
-SMOOTH, STEEP = 4, 5
-"""Degrees of the polynomials for a value and for a slope."""
-MOVES = 4
-"""Times that a window is laid anew about what was found in it; the second moves it by rounding."""
+
+class CycleWindow(NamedTuple):
+    """Of a cycle, in which a value and a slope are read."""
+
+    share: float
+    """Share of a cycle to either side: a sinusoid is a polynomial of degree four there to 2e-4."""
+    smooth: int
+    steep: int
+    """Degrees of the polynomials for a value and for a slope."""
+    moves: int
+    """Times that a window is laid anew about what was found in it; the second moves it by
+    rounding.
+    """
+
+
+WINDOW = CycleWindow(share=0.125, smooth=4, steep=5, moves=4)
 EXPONENTS = (0.1, 1.0)
 """Powers of the speed by which a force can go; below the least it is friction."""
 
@@ -143,7 +153,7 @@ def polynomial_at(
 
 def smooth_value(channel: Channel, moment: float, width: float) -> Estimate | None:
     """The value at a moment around which a channel is smooth; None beside a jump."""
-    fit = polynomial_at(channel, moment, width, SMOOTH, 1)
+    fit = polynomial_at(channel, moment, width, WINDOW.smooth, 1)
     if not fit.fits:
         return None
     return Estimate(float(fit.solution[0]), float(np.sqrt(fit.covariance[0, 0])))
@@ -151,7 +161,7 @@ def smooth_value(channel: Channel, moment: float, width: float) -> Estimate | No
 
 def value_at(channel: Channel, moment: Estimate, width: float) -> Estimate:
     """The value at a moment that is itself known with a deviation."""
-    solution, covariance, _ = polynomial_at(channel, moment.value, width, SMOOTH)
+    solution, covariance, _ = polynomial_at(channel, moment.value, width, WINDOW.smooth)
     return Estimate(
         float(solution[0]), float(np.hypot(np.sqrt(covariance[0, 0]), solution[1] * moment.sd))
     )
@@ -162,8 +172,8 @@ def crossing(
 ) -> tuple[Estimate, Estimate]:
     """When a channel crosses a level, and its slope there."""
     moment = guess
-    for _ in range(MOVES):
-        solution, covariance, _ = polynomial_at(channel, moment, width, STEEP)
+    for _ in range(WINDOW.moves):
+        solution, covariance, _ = polynomial_at(channel, moment, width, WINDOW.steep)
         if solution[1] == 0.0:
             break
         # By less than the window: a flat piece, such as play, has no crossing of its own.
@@ -178,8 +188,8 @@ def crossing(
 def turning_point(channel: Channel, guess: float, width: float, sign: float) -> Turning:
     """Where a channel is greatest (`sign` 1) or least (-1), near a guess."""
     moment = guess
-    for _ in range(MOVES):
-        solution, covariance, _ = polynomial_at(channel, moment, width, SMOOTH)
+    for _ in range(WINDOW.moves):
+        solution, covariance, _ = polynomial_at(channel, moment, width, WINDOW.smooth)
         bend = 2.0 * solution[2]
         if sign * bend >= 0.0:
             break
@@ -215,14 +225,14 @@ def forces_at_turnings(turnings: Sequence[tuple[Channel, Turning]], width: float
 
     def enough(half: float) -> bool:
         return all(
-            len(channel.within(each.time - half, each.time + half)[0]) > 2 * SMOOTH + 2
+            len(channel.within(each.time - half, each.time + half)[0]) > 2 * WINDOW.smooth + 2
             for channel, each in turnings
         )
 
     found = [Estimate(float("nan"), float("nan"))] * len(turnings)
     for half in _widths(width, enough):
         around = [_around(channel, each, half) for channel, each in turnings]
-        if any(len(part.away) <= SMOOTH + 2 for part in around):
+        if any(len(part.away) <= WINDOW.smooth + 2 for part in around):
             break
         tried = [_tried(part) for part in around]
         weights, fits = _weights(np.array([[each.weighed for each in row] for row in tried]))
@@ -516,10 +526,10 @@ def find_cycles(record: LoopRecord) -> Found:
     # Rest before and after the motion has a mean of its own.
     part = test.start, test.stop
     seen = record.displacement - moving_mean(record.time, record.displacement, period, part)
-    smooth = _box(seen, record.time, EIGHTH * period)
+    smooth = _box(seen, record.time, WINDOW.share * period)
     guesses, begins, ends = _crossings(record.time, smooth, test.amplitude)
     channel = Channel(record.time, seen, noise_of(record.displacement))
-    found = [crossing(channel, guess, EIGHTH * period, 0.0) for guess in guesses]
+    found = [crossing(channel, guess, WINDOW.share * period, 0.0) for guess in guesses]
     if begins and guesses:
         found[0] = _from_rest(channel, guesses[0], period, 1.0) or found[0]
     if ends and len(guesses) > 1:
@@ -614,11 +624,11 @@ def _from_rest(
 
     None where there is no rest beside it.
     """
-    blurred = 0.5 * EIGHTH * period
+    blurred = 0.5 * WINDOW.share * period
     outside = guess - channel.time[0] if side > 0 else channel.time[-1] - guess
     if outside <= blurred:
         return None
     # Nearer than the mean over a window reaches, rest and motion are mixed.
     moving = side * (channel.time - guess) >= blurred
     part = Channel(channel.time[moving], channel.value[moving], channel.noise)
-    return crossing(part, guess, 2.0 * EIGHTH * period, 0.0)
+    return crossing(part, guess, 2.0 * WINDOW.share * period, 0.0)

@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from itertools import chain
 from math import ceil, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from springpot.errors import OptionError, OutputError
 from springpot.files import require_writable, write_text
-from springpot.report.canvas import COLOURS, INK, QUIET, SMOOTH, blank, logarithmic, save
-from springpot.report.tables import require_openpyxl, write_workbook
+from springpot.report.canvas import CANVAS, COLOURS, INK, QUIET, blank, logarithmic, save
+from springpot.report.page import require_openpyxl, write_workbook
 from springpot.writing import csv_text
 
 from .record import LoopRecord, read_record
@@ -248,10 +248,20 @@ def _law(law: VelocityLaw | None) -> list[Sheet]:
     return [Sheet("velocity law", ["F0 = C v^alpha", "value", "low", "high", "unit"], rows)]
 
 
-ACROSS = 3
-"""Panels beside each other."""
-SHOWN = 9
-"""Tests that are drawn: more would be too small to be read."""
+class Shown(NamedTuple):
+    """How much of a report is shown at once."""
+
+    across: int
+    """Panels beside each other."""
+    tests: int
+    """Tests that are drawn: more would be too small to be read."""
+    budget: int
+    """Rows of a budget on a page: all are in the workbook."""
+    cycles: int
+    """Cycles that a table shows beside their mean; all are in files and in JSON."""
+
+
+PAGE = Shown(across=3, tests=9, budget=40, cycles=12)
 
 
 def figure_cycles(
@@ -273,9 +283,9 @@ def figure_cycles(
     matplotlib.figure.Figure
         The figure.
     """
-    shown = tests[:SHOWN]
+    shown = tests[: PAGE.tests]
     count = len(shown) + (law is not None)
-    across = min(ceil(sqrt(count)), ACROSS)
+    across = min(ceil(sqrt(count)), PAGE.across)
     down = -(-count // across)
     with blank(max(4.4, 3.6 * across), 3.2 * down) as figure:
         panels = figure.subplots(down, across, squeeze=False).ravel()
@@ -306,7 +316,7 @@ def draw_loops(axes: Axes, test: EvaluatedTest) -> None:
     means = {name: told.value for name, told in test.means.items()}
     centre = 0.5 * (means["D+"] + means["D-"])
     half = 0.5 * (means["D+"] - means["D-"])
-    phase = np.linspace(0.0, 2.0 * np.pi, SMOOTH)
+    phase = np.linspace(0.0, 2.0 * np.pi, CANVAS.smooth)
     middle = 0.5 * (means["F+"] + means["F-"])
     ellipse = means["K_eff"] * half * np.sin(phase)
     ellipse = ellipse + means["W_d"] / (np.pi * half) * np.cos(phase)
@@ -350,7 +360,7 @@ def _draw_law(axes: Axes, tests: Sequence[EvaluatedTest], law: VelocityLaw) -> N
         fmt="o",
         color=COLOURS[0],
     )
-    at = np.geomspace(speed.min() / 1.2, speed.max() * 1.2, SMOOTH)
+    at = np.geomspace(speed.min() / 1.2, speed.max() * 1.2, CANVAS.smooth)
     low, high = law.exponent_ends
     axes.plot(at, law.force(at), color=COLOURS[1])
     record = tests[0].record

@@ -17,7 +17,7 @@ from springpot.rheology.points import STEADY, Real
 from springpot.thresholds import INTERVAL, WHERE
 
 from .quantities import BY_NAME, QUANTITIES, Cycle, cycles_of, energy_of
-from .record import EIGHTH, Estimate, Found, LoopRecord, find_cycles
+from .record import WINDOW, Estimate, Found, LoopRecord, find_cycles
 
 
 class Told(NamedTuple):
@@ -311,7 +311,7 @@ def _cut(values: Real, record: LoopRecord, found: Found) -> int:
             counts.append(int(np.median(long)))
     most = max(counts, default=0)
     # Most of a cycle at rest is how it was loaded.
-    return most if most * spacing < EIGHTH * 2 * found.period else 0
+    return most if most * spacing < WINDOW.share * 2 * found.period else 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,7 @@ from functools import partial
 import numpy as np
 
 from springpot.diagnosis.experiment import (
-    FARTHER,
-    POINTS,
-    STRONGER,
+    ACTION,
     TYPED_IN,
     WAITED_FOR,
     WORKED_FOR,
@@ -36,9 +34,9 @@ from springpot.diagnosis.result import (
     turning,
     unseen,
 )
-from springpot.identification.fitted import FittedModel
-from springpot.identification.held_material import within_material
+from springpot.identification.convex import within_material
 from springpot.identification.material import is_material
+from springpot.identification.native import FittedModel
 from springpot.identification.result import Identification
 from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
@@ -160,14 +158,17 @@ def _changed(part: InTimePart) -> Iterator[Planned]:
     """The same kind of test, longer, sooner, larger, smaller, faster, slower or let go."""
     test = part.test
     moved = "step" if test.after_step else "motion"
-    for factor, word in ((STRONGER, "three times"), (1.0 / STRONGER, "a third of")):
+    for factor, word in ((ACTION.stronger, "three times"), (1.0 / ACTION.stronger, "a third of")):
         says = f"impose {word} the {moved} of {test.name}"
         larger = _with(part, test.time, test.loading.scaled(factor))
         yield Planned(says, larger, TYPED_IN, {"factor": [factor]})
     if test.after_step:
         yield from _of_step(part)
         return
-    for factor, word in ((FARTHER, "ten times as fast"), (1.0 / FARTHER, "ten times as slowly")):
+    for factor, word in (
+        (ACTION.farther, "ten times as fast"),
+        (1.0 / ACTION.farther, "ten times as slowly"),
+    ):
         loading = replace(test.loading, time=test.loading.time / factor)
         faster = _with(part, test.time / factor, loading)
         yield Planned(
@@ -179,11 +180,12 @@ def _of_step(part: InTimePart) -> Iterator[Planned]:
     test = part.test
     clock = test.time - test.start
     first, last = float(np.min(clock[clock > 0.0])), float(clock[-1])
-    later = test.start + np.geomspace(last, FARTHER * last, POINTS)
-    says = f"go on with {test.name} to {plain(FARTHER * last)} s: {POINTS} samples"
+    later = test.start + np.geomspace(last, ACTION.farther * last, ACTION.points)
+    says = f"go on with {test.name} to {plain(ACTION.farther * last)} s: {ACTION.points} samples"
     yield Planned(says, _with(part, later, test.loading), WAITED_FOR, {"time": later.tolist()})
-    sooner = test.start + np.geomspace(first / FARTHER, first, POINTS)
-    says = f"read {test.name} sooner, from {plain(first / FARTHER)} s on: {POINTS} samples"
+    sooner = test.start + np.geomspace(first / ACTION.farther, first, ACTION.points)
+    start = plain(first / ACTION.farther)
+    says = f"read {test.name} sooner, from {start} s on: {ACTION.points} samples"
     yield Planned(says, _with(part, sooner, test.loading), WAITED_FOR, {"time": sooner.tolist()})
     end = float(test.time[-1])
     loading, back = test.loading, float(test.loading.value[0])
@@ -191,8 +193,8 @@ def _of_step(part: InTimePart) -> Iterator[Planned]:
         np.concatenate([loading.time[loading.time < end], [end, end]]),
         np.concatenate([loading.value[loading.time < end], [loading.value[-1], back]]),
     )
-    times = end + np.geomspace(first, last, POINTS)
-    says = f"let {test.name} go at {plain(end)} s and record as long again: {POINTS} samples"
+    times = end + np.geomspace(first, last, ACTION.points)
+    says = f"let {test.name} go at {plain(end)} s and record as long again: {ACTION.points} samples"
     yield Planned(says, _with(part, times, let_go), WAITED_FOR, {"release": [end]})
 
 
@@ -219,10 +221,12 @@ def _sweeps(parts: Sequence[TestPart], fit: FittedModel) -> Iterator[Planned]:
             yield replace(each, says=f"{made.test.name}: {each.says}")
         return
     seen = [part.resolved for part in parts]
-    omega = np.geomspace(min(each[0] for each in seen), max(each[1] for each in seen), POINTS)
+    omega = np.geomspace(
+        min(each[0] for each in seen), max(each[1] for each in seen), ACTION.points
+    )
     hertz = omega / (2.0 * np.pi)
     says = (
-        f"measure a sweep of the same specimen: {POINTS} points from {plain(hertz[0])} to"
+        f"measure a sweep of the same specimen: {ACTION.points} points from {plain(hertz[0])} to"
         f" {plain(hertz[-1])} Hz"
     )
     yield Planned(says, _sweep(parts, fit, omega), WAITED_FOR, {"omega": omega.tolist()})

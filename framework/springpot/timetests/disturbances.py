@@ -17,15 +17,7 @@ import numpy as np
 
 from springpot.identification.leastsquares import levenberg_marquardt, one_by_one
 from springpot.identification.result import Identification
-from springpot.measurement.hum import (
-    FEWEST_OF_LINE,
-    RARE,
-    WIDE,
-    at_mains,
-    of_a_motion,
-    over_neighbours,
-    periodogram,
-)
+from springpot.measurement.hum import LINE, at_mains, of_a_motion, over_neighbours, periodogram
 from springpot.measurement.imposed import ORDER, imposed_noise
 from springpot.measurement.rounding import is_even
 from springpot.misfit.coloured_noise import UPPER
@@ -328,7 +320,7 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
     Sought where a misfit of a model does not reach, and at the frequencies of the mains. One that a
     specimen may have made of its motion, as friction makes its harmonics, may be its own.
     """
-    if not isinstance(part, InTimePart) or len(part.at) < FEWEST_OF_LINE or not is_even(part.at):
+    if not isinstance(part, InTimePart) or len(part.at) < LINE.fewest or not is_even(part.at):
         return
     missed = residual * part.sd
     power, omega = periodogram(missed)
@@ -337,9 +329,9 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
     sought = np.where((omega > UPPER * np.pi) | of_mains, over_neighbours(power), 0.0)
     top = int(np.argmax(sought))
     # The largest of m: each might have been it.
-    if len(power) * np.exp(-sought[top]) > RARE:
+    if len(power) * np.exp(-sought[top]) > LINE.rare:
         return
-    share = power[max(0, top - WIDE) : top + WIDE + 1].sum() / power.sum()
+    share = power[max(0, top - LINE.wide) : top + LINE.wide + 1].sum() / power.sum()
     size = np.sqrt(2.0 * share) * rms(missed - missed.mean())
     whose = "the hum of the mains" if of_mains[top] else "a vibration, or the hum of a device"
     loading = part.test.loading

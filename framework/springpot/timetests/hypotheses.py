@@ -12,11 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.diagnosis.grown import key_of
-from springpot.distributions import f_sf
+from springpot.distributions import effective_share, f_sf
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
-from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
 from springpot.misfit.residuals_of_tests import InTimePart, Test, TestPart
 from springpot.rheology.effect import Effect

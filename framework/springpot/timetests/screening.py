@@ -11,9 +11,9 @@ from contextlib import suppress
 import numpy as np
 
 from springpot.diagnosis.result import Fitted, TriedEffect, unseen
+from springpot.distributions import effective_share
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
-from springpot.memory import effective_share
 from springpot.misfit.residual_scatter import ResidualScatter
 from springpot.misfit.residuals_of_tests import TestPart
 from springpot.rheology.effect import Effect

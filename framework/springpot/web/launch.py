@@ -27,19 +27,12 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from springpot.errors import OptionError, OutputError
 
-from .server import PATIENCE
+from .server import SERVER
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
 
     from .cell import WorkbenchCell
-
-
-MOST = 128
-"""Connections at once.
-
-A page holds six, and a process may open 256 files where the least is allowed.
-"""
 
 
 class Punctual(H11Protocol):
@@ -54,7 +47,7 @@ class Punctual(H11Protocol):
         """
         super().connection_made(transport)
         self._await_head()
-        if len(self.connections) > MOST:
+        if len(self.connections) > SERVER.connections:
             _end_oldest(self.connections)
 
     def data_received(self, data: bytes) -> None:
@@ -71,7 +64,7 @@ class Punctual(H11Protocol):
         if self.conn.their_state is not h11.IDLE:
             self._stop()
         elif self._late is None and not self.transport.is_closing():
-            self._late = self.loop.call_later(PATIENCE, self.transport.close)
+            self._late = self.loop.call_later(SERVER.patience, self.transport.close)
 
     def _stop(self) -> None:
         if self._late is not None:

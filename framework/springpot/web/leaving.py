@@ -16,10 +16,10 @@ import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, plain
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.opening import Test
-from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import Part, parts_as_opened
 from springpot.misfit.residuals_of_tests import parts_of_specimen
 from springpot.report.interactive.answers import TimeScene, grown_by_each
@@ -28,8 +28,7 @@ from springpot.rheology.points import KELVIN
 from springpot.timetests.specimen import reference_of
 from springpot.writing import csv_text
 
-from .sessions import State
-from .specimen import Opened, Specimen, safe_name, tests_in
+from .sessions import Opened, Specimen, State, safe_name, tests_in
 
 
 def understood(data: Opened, parts: tuple[Part, ...] = ()) -> dict[str, Any]:
@@ -284,7 +283,7 @@ def report(ladder: Ladder, tests: Any, command: list[str]) -> str:
 def replay(ladder: Ladder) -> str:
     """The moving picture of a ladder in base64."""
     # Drawing needs a library that nothing else here does.
-    from springpot.report.replay import frames_of, written_as_gif
+    from springpot.report.result_plots import frames_of, written_as_gif
 
     stream = io.BytesIO()
     written_as_gif(frames_of(ladder), stream)

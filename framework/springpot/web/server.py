@@ -16,7 +16,7 @@ import json
 from collections.abc import AsyncIterator, Awaitable, Callable, MutableMapping
 from contextlib import suppress
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from starlette.applications import Starlette
 from starlette.requests import ClientDisconnect, Request
@@ -36,12 +36,33 @@ Send = Callable[[Message], Awaitable[None]]
 App = Callable[[MutableMapping[str, Any], Receive, Send], Awaitable[None]]
 
 TOKEN = b"x-springpot-token"
-LARGEST = 33_554_432
-"""Bytes of a request: text of some hundred thousand points."""
-PATIENCE = 15.0
-"""Seconds that a request may be silent before its body is whole."""
-LONGEST = 60.0
-"""Seconds within which the body must be whole: at loopback a second is enough for the largest."""
+
+
+class ServerLimits(NamedTuple):
+    """What a page may ask for, and how long it may take."""
+
+    largest: int
+    """Bytes of a request: text of some hundred thousand points."""
+    patience: float
+    """Seconds that a request may be silent before its body is whole."""
+    longest: float
+    """Seconds within which the body must be whole: at loopback a second is enough for the
+    largest.
+    """
+    beat: float
+    """Seconds between signs of life of a computation."""
+    most_data: int
+    """Data sets that the server keeps; a page sends again what has gone."""
+    connections: int
+    """Connections at once.
+
+    A page holds six, and a process may open 256 files where the least is allowed.
+    """
+
+
+SERVER = ServerLimits(
+    largest=33_554_432, patience=15.0, longest=60.0, beat=0.5, most_data=32, connections=128
+)
 OWN_NAMES = frozenset({"127.0.0.1", "localhost", "[::1]"})
 
 POLICY = (
@@ -84,7 +105,7 @@ class Guard:
         Bytes of a request.
     """
 
-    def __init__(self, app: App, token: str, largest: int = LARGEST) -> None:
+    def __init__(self, app: App, token: str, largest: int = SERVER.largest) -> None:
         self._app, self._token, self._largest = app, token.encode(), largest
 
     async def __call__(self, scope: MutableMapping[str, Any], receive: Receive, send: Send) -> None:
@@ -163,7 +184,7 @@ def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Rec
             # Now it tells when the browser goes, for which one waits as long as a fit takes.
             return await receive()
         # Two clocks: one who sends a byte now and then would never be silent for long.
-        left = min(PATIENCE, begun + LONGEST - asyncio.get_running_loop().time())
+        left = min(SERVER.patience, begun + SERVER.longest - asyncio.get_running_loop().time())
         try:
             async with asyncio.timeout(left):
                 message = await receive()
@@ -207,11 +228,6 @@ def page_files() -> dict[str, tuple[bytes, str]]:
     return {name: (files[name], kind) for name, kind in kinds.items() if kind is not None}
 
 
-BEAT = 0.5
-"""Seconds between signs of life of a computation."""
-MOST_DATA = 32
-"""Data sets that the server keeps; a page sends again what has gone."""
-
 Answer = AsyncIterator[Line]
 
 
@@ -235,7 +251,9 @@ class Streamed(Response):
             while not gone.done():
                 # One that a sign of life outran is waited for again, not asked for twice.
                 step = step or asyncio.ensure_future(anext(stream))
-                await asyncio.wait({step, gone}, timeout=BEAT, return_when=asyncio.FIRST_COMPLETED)
+                await asyncio.wait(
+                    {step, gone}, timeout=SERVER.beat, return_when=asyncio.FIRST_COMPLETED
+                )
                 if gone.done():
                     return
                 # While nothing is told the line shows the page that the server lives.
@@ -438,7 +456,7 @@ class Server:
                 if "digest" in result:
                     known = {key: result[key] for key in ("text", "source", "joined")}
                     self._texts[result["digest"]] = known
-                    while len(self._texts) > MOST_DATA:
+                    while len(self._texts) > SERVER.most_data:
                         # A dictionary keeps its order: the first one came first.
                         del self._texts[next(iter(self._texts))]
             yield line

@@ -15,7 +15,7 @@ from springpot.benchmark.store import Store
 from springpot.benchmark.study_plots import attained
 from springpot.benchmark.study_report import study_html
 from springpot.errors import DataError, SpringpotError
-from springpot.report.tables import Table
+from springpot.report.page import Table
 from springpot.writing import DIGITS, suggested
 
 RESULTS = Path("results")

@@ -30,14 +30,16 @@ from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
 from springpot.report.interactive.scene import rounded
-from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER, effect as effect_card, model as model_card
+from springpot.rheology.drawing import network_svg
 from springpot.rheology.model import Family, Model
 from springpot.writing import suggested
 
 from . import leaving
 from .leaving import curves_in_time, understood
 from .sessions import (
+    Opened,
+    Specimen,
     State,
     data_of,
     digest_of,
@@ -46,10 +48,11 @@ from .sessions import (
     kept,
     measured_in,
     opened,
+    safe_name,
     session_of,
+    tests_in,
     text_of,
 )
-from .specimen import Opened, Specimen, safe_name, tests_in
 from .studies import report_of, studies, study
 from .trying import (
     Told,

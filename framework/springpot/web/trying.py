@@ -45,8 +45,7 @@ from springpot.rheology.typed import law
 from springpot.timetests.specimen import as_had_by
 from springpot.writing import LISTED
 
-from .sessions import State, kept
-from .specimen import Opened, Specimen, tests_in
+from .sessions import Opened, Specimen, State, kept, tests_in
 
 FEW = 100
 """Rows that are looked at, evenly many of all: more would take longer than a first look may."""

@@ -11,7 +11,7 @@ import time
 from collections import defaultdict
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,16 +19,22 @@ from springpot.errors import DataError, SpringpotError
 from springpot.files import bytes_of
 from springpot.measurement.measurement import Measurement
 
-from .sessions import data_of, digest_of, joined, joined_anew, measured_in, text_of
-from .specimen import Opened
+from .sessions import Opened, data_of, digest_of, joined, joined_anew, measured_in, text_of
 
-SETTLED = 10.0
-"""Seconds after which nobody writes on at a last line that has no end.
 
-A program that writes through a buffer stops in the midst of a number.
-"""
-MOST_FILES = 500
-"""Files of a folder: one for each frequency of a long sweep."""
+class Folder(NamedTuple):
+    """What a watched folder may hold."""
+
+    settled: float
+    """Seconds after which nobody writes on at a last line that has no end.
+
+    A program that writes through a buffer stops in the midst of a number.
+    """
+    files: int
+    """Files of a folder: one for each frequency of a long sweep."""
+
+
+WATCHED = Folder(settled=10.0, files=500)
 PASSED = (".", "~")
 """With what the names of files begin that other programs hide, or have open."""
 
@@ -50,16 +56,16 @@ def seen_in(folder: Path, now: float) -> list[Seen]:
             if path.name.startswith(PASSED) or not path.is_file():
                 continue
             known = path.stat()
-            settled = now - known.st_mtime > SETTLED
+            settled = now - known.st_mtime > WATCHED.settled
             found.append((path.name, known.st_size, known.st_mtime_ns, settled))
     except OSError as error:
         raise DataError(f"{folder} cannot be watched: {error.strerror}") from None
-    if len(found) > MOST_FILES:
-        raise DataError(f"{folder} holds {len(found)} files: at most {MOST_FILES} are watched")
+    if len(found) > WATCHED.files:
+        raise DataError(f"{folder} holds {len(found)} files: at most {WATCHED.files} are watched")
     return found
 
 
-@lru_cache(maxsize=2 * MOST_FILES)
+@lru_cache(maxsize=2 * WATCHED.files)
 def _read(folder: Path, seen: Seen, choice: str) -> Opened | str:
     """What a file holds so far, or why it waits; read again only when it has changed."""
     name, _, _, settled = seen

@@ -21,7 +21,7 @@ def main() -> None:
     # What foreign code prints is no answer.
     os.dup2(2, 1)
 
-    from springpot.catalogue import KINDS
+    from springpot.hooks import KINDS
     from springpot.limits import own_process
     from springpot.registry import plugins
     from springpot.report.text import to_json

@@ -10,8 +10,10 @@ what the model missed; these sets serve to repeat the paper's arithmetic.
 from __future__ import annotations
 
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import DataSet, Measurement, Units, with_noise
@@ -124,34 +126,42 @@ def _artificial_sets() -> list[DataSet]:
 
 
 HIDDEN = "artificial-hidden"
-HIDDEN_SEED = 7
-HIDDEN_NOISE = 0.01
-HIDDEN_FREQUENCIES = np.geomspace(0.5, 100.0, 40)
-"""In Hz."""
+
+
+class HiddenSweep(NamedTuple):
+    """Of the set with hidden effects."""
+
+    seed: int
+    noise: float
+    hertz: NDArray[np.float64]
+    """In Hz."""
+
+
+SWEEP = HiddenSweep(seed=7, noise=0.01, hertz=np.geomspace(0.5, 100.0, 40))
 HIDDEN_TRUTH = {"k": 400.0, "c": 60.0, "alpha": 0.5, "inertia.m": 6e-4, "time-delay.tau": 4e-4}
 """kN/m, kN s^alpha/m, -, tonnes (0.6 kg), s."""
 
 
 def hidden() -> Measurement:
     """A fractional Maxwell damper between plates with a mass, its force read late, noise of 1 %."""
-    s = 2j * np.pi * HIDDEN_FREQUENCIES
+    s = 2j * np.pi * SWEEP.hertz
     material = 1.0 / (
         1.0 / HIDDEN_TRUTH["k"] + 1.0 / (HIDDEN_TRUTH["c"] * s ** HIDDEN_TRUTH["alpha"])
     )
     exact = (material + HIDDEN_TRUTH["inertia.m"] * s**2) * np.exp(
         -HIDDEN_TRUTH["time-delay.tau"] * s
     )
-    rng = np.random.default_rng(HIDDEN_SEED)
+    rng = np.random.default_rng(SWEEP.seed)
     scatter = rng.normal(size=len(s)) + 1j * rng.normal(size=len(s))
     # Two parts share the scatter: each has NOISE / sqrt(2), so that the whole has NOISE.
     return Measurement(
-        2.0 * np.pi * HIDDEN_FREQUENCIES,
-        exact * (1.0 + HIDDEN_NOISE * scatter / np.sqrt(2.0)),
+        2.0 * np.pi * SWEEP.hertz,
+        exact * (1.0 + SWEEP.noise * scatter / np.sqrt(2.0)),
         units=Units("kN/m", "mm"),
         name=HIDDEN,
         provenance={
-            "source": f"computed, never measured; noise of {100 * HIDDEN_NOISE:g} %,"
-            f" seed {HIDDEN_SEED}"
+            "source": f"computed, never measured; noise of {100 * SWEEP.noise:g} %,"
+            f" seed {SWEEP.seed}"
         },
     )
 
@@ -167,7 +177,7 @@ def _hidden_sets() -> list[DataSet]:
             kind="artificial",
             licence="none needed",
             citation="computed here; elements as in the paper, eq. (21)",
-            size=len(HIDDEN_FREQUENCIES),
+            size=len(SWEEP.hertz),
             truth=dict(HIDDEN_TRUTH),
             model="fractional-maxwell + inertia + time-delay",
             physics=("a moving mass of 0.6 kg", "the force is read 0.4 ms late"),

@@ -36,10 +36,10 @@ them::
     url = "https://example.org/normalized.csv"  # allows
     sha256 = "..."                              # of the file there
 
-A manifest is limited: `LARGEST` bytes, names of files as `is_name`, patterns as in `patterns`,
-texts of `LONGEST_TEXT` signs, addresses with https. It stands in the folder that it describes. For
-the folders that this package knows by name, it is shipped. Without [columns], and where a
-downloaded file has another name than `file`, the reader of its format opens it.
+A manifest is limited: `MANIFEST.largest` bytes, names of files as `is_name`, patterns as in
+`patterns`, texts of `MANIFEST.text` signs, addresses with https. It stands in the folder that it
+describes. For the folders that this package knows by name, it is shipped. Without [columns], and
+where a downloaded file has another name than `file`, the reader of its format opens it.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from springpot.errors import LONGEST_REASON, DataError
 from springpot.measurement import (
@@ -73,14 +73,34 @@ from ..readers.table import Column, ParsedTable, name_and_unit, table_of
 from .download import fetched, file_name, inside, is_name, kept, missing
 
 FILE = "dataset.toml"
-LARGEST = 1 << 14
-"""Bytes of a manifest; the shipped ones have two thousand."""
-LONGEST_TEXT = 2000
-MOST_COLUMNS = 400
-MOST_FILES = 100
-"""Files of one set: a rig that sweeps a hundred temperatures is rare, and each has to be opened."""
-LARGEST_SIZE = 10**12
-"""Rows that are believed."""
+
+
+class Limits(NamedTuple):
+    """What a manifest may hold: somebody else has written it."""
+
+    largest: int
+    """Bytes of a manifest; the shipped ones have two thousand."""
+    text: int
+    columns: int
+    files: int
+    """Files of one set: a rig that sweeps a hundred temperatures is rare, and each has to be
+    opened.
+    """
+    size: int
+    """Rows that are believed."""
+    cell: int
+    """Signs of a cell that are searched."""
+    pattern: int
+    choices: int
+    """Repetitions and alternatives in a pattern.
+
+    With as many, the worst search of a cell takes about a second.
+    """
+
+
+MANIFEST = Limits(
+    largest=1 << 14, text=2000, columns=400, files=100, size=10**12, cell=80, pattern=100, choices=4
+)
 _TEXTS = (
     "name",
     "summary",
@@ -96,14 +116,6 @@ _TEXTS = (
     "kind",
     "accuracy",
 )
-LONGEST_CELL = 80
-"""Signs of a cell that are searched."""
-_LONGEST = 100
-_MOST_CHOICES = 4
-"""Repetitions and alternatives in a pattern.
-
-With as many, the worst search of a cell takes about a second.
-"""
 _ONE_SIGN = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]")
 """An escape or a class, which match one sign."""
 
@@ -308,8 +320,8 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         If it is no TOML, or an entry is missing, of the wrong kind or beyond its limit.
     """
     # Before it is parsed: whoever writes a manifest may write one that takes long.
-    if len(text) > LARGEST:
-        raise DataError(f"{path}: a manifest of more than {LARGEST >> 10} KiB")
+    if len(text) > MANIFEST.largest:
+        raise DataError(f"{path}: a manifest of more than {MANIFEST.largest >> 10} KiB")
     try:
         values = toml_of(text)
     except ValueError as error:
@@ -322,8 +334,8 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         raise DataError(
             f"{path}: [columns] is a table; write omega, storage, loss = {{ from, unit }}"
         )
-    if len(columns) > MOST_COLUMNS:
-        raise DataError(f"{path}: more than {MOST_COLUMNS} columns")
+    if len(columns) > MANIFEST.columns:
+        raise DataError(f"{path}: more than {MANIFEST.columns} columns")
     mapped = {}
     for name, source in columns.items():
         entry = source
@@ -358,8 +370,8 @@ def _check_files(files: Any, values: dict[str, Any], path: str) -> None:
         raise DataError(
             f'{path}: there is no file = "name.csv", or [files] beside it; give one of the two'
         )
-    if not isinstance(files, dict) or len(files) > MOST_FILES:
-        raise DataError(f"{path}: [files] is a table of at most {MOST_FILES} names")
+    if not isinstance(files, dict) or len(files) > MANIFEST.files:
+        raise DataError(f"{path}: [files] is a table of at most {MANIFEST.files} names")
     if not all(
         isinstance(own, dict) and all(map(_is_number, own.values())) for own in files.values()
     ):
@@ -411,14 +423,14 @@ def _check_values(values: dict[str, Any], path: str) -> None:
     if not is_name(values.get("name", "name")):
         raise DataError(f"{path}: '{values['name']:.80}' is no name of a data set")
     size, physics = values.get("size", 0), values.get("physics", [])
-    if not (isinstance(size, int) and 0 <= size <= LARGEST_SIZE):
+    if not (isinstance(size, int) and 0 <= size <= MANIFEST.size):
         raise DataError(f"{path}: size is the number of rows")
     if not (isinstance(physics, list) and all(map(_is_text, physics))):
         raise DataError(f"{path}: physics is a list of sentences")
 
 
 def _is_text(value: object) -> bool:
-    return isinstance(value, str) and len(value) <= LONGEST_TEXT
+    return isinstance(value, str) and len(value) <= MANIFEST.text
 
 
 def checked(pattern: str) -> str:
@@ -433,8 +445,8 @@ def checked(pattern: str) -> str:
     DataError
         If it has not.
     """
-    if len(pattern) > _LONGEST:
-        raise DataError(f"has more than {_LONGEST} signs")
+    if len(pattern) > MANIFEST.pattern:
+        raise DataError(f"has more than {MANIFEST.pattern} signs")
     if re.search(r"\\[1-9]|\(\?", pattern):
         raise DataError("has a reference or (?...), which are not taken")
     # Without escapes and classes, whose signs repeat nothing, and with lazy repetitions as plain
@@ -442,8 +454,8 @@ def checked(pattern: str) -> str:
     bare = re.sub(r"([*+?}])[?+]", r"\1", _ONE_SIGN.sub("x", pattern))
     if re.search(r"\)[*+?{]", bare):
         raise DataError("repeats a group, which is not taken")
-    if len(re.findall(r"[*+?{|]", bare)) > _MOST_CHOICES:
-        raise DataError(f"has more than {_MOST_CHOICES} of * + ? {{ |")
+    if len(re.findall(r"[*+?{|]", bare)) > MANIFEST.choices:
+        raise DataError(f"has more than {MANIFEST.choices} of * + ? {{ |")
     try:
         groups = re.compile(pattern).groups
     except (re.error, OverflowError) as error:
@@ -455,7 +467,7 @@ def checked(pattern: str) -> str:
 
 def picked(pattern: str, cell: str) -> str:
     """What the group of a checked pattern finds in a cell; nothing where it is not there."""
-    match = re.search(pattern, cell[:LONGEST_CELL])
+    match = re.search(pattern, cell[: MANIFEST.cell])
     if match is None:
         return ""
     # A group that took no part in the match is None.
@@ -527,7 +539,7 @@ def _dataset(folder: Path) -> DataSet | None:
 def _text(path: Path) -> str:
     """A manifest, or as much of it as is enough to see that it is too large."""
     with path.open("rb") as stream:
-        return stream.read(LARGEST + 1).decode("utf-8")
+        return stream.read(MANIFEST.largest + 1).decode("utf-8")
 
 
 def _broken(folder: Path, reason: str) -> DataSet:

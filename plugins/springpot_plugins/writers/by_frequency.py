@@ -171,15 +171,31 @@ ABAQUS = Writer(
 )
 
 
-PROPERTY, STIFFNESS_TABLE, LOSS_TABLE = 100, 101, 102
-PER_MATERIAL = 3
-"""Numbers of the property and of both tables."""
-NASTRAN_PER_DECADE = 32
-"""Points a decade: straight lines between them are within 0.02 % of a power law."""
-PAIRS = 4
-"""Pairs of numbers on a line of TABLED1."""
-WIDTH = 8
-"""Signs of a field."""
+class Card(NamedTuple):
+    """Of a material of Nastran: its numbers, and the fields of its tables."""
+
+    property: int
+    stiffness_table: int
+    loss_table: int
+    per_material: int
+    """Numbers of the property and of both tables."""
+    per_decade: int
+    """Points a decade: straight lines between them are within 0.02 % of a power law."""
+    pairs: int
+    """Pairs of numbers on a line of TABLED1."""
+    width: int
+    """Signs of a field."""
+
+
+CARD = Card(
+    property=100,
+    stiffness_table=101,
+    loss_table=102,
+    per_material=3,
+    per_decade=32,
+    pairs=4,
+    width=8,
+)
 
 
 def field(number: float) -> str:
@@ -191,9 +207,9 @@ def field(number: float) -> str:
             mantissa, exponent = text.split("e")
             text = f"{_with_point(mantissa)}{int(exponent):+d}"
         text = _with_point(text)
-        if text.startswith("0.") and len(text) > WIDTH:
+        if text.startswith("0.") and len(text) > CARD.width:
             text = text.removeprefix("0")
-        if len(text) <= WIDTH:
+        if len(text) <= CARD.width:
             return text
     return f"{number:.1e}"
 
@@ -208,17 +224,18 @@ def _with_point(text: str) -> str:
 def _table(number: int, x: list[float], y: list[float]) -> list[str]:
     lines = [f"TABLED1,{number}"]
     pairs = [f"{field(a)},{field(b)}" for a, b in zip(x, y, strict=True)] + ["ENDT"]
-    lines += ["," + ",".join(pairs[i : i + PAIRS]) for i in range(0, len(pairs), PAIRS)]
+    lines += ["," + ",".join(pairs[i : i + CARD.pairs]) for i in range(0, len(pairs), CARD.pairs)]
     return lines
 
 
 def to_nastran(handoff: Handoff) -> str:
     """Property and tables, for a bush along the first axis of its element."""
-    omega = frequencies(handoff, NASTRAN_PER_DECADE)
+    omega = frequencies(handoff, CARD.per_decade)
     stiffness = handoff.stiffness(omega)
     frequency = (omega / (2.0 * np.pi)).tolist()
     own, stiff, loss = (
-        tag + PER_MATERIAL * (handoff.number - 1) for tag in (PROPERTY, STIFFNESS_TABLE, LOSS_TABLE)
+        tag + CARD.per_material * (handoff.number - 1)
+        for tag in (CARD.property, CARD.stiffness_table, CARD.loss_table)
     )
     lines = [f"$ {line}" for line in handoff.heading()]
     lines += [

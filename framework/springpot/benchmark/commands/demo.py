@@ -93,7 +93,7 @@ def _run(race: Race, out: Path) -> str:
     from springpot.benchmark.standings import study_tables
     from springpot.benchmark.store import Store
     from springpot.benchmark.study import Study
-    from springpot.report.tables import text
+    from springpot.report.page import text
     from springpot.report.text import TextTable
 
     study = Study(

@@ -14,7 +14,7 @@ import click
 
 from springpot.cli.common import DATA, INPUT, emit, json_option, results_option
 from springpot.errors import StudyError
-from springpot.report.tables import FORMATS, Entry, Interval, Table, escaped_latex, text
+from springpot.report.page import FORMATS, Entry, Interval, Table, escaped_latex, text
 
 
 @click.command("tables", epilog="Example: springpot tables race --format latex --table summary")

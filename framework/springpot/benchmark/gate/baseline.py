@@ -26,9 +26,10 @@ from springpot.rheology.points import Real
 from springpot.writing import suggested
 
 from ...numerics import ROUNDING
+from ..plan import ProblemRow
 from ..statistics import hitting_time, holm, least_mann_whitney, pooled_ranks, target_value
 from ..store import Store
-from ..summary import CellRow, ProblemRow, TrialRow
+from ..summary import CellRow, TrialRow
 
 LEVEL = 0.01
 """Chance of a false alarm anywhere in a study whose optimisers did not change.

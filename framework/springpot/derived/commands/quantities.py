@@ -68,7 +68,7 @@ def command(
     from springpot.constraints import settings_of
     from springpot.derived import quantities
     from springpot.files import write_text
-    from springpot.report.tables import write_values
+    from springpot.report.page import write_values
     from springpot.report.told import told
 
     if as_csv and as_json:

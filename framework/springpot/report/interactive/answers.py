@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from springpot.diagnosis.ladder import Examined, Ladder
 from springpot.diagnosis.result import ToDo
 from springpot.errors import SpringpotError
-from springpot.identification.fitted import FittedModel
+from springpot.identification.native import FittedModel
 from springpot.identification.result import Identification
+from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_up import turned_over
 from springpot.measurement.opening import Test, sweep_of
-from springpot.measurement.other_test import OtherTest
 from springpot.measurement.recording import recorded
+from springpot.measurement.replicates import THINNED
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residuals_of_tests import TestPart, parts_of_specimen, units_of
@@ -38,12 +39,10 @@ from springpot.timetests.specimen import reference_of
 from springpot.writing import DIGITS as OF_RESIDUALS
 
 from ..answers import reference_note
-from .scene import MOST_ON_CURVES, MOST_POINTS, PageScene, parameters_of, proposed_points, rounded
+from .scene import DRAWN, PageScene, parameters_of, proposed_points, rounded
 
 PLANE = "signal"
 """The one plane of residuals: what was measured less what was computed."""
-SMOOTH = 120
-"""Points of the curve of a test after a step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,19 +78,19 @@ class TimeScene:
     @cached_property
     def rows(self) -> list[NDArray[np.int64]]:
         """Numbers of the rows that are drawn of each test."""
-        most = MOST_POINTS // len(self.parts)
+        most = THINNED.points // len(self.parts)
         return [evenly(len(part.test), most) for part in self.parts]
 
     @cached_property
     def grids(self) -> list[Real]:
         """Where the curve of each test is computed: times in s, or numbers of rows of a sweep."""
-        return [_grid(part.test, MOST_ON_CURVES // len(self.parts)) for part in self.parts]
+        return [_grid(part.test, DRAWN.curves // len(self.parts)) for part in self.parts]
 
     @cached_property
     def thin(self) -> NDArray[np.int64]:
         """Which of the drawn rows the residuals of a preview are lines through."""
         count = sum(map(len, self.rows))
-        return np.arange(0, count, max(1, -(-count // MOST_ON_CURVES)))
+        return np.arange(0, count, max(1, -(-count // DRAWN.curves)))
 
     def to_dict(self) -> dict[str, Any]:
         """Rows, tests, axes and views, as the page needs them."""
@@ -190,7 +189,7 @@ def _grid(test: Test, most: int) -> Real:
         return np.arange(float(len(test)))
     positive = test.time[test.time > 0.0]
     if test.after_step:
-        return np.geomspace(positive[0], positive[-1], min(SMOOTH, most))
+        return np.geomspace(positive[0], positive[-1], min(DRAWN.step, most))
     # Of its swings a picture needs five times the points of a smooth curve.
     return np.asarray(test.time[evenly(len(test), 5 * most)])
 
@@ -404,8 +403,6 @@ def _without(steps: Sequence[ToDo], base: FittedModel, tests: tuple[Test, ...]) 
 
 DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
 """What an experiment may change for its rivals to be drawn."""
-ON_A_RIVAL = 160
-"""Points of a rival's curve: as many as the picture has columns of three pixels."""
 
 
 def drawn(ladder: Ladder, scene: DrawnTests) -> dict[str, Any]:
@@ -514,9 +511,9 @@ def _along(points: Points, action: dict[str, list[float]]) -> Points:
     """
     if set(action) != {"omega"}:
         return points
-    rows = np.zeros(ON_A_RIVAL, dtype=int)
+    rows = np.zeros(DRAWN.rival, dtype=int)
     whole = points.mapped(lambda column: column[rows])
-    log_omega = np.linspace(points.log_omega.min(), points.log_omega.max(), ON_A_RIVAL)
+    log_omega = np.linspace(points.log_omega.min(), points.log_omega.max(), DRAWN.rival)
     return replace(whole, log_omega=log_omega)
 
 

@@ -8,18 +8,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.fitted import FittedModel
+from springpot.identification.native import FittedModel
 from springpot.identification.value import Value
 from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import settings_of, told_apart
 from springpot.measurement.opening import Test
-from springpot.measurement.replicates import MOST_POINTS as MOST_POINTS
+from springpot.measurement.replicates import THINNED
 from springpot.measurement.units import Units
 from springpot.misfit.refit import Refit
 from springpot.numerics import evenly, rms
@@ -29,18 +29,29 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.writing import DIGITS as OF_RESIDUALS
 
 from ..residuals import plane_name, plane_of
-from ..sweeps import MOST_DRAWN, DrawnSweep, chosen
+from ..sweeps import SWEEPS, DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
-MOST_IN_CLOUD = 20_000
-"""Further rows that are drawn as a density: more would look the same."""
-MOST_ON_CURVES = 480
-"""Points on all smooth curves of one model together, and of its residuals in a plane.
 
-With thirty previews this keeps an answer below half a MB.
-"""
-DIGITS = 6
-"""Significant digits of what is drawn; a screen shows three."""
+class PageLimits(NamedTuple):
+    """How much a page draws."""
+
+    cloud: int
+    """Further rows that are drawn as a density: more would look the same."""
+    curves: int
+    """Points on all smooth curves of one model together, and of its residuals in a plane.
+
+    With thirty previews this keeps an answer below half a MB.
+    """
+    digits: int
+    """Significant digits of what is drawn; a screen shows three."""
+    step: int
+    """Points of the curve of a test after a step."""
+    rival: int
+    """Points of a rival's curve: as many as the picture has columns of three pixels."""
+
+
+DRAWN = PageLimits(cloud=20_000, curves=480, digits=6, step=120, rival=160)
 
 
 def _words(units: Units) -> dict[str, Any]:
@@ -86,7 +97,7 @@ class PageScene:
         apart = {*told_apart(measurement), *({FILE} & settings_of(measurement).keys())}
         every = sweeps_of(measurement, self.axis, apart)
         # Of more than can be drawn no row is hidden for the sake of a column that no effect knows.
-        if len(every) > MOST_DRAWN:
+        if len(every) > SWEEPS.drawn:
             every = sweeps_of(measurement, self.axis)
         return chosen(every)
 
@@ -96,12 +107,12 @@ class PageScene:
         rows = np.concatenate([sweep.rows for sweep in self.sweeps])
         # Evenly along each sweep, its ends among them: a browser draws some thousand marks without
         # a pause.
-        return rows[evenly(len(rows), MOST_POINTS)]
+        return rows[evenly(len(rows), THINNED.points)]
 
     @cached_property
     def thin(self) -> NDArray[np.int64]:
         """Which of the drawn rows the residuals of a preview are lines through."""
-        step = max(1, int(np.ceil(len(self.rows) / MOST_ON_CURVES)))
+        step = max(1, int(np.ceil(len(self.rows) / DRAWN.curves)))
         return np.arange(0, len(self.rows), step)
 
     @cached_property
@@ -116,7 +127,7 @@ class PageScene:
         # Each preview carries such a curve for each sweep: the page would otherwise grow by
         # megabytes.
         count = sum(len(x) for x, _ in whole)
-        step = max(2, int(np.ceil(count / MOST_ON_CURVES)))
+        step = max(2, int(np.ceil(count / DRAWN.curves)))
         thin = []
         for x, points in whole:
             # With its last point, or a curve would end before its data.
@@ -180,7 +191,7 @@ class PageScene:
         """Rows beside those that can be pointed at: as many as make a density."""
         rest = np.setdiff1d(np.arange(len(self.measurement)), self.rows)
         rest = rest[np.isin(rest, np.concatenate([sweep.rows for sweep in self.sweeps]))]
-        rest = rest[evenly(len(rest), MOST_IN_CLOUD)]
+        rest = rest[evenly(len(rest), DRAWN.cloud)]
         columns = (self.axis.values, self.measurement.storage, self.measurement.loss)
         names = ("x", "storage", "loss")
         cloud = {
@@ -245,7 +256,7 @@ def relative_error(measurement: Measurement, model: Model, theta: Real) -> float
     return rms(np.abs(left / measurement.stiffness))
 
 
-def rounded(values: Real, digits: int = DIGITS) -> list[float | None]:
+def rounded(values: Real, digits: int = DRAWN.digits) -> list[float | None]:
     """Numbers with as many digits as a picture needs; null for what is not finite."""
     values = np.asarray(values, dtype=float)
     finite = np.isfinite(values)
@@ -259,7 +270,7 @@ def rounded(values: Real, digits: int = DIGITS) -> list[float | None]:
     return told
 
 
-def in_parts(values: Complex, digits: int = DIGITS) -> dict[str, Any]:
+def in_parts(values: Complex, digits: int = DRAWN.digits) -> dict[str, Any]:
     """Storage and loss of complex numbers, rounded."""
     return {"storage": rounded(values.real, digits), "loss": rounded(values.imag, digits)}
 

@@ -16,14 +16,12 @@ from springpot.cli.common import (
     of_each,
     tell_written,
 )
+from springpot.testreport.report import PAGE
 
 if TYPE_CHECKING:
     from springpot.report.text import TextTable
     from springpot.testreport.report import CycleReport
     from springpot.testreport.summary import EvaluatedTest, VelocityLaw
-
-SHOWN = 12
-"""Cycles that a table shows beside their mean; all are in files and in JSON."""
 
 
 @click.command(
@@ -106,7 +104,7 @@ def table_of(test: EvaluatedTest) -> TextTable:
         "95 % interval",
         "unit",
         "from",
-        *(f"{number}" for number in numbers[:SHOWN]),
+        *(f"{number}" for number in numbers[: PAGE.cycles]),
     ]
     rows = []
     if test.record.timed:
@@ -117,10 +115,11 @@ def table_of(test: EvaluatedTest) -> TextTable:
         mean = test.means[name]
         value, interval = with_interval(*mean[:3])
         each = [
-            with_interval(*row[name][:3])[0] if name in row else "-" for row in test.each[:SHOWN]
+            with_interval(*row[name][:3])[0] if name in row else "-"
+            for row in test.each[: PAGE.cycles]
         ]
         rows.append([name, value, interval, test.unit(name), mean.source, *each])
-    spare = [f"{number}" for number in reversed(numbers[1:SHOWN])]
+    spare = [f"{number}" for number in reversed(numbers[1 : PAGE.cycles])]
     legend = {headers[0]: "; ".join(f"{name}: {BY_NAME[name].means}" for name in test.names())}
     return TextTable(headers, rows, frozenset(headers[1:2] + headers[5:]), spare, legend)
 
