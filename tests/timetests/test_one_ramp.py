@@ -39,6 +39,4 @@ def test_a_stop_in_one_ramp_may_be_a_specimen_that_is_not_linear():
 )
 def test_what_is_held_behind_a_ramp_passed_each_place_once_too(moved, one_way):
     """What a rig gives way by while it holds is no way back."""
-    loading = Loading(np.arange(5.0), np.array(moved))
-    test = TimeTest(np.linspace(0.5, 4.0, 8), np.arange(8.0), loading)
-    assert test.goes_one_way is one_way
+    assert Loading(np.arange(5.0), np.array(moved)).goes_one_way is one_way

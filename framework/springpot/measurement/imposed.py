@@ -110,6 +110,12 @@ class Loading:
         kept = self if rest is None else rest
         return kept if kept._moves else None
 
+    @property
+    def goes_one_way(self) -> bool:
+        """Whether it never comes back, so that it passes each of its values once."""
+        back = min(np.ptp(np.maximum.accumulate(each) - each) for each in (self.value, -self.value))
+        return bool(back <= STEADY * np.abs(self.value).max())
+
     @cached_property
     def _moves(self) -> bool:
         return bool(np.ptp(self.value) > 0.0 or self.value[0] != 0.0)

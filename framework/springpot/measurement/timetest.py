@@ -504,13 +504,6 @@ class TimeTest:
             return "startup"
         return "history"
 
-    @property
-    def goes_one_way(self) -> bool:
-        """Whether what was imposed never comes back, so that it passes each of its values once."""
-        value = self.loading.recorded.value
-        back = min(np.ptp(np.maximum.accumulate(each) - each) for each in (value, -value))
-        return bool(back <= STEADY * np.abs(value).max())
-
     def in_units(self, units: Units) -> TimeTest:
         """The same test in the units of another one.
 

@@ -153,7 +153,6 @@ def sentence(
         # Where many do so equally well their names say nothing of the cause.
         if len(leading) > VERDICT.most_alike:
             names = f"{leading[0]}, as any of {len(leading) - 1} others,"
-        # At the size of the noise nothing is left but that it is no noise.
         rest = ", but a pattern is left" if left <= VERDICT.misfit else " but is not all"
         helps = f"{names} helps ({after}){rest}"
         if apart:
@@ -559,10 +558,9 @@ def beside_one_way(
 
     Empty where there are more tests, another kind of test, or no such specimen that helps.
     """
-    if len(parts) != 1 or not isinstance(parts[0], InTimePart):
+    if len(parts) != 1 or not isinstance(parts[0], InTimePart) or parts[0].test.after_step:
         return ""
-    test = parts[0].test
-    if test.control != "displacement" or test.after_step or not test.goes_one_way:
+    if not parts[0].test.loading.recorded.goes_one_way:
         return ""
     own = [each for each in candidates if each.physics.layer is Layer.MATERIAL]
     best = next((each for each in own if each.delta_bic > SEARCH.decisive), None)

@@ -48,7 +48,7 @@ from .cleaning import (
 )
 from .columns import measurement_of, sign_note
 from .derived import COMPLIANCES, RATIOS, VISCOSITIES, with_moduli, with_units
-from .grid import holds_number, is_number
+from .grid import is_number
 from .joining import joined, require_one_kind
 from .names import FREQUENCIES
 from .proposals import condition_name, offers
@@ -296,12 +296,7 @@ def _not_dynamic(block: Block) -> DataError:
     where = ""
     if block.name:
         where = f"part '{block.name}' is no dynamic test: "
-    untitled = [
-        i + 1
-        for i, each in enumerate(block.headings)
-        if not each.title and any(holds_number(row[i]) for row in block.rows)
-    ]
-    return ask_meaning(f"{where}{block.holds()}", block.lacks(), block.headings, untitled)
+    return ask_meaning(f"{where}{block.holds()}", block.lacks(), block.headings, block.untitled)
 
 
 def _roles_chosen(block: Block, choice: Choice) -> set[str]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
-from springpot.measurement.rounding import FEWEST, is_even
+from springpot.measurement.rounding import is_even
 
 from .above import facts_of, pairs_in, with_conditions_above
 from .blocks import Block, blocks_of, is_data, is_header, lacking
@@ -219,8 +219,8 @@ def _set_column(block: Block, choice: Choice) -> int:
 def _is_set(values: NDArray[np.float64]) -> bool:
     """Whether a column goes in even steps or in even factors, up or down; the last may be cut."""
     inner = values[:-1]
-    # Three or four may be even by chance.
-    if len(inner) < 2 * FEWEST or not np.isfinite(inner).all():
+    # A few may be even by chance.
+    if len(inner) < 2 * len(FIRST_COLUMNS) or not np.isfinite(inner).all():
         return False
     if inner[-1] < inner[0]:
         inner = inner[::-1]
