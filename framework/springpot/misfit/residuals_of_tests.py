@@ -40,7 +40,6 @@ from .coloured_noise import Imposed
 from .frame import NoiseFrame
 from .residual_scatter import (
     FEWEST,
-    Imposed,
     ResidualScatter,
     scatter_of,
     scatter_of_record,
