@@ -351,7 +351,7 @@ def followed(loading: Loading, noise: Real) -> Real:
     --------
     >>> t, noise = np.arange(400.0), np.random.default_rng(1).normal(size=400)
     >>> float(np.std(followed(Loading(t, noise, unfelt=(1.0, 40.0)), noise)).round(1))
-    0.3
+    0.2
     """
     from scipy.fft import dct, idct
 
