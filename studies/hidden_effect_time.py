@@ -2,6 +2,7 @@
 
     python studies/hidden_effect_time.py [--cases 2000] [--seed 20261122]
         [-o results/hidden_effect_time]
+    python studies/hidden_effect_time.py --read [--cases 200]
     python studies/hidden_effect_time.py --joint [--cases 200]
     python studies/hidden_effect_time.py --several [--cases 100]
 
@@ -10,10 +11,10 @@ Cases with a hidden effect are drawn, diagnosed and counted.
 Each case is a relaxation, creep, recovery, startup or cyclic test of one of seven materials,
 computed by numerical inversion of Laplace transforms (nothing of springpot is used), with one
 hidden effect, none, or one that the library does not have, and with noise that in a quarter of the
-cases has a memory. What springpot says is counted against what is true. With --joint each case is
-two or three tests of one specimen, of which a sweep may be one; with --several two effects are
-missing, and automatic discovery is asked. Cases are kept as they are done: an
-interrupted run goes on where it stopped.
+cases has a memory. What springpot says is counted against what is true. With --read each case is
+a record whose motion was read with noise, too; with --joint each is two or three tests of one
+specimen, of which a sweep may be one; with --several two effects are missing, and automatic
+discovery is asked. Cases are kept as they are done: an interrupted run goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import json
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,14 @@ SINGLE = Kind(
     2000,
     Path("results/hidden_effect_time"),
 )
+READ = replace(
+    SINGLE,
+    judged=lambda seed, index, effects: judged(
+        cases.drawn_case(seed, index, read=True), index, effects
+    ),
+    count=200,
+    output=Path("results/hidden_effect_read"),
+)
 JOINT = Kind(
     lambda seed, index, effects: joint_report.judged(joint.drawn_case(seed, index), index, effects),
     joint_report.JointVerdict.from_dict,
@@ -75,12 +84,14 @@ def main() -> None:
     )
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--joint", action="store_true", help="several tests of one specimen")
+    which.add_argument("--read", action="store_true", help="the motion is read with noise")
     which.add_argument("--several", action="store_true", help="two effects are missing")
     parser.add_argument("--cases", type=int)
     parser.add_argument("--seed", type=int, default=20261122)
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    kind = JOINT if options.joint else SEVERAL if options.several else SINGLE
+    chosen = {"read": READ, "joint": JOINT, "several": SEVERAL}
+    kind = next((kind for name, kind in chosen.items() if getattr(options, name)), SINGLE)
     count, output = options.cases or kind.count, options.output or kind.output
     output.mkdir(parents=True, exist_ok=True)
     # Effects are tried at places where some make no sense: what overflows there is passed over.

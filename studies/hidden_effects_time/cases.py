@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +14,8 @@ from .physics import Real, Stiffness, clock, creep, material, played, relaxation
 
 NOISE = (0.001, 0.02)
 """Standard deviation of the noise over the largest response, of good transducers to poor ones."""
+READ = (0.0003, 0.01)
+"""The same of a transducer of the motion, over its largest reading."""
 SAMPLES = (120, 1000)
 REMEMBERED = 0.25
 """Share of the cases whose noise has a memory, as that of a filtered transducer."""
@@ -137,9 +139,9 @@ def _between(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def drawn_setting(rng: np.random.Generator) -> Setting:
-    """A test, a material and its parameters."""
-    kind = str(rng.choice(list(BASES)))
+def drawn_setting(rng: np.random.Generator, kinds: Sequence[str] = tuple(BASES)) -> Setting:
+    """A test of one of some kinds, a material and its parameters."""
+    kind = str(rng.choice(list(kinds)))
     base = str(rng.choice(BASES[kind]))
     n = int(_between(rng, *SAMPLES))
     alpha, k = float(rng.uniform(0.25, 0.75)), _between(rng, 10.0, 1000.0)
@@ -504,10 +506,14 @@ class Case:
     exact: Real
 
 
-def drawn_case(seed: int, index: int) -> Case:
-    """One case: a fifth has nothing missing, a seventh something that no library has."""
+def drawn_case(seed: int, index: int, read: bool = False) -> Case:
+    """One case: a fifth has nothing missing, a seventh something that no library has.
+
+    Where the motion is `read`, it is a record, and of its motion springpot knows what a transducer
+    with noise says.
+    """
     rng = np.random.default_rng([seed, index])
-    at = drawn_setting(rng)
+    at = drawn_setting(rng, ("history",)) if read else drawn_setting(rng)
     lot = rng.random()
     if lot < 0.2:
         name, exact = "", at.answer()
@@ -521,7 +527,11 @@ def drawn_case(seed: int, index: int) -> Case:
     memory = float(rng.uniform(0.2, 0.6)) if rng.random() < REMEMBERED else 0.0
     white = rng.normal(size=len(exact) + 50)
     noise = lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], white)[50:]
-    test = TimeTest(
-        at.t, exact + sd * noise, at.loading, at.control, "mm", "N", name=f"case-{index}"
-    )
+    response, name_of_test = exact + sd * noise, f"case-{index}"
+    test = TimeTest(at.t, response, at.loading, at.control, "mm", "N", name=name_of_test)
+    if read:
+        own = _between(rng, *READ) * float(np.abs(at.x).max()) * rng.normal(size=len(at.x))
+        test = TimeTest.of_history(
+            at.t, at.x + own, response, "mm", "N", control="displacement", name=name_of_test
+        )
     return Case(at, name, name in OUTSIDE, test, sd, memory, exact)
