@@ -79,7 +79,7 @@ def test_what_is_answered_to_the_error_of_a_course_is_told_at_each_frequency():
         missed = 3.0 * off + 0.01 * np.gradient(np.gradient(off, STEP), STEP)
         ends = COUNT // 50
         power = dct(missed[ends:-ends], norm="ortho") ** 2
-        told = answer_to_unfelt(loading, noisy)[: len(power)]
+        told = answer_to_unfelt(loading, loading.time, noisy)[: len(power)]
         edge = int(loading.unfelt[1])
         found.append([np.sum(power[part]) / np.sum(told[part]) for part in bands(edge)])
     # Of an octave below the edge of what is followed, and one about it.

@@ -328,18 +328,22 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     return replace(loading, value=course, unfelt=(noise, spline.freedom)), {"motion": says}
 
 
-def answer_to_unfelt(loading: Loading, response: Real) -> Real:
+def answer_to_unfelt(loading: Loading, clock: Real, response: Real) -> Real:
     """Variance (n,) of what is answered to the error of a smooth course, by its cosine transform.
 
     The course has that part of the noise which so many numbers follow. That is answered to as the
-    response (n,) goes with place, speed and acceleration, also where the course itself is gone.
+    response (m,) at some of its samples goes with place, speed and acceleration, also where the
+    course itself is gone.
     """
-    (noise, numbers), course = loading.unfelt, loading.recorded.value
+    (noise, numbers), loading = loading.unfelt, loading.recorded
+    course, inside = loading.value, loading.time[1:-1]
     turns = np.pi * np.arange(len(course)) / len(course)
     inner = course[1:-1]
     speed, push = 0.5 * (course[2:] - course[:-2]), course[2:] - 2.0 * inner + course[:-2]
     columns = np.column_stack([inner, speed, push, np.ones_like(inner)])
-    spring, dashpot, mass, _ = np.linalg.lstsq(columns, response[1:-1], rcond=None)[0]
+    answered = response[np.isin(clock, inside)]
+    known = columns[np.isin(inside, clock)]
+    spring, dashpot, mass, _ = np.linalg.lstsq(known, answered, rcond=None)[0]
     squares = (spring - mass * (2.0 - 2.0 * np.cos(turns))) ** 2 + (dashpot * np.sin(turns)) ** 2
     return np.asarray((noise * _passed(len(course), numbers)) ** 2 * squares, dtype=np.float64)
 

@@ -412,8 +412,9 @@ class Imposed(NamedTuple):
         value, count, even = test.loading.recorded.value, len(test.time), is_even(test.time)
         noise, powers, unfelt = 0.0, None, None
         if test.loading.unfelt[0] > 0.0:
-            unfelt = answer_to_unfelt(test.loading, test.response) / float(np.mean(sd**2))
-            if float(np.mean(unfelt)) >= HEARD**2:
+            unfelt = answer_to_unfelt(test.loading, test.time, test.response)
+            unfelt = unfelt / float(np.mean(sd**2))
+            if count == len(value) and float(np.mean(unfelt)) >= HEARD**2:
                 noise = test.loading.unfelt[0]
         elif even and len(value) >= FEWEST_OF_NOISE:
             noise = _noise_above(test, stiffness, sd)
