@@ -15,6 +15,7 @@ from springpot.errors import DataError, plain
 from springpot.rheology.points import KELVIN, STEADY, Real
 
 from ..numerics import SMALLEST
+from .course import as_imposed, control_of
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .hum import without_hum
@@ -22,7 +23,6 @@ from .imposed import SHORT, Loading, from_rest, is_released, since_nothing
 from .rounding import even_clock
 from .rows import digest_of_columns
 from .steady_start import said_of_start
-from .straight import as_imposed, control_of
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -361,6 +361,7 @@ class TimeTest:
         columns |= {"knots": imposed.time, "imposed": imposed.value}
         units = (self.displacement_unit, self.force_unit)
         about = (self.control, *units, imposed.sampled, imposed.before, *sorted(self.aside))
+        about += imposed.unfelt if imposed.unfelt[1] else ()
         return digest_of_columns(about, columns, alone=("time", "knots"))
 
     def __repr__(self) -> str:
