@@ -25,6 +25,7 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,7 @@ READ = replace(
     judged=lambda seed, index, effects: judged(
         cases.drawn_case(seed, index, read=True), index, effects
     ),
+    write=partial(write_tables, read=True),
     count=200,
     output=Path("results/hidden_effect_read"),
 )

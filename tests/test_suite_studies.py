@@ -210,6 +210,7 @@ def test_names_of_problems_and_the_map_lead_to_their_pages():
         ("hidden_effects/report", "hidden_effect_seeds/README"),
         ("hidden_effects/report", "hidden_effect_measured/README"),
         ("hidden_effects_time/tables", "hidden_effect_time/README"),
+        ("hidden_effects_time/tables", "hidden_effect_read/README"),
         ("hidden_effects_time/joint_report", "hidden_effect_joint/README"),
         ("hidden_effects_time/several", "hidden_effect_time_several/README"),
     ],

@@ -126,8 +126,9 @@ def _shown(name: str, value: float) -> str:
 HEADERS = ("test", "hidden", "cases", "visible", "flagged", "in class", "first")
 
 
-def write_tables(verdicts: Sequence[Verdict], folder: Path, seed: int) -> None:
-    """README.md, figures.json and by_effect.csv."""
+def write_tables(verdicts: Sequence[Verdict], folder: Path, seed: int, read: bool = False) -> None:
+    """README.md, figures.json and by_effect.csv; of motions that were `read` with noise or not."""
+    option, drawn = ("--read ", "records, their motion read with noise,") if read else ("", "tests")
     found = figures(verdicts)
     rows = by_effect(verdicts)
     lines = [
@@ -136,8 +137,8 @@ def write_tables(verdicts: Sequence[Verdict], folder: Path, seed: int) -> None:
         question(__doc__),
         "",
         (
-            f"`python studies/hidden_effect_time.py --cases {len(verdicts)} --seed {seed}`:"
-            f" {len(verdicts)} tests drawn anew, computed by inversion of Laplace transforms, with"
+            f"`python studies/hidden_effect_time.py {option}--cases {len(verdicts)} --seed {seed}`:"
+            f" {len(verdicts)} {drawn} drawn anew, computed by inversion of Laplace transforms, with"
             " one hidden effect, none, or one that the library lacks. Chi-square is what the base"
             " model misses beyond noise; below 30 nothing can be expected to be seen."
         ),
