@@ -11,10 +11,10 @@ from springpot.measurement import (
     geometry,
     harmonics_of,
     independence,
+    instrument,
     mixed_tests,
     noise_of,
     replicates,
-    rounding,
     scatter,
     units,
 )
@@ -320,7 +320,7 @@ def test_what_a_sweep_holds(case, stays):
             "shape": scatter.robust_noise_shape(data, residual, even)[0],
             "uneven": scatter.robust_noise_shape(data, residual, even, True)[0],
             "rounding": [
-                rounding.rounding_step(data.storage),
+                instrument.rounding_step(data.storage),
                 scatter.at_least_rounding(np.full(len(data), 1e-9 + 1e-9j), data),
             ],
             "levels": {name: data.levels(name) for name in data.conditions},

@@ -20,7 +20,7 @@ from springpot.rheology.points import STEADY, Real
 
 from ..numerics import DEVIATIONS, NORMAL, SMALLEST, rms
 from ..thresholds import SIGNALS
-from .rounding import is_even, rounding_step
+from .instrument import is_even, rounding_step
 
 NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""

@@ -29,7 +29,7 @@ from .imposed import (
     levels,
     share_held,
 )
-from .rounding import is_even, rounding_step
+from .instrument import is_even, rounding_step
 
 PERIODS_AFTER = 2
 """Periods that are recorded beside those which are laid over one another at least."""

@@ -23,7 +23,7 @@ from .imposed import (
     is_white,
     since_nothing,
 )
-from .rounding import rounding_step
+from .instrument import rounding_step
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST

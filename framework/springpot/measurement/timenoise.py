@@ -37,8 +37,8 @@ from springpot.rheology.points import STEADY, Real
 from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS, SEARCH, SIGNALS
+from .instrument import rounding_step
 from .measurement import Measurement
-from .rounding import rounding_step
 from .straight import FEWEST as FEWEST_OF_LEVEL
 from .timetest import TimeTest
 

@@ -30,9 +30,8 @@ from springpot.distributions import (
     prewhitened,
     spectrum_of,
 )
-from springpot.measurement.hum import LINE
 from springpot.measurement.imposed import imposed_noise
-from springpot.measurement.rounding import digit_of, is_even
+from springpot.measurement.instrument import LINE, digit_of, is_even
 from springpot.measurement.scatter import tails_of
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER

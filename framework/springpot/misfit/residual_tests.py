@@ -18,7 +18,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.hum import near_mains
+from springpot.measurement.instrument import near_mains
 from springpot.measurement.measurement import CONDITIONS
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, noise_of_repeats

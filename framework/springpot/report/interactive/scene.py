@@ -28,8 +28,8 @@ from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.writing import DIGITS as OF_RESIDUALS
 
+from ..canvas import SWEEPS, DrawnSweep, chosen
 from ..residuals import plane_name, plane_of
-from ..sweeps import SWEEPS, DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
 
