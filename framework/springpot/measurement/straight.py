@@ -15,7 +15,6 @@ from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
     ORDER,
-    SHORTEST,
     Loading,
     controlled,
     from_rest,
@@ -24,6 +23,7 @@ from .imposed import (
     since_nothing,
 )
 from .instrument import rounding_step
+from .steady import SHORTEST
 from .steady_start import gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST
