@@ -585,7 +585,7 @@ def test_the_same_fault_of_a_reader_is_told_once(tmp_path):
 
 def test_what_differs_after_a_round_trip(stays):
     one = measured(sd=np.full(2, 1 + 1j), conditions={"temperature": np.array([1.0, 2.0])})
-    others = (
+    changed = (
         one,
         replace(one, units=Units("Pa")),
         replace(one, omega=one.omega * (1 + 1e-15)),
@@ -597,7 +597,7 @@ def test_what_differs_after_a_round_trip(stays):
         replace(one, labels={"specimen": np.array(["a", "b"])}),
         replace(one, repeat=np.array([0, 1])),
     )
-    stays([[list(others._differences(a, b)) for a, b in ((one, o), (o, one))] for o in others])
+    stays([[list(others._differences(a, b)) for a, b in ((one, o), (o, one))] for o in changed])
 
 
 def test_a_reader_may_refuse_what_its_format_cannot_hold(stays, tmp_path):

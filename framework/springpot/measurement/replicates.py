@@ -23,7 +23,7 @@ from ..numerics import SMALLEST, evenly, level_means, rms, set_numbers
 from .independence import frequency_numbers
 from .instrument import noise_before_rounding, shared_rounding
 from .measurement import CONDITIONS, Measurement
-from .mixed_tests import (
+from .mixed_up import (
     NOTE as TOGETHER,
     RUNS,
     largest_test,

@@ -21,7 +21,7 @@ from springpot.identification.convex import least_error
 from springpot.identification.material import is_material
 from springpot.identification.native import FittedModel
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import temperatures_differ
+from springpot.measurement.mixed_up import temperatures_differ
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
