@@ -147,3 +147,25 @@ def test_a_slow_line_leaves_the_spring_of_a_sweep_open(slow):
         found = springpot.identify(data, "material").parameters
         assert found["K_e"].low <= 100.0 <= found["K_e"].high < 101.5 + slow / 2.0
         assert found["c"].low == 0.0, "there is no dashpot"
+
+
+@pytest.mark.parametrize(
+    ("tau", "alpha", "count"),
+    [
+        (1.0, 0.5, 8),
+        (3.0, 0.5, 12),
+        pytest.param(30.0, 0.6, 12, marks=pytest.mark.soak),
+        pytest.param(8.0, 0.7, 14, marks=pytest.mark.soak),
+    ],
+)
+def test_an_interval_of_numbers_without_noise_holds_its_value(tau, alpha, count):
+    """Whose digits are all the scatter that there is."""
+    omega = np.linspace(0.1, 4.0, count)
+    relaxing = (1j * omega * tau) ** alpha
+    stiffness = 0.7 + 0.5 * relaxing / (1.0 + relaxing)
+    known = Uncertainty.of(
+        fit(springpot.parse_model("material"), springpot.Measurement(omega, stiffness))
+    )
+    low, high = intervals_beside_material(known)
+    assert np.all(low[:2] <= known.fit.theta[:2])
+    assert np.all(known.fit.theta[:2] <= high[:2])

@@ -439,3 +439,10 @@ def test_half_a_cycle_is_told_to_be_too_few():
     time = np.linspace(0.0, 1.5, 400)
     with pytest.raises(DataError, match=r"0\.48 cycles of 2 rad/s where one is needed"):
         harmonics_of(time, np.cos(2.0 * time), 3.0 * np.cos(2.0 * time + 0.4), omega=2.0)
+
+
+def test_a_frequency_that_nothing_determines_is_refused_without_a_warning():
+    """Of a single loading in a straight line."""
+    t = np.arange(20.0)
+    with pytest.raises(DataError, match="nothing oscillates in this record"):
+        harmonics_of(t, 2.0 - 0.01 * t, np.cos(7.0 * t))

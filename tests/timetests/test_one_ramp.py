@@ -1,4 +1,4 @@
-"""One ramp passes each place once: a stop and a specimen that stiffens are the same to it."""
+"""A motion one way passes each place once: a stop and a stiffer specimen are the same to it."""
 
 import numpy as np
 import pytest
@@ -25,4 +25,18 @@ def test_a_stop_in_one_ramp_may_be_a_specimen_that_is_not_linear():
     found = diagnose(pulled(0.1), parse_model("maxwell"), LIBRARY)
     assert found.leading == ("dead-zone",)
     assert "or a specimen that is not linear (cubic-stiffness: " in found.says
-    assert "ramp at another rate, or back" in found.says
+    assert "move at another rate, or back" in found.says
+
+
+@pytest.mark.parametrize(
+    ("moved", "one_way"),
+    [
+        ([0.0, 1.0, 2.0, 2.0, 2.0], True),
+        ([-25.0, -12.0, -5.0, -5.0003, -5.0001], True),
+        ([0.0, 1.0, 2.0, 1.0, 0.0], False),
+        ([0.0, 1.0, 0.0, -1.0, -2.0], False),
+    ],
+)
+def test_what_is_held_behind_a_ramp_passed_each_place_once_too(moved, one_way):
+    """What a rig gives way by while it holds is no way back."""
+    assert Loading(np.arange(5.0), np.array(moved)).goes_one_way is one_way

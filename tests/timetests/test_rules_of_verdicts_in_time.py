@@ -193,9 +193,11 @@ def candidate(delta=50.0, alike=("friction",), over_floor=1.1, lowers=True):
         ("unexplained", [candidate(lowers=False)], {}, f", and {UNKNOWN}"),
         ("unexplained", [], {"apart": "apart"}, "; apart"),
         ("unexplained", [candidate()], {}, ", and no single known effect explains it:"
-         " friction helps (1.1 x with it) but is not all"),
+         " friction helps (1.1 x with it), but a pattern is left"),
+        ("unexplained", [candidate(over_floor=1.4)], {}, ", and no single known effect explains it:"
+         " friction helps (1.4 x with it) but is not all"),
         ("unexplained", [candidate()], {"apart": "apart"},
-         "; apart; friction helps (1.1 x with it) but is not all"),
+         "; apart; friction helps (1.1 x with it), but a pattern is left"),
         ("effect-missing", [candidate(lowers=False, alike=("friction", "inertia"))],
          {"rival": ", rival"}, "; missing is friction or inertia: 1.1 x with it, rival"),
         ("effect-missing", [candidate()], {"jump": "a jump"},

@@ -232,8 +232,9 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
         for i in bent(known):
             low[i], high[i], _ = profiled(known, i)
         return beside_endless((Path.of(fit, i) for i in range(len(low))), rise, low, high)
-    for i, each in enumerate(_ends_beside_lines(known)):
-        low[i], high[i] = each
+    for i, (left, right) in enumerate(_ends_beside_lines(known)):
+        # Other lines may serve better by the last digits of numbers without noise.
+        low[i], high[i] = min(left, fit.theta[i]), max(right, fit.theta[i])
     own = own_parameters(fit.model)
     if len(own) > MOST_PROFILED:
         return low, high
@@ -354,28 +355,32 @@ def ends_of_amounts(
     """
     whole: Real = np.array(np.linalg.qr(np.column_stack([columns, target]), mode="r"))
     columns, target = whole[:, :-1], whole[:, -1]
-    weights, least = non_negative(columns, target)
+    weights, _ = non_negative(columns, target)
     return [
-        _ends_of_amount(columns, target, i, float(weights[i]), (least, rise))
-        for i, rise in enumerate(rises)
+        _ends_of_amount(columns, target, i, float(weights[i]), rise) for i, rise in enumerate(rises)
     ]
 
 
 def _ends_of_amount(
-    columns: Real, target: Real, i: int, best: float, squares: tuple[float, float]
+    columns: Real, target: Real, i: int, best: float, rise: float
 ) -> tuple[float, float]:
-    """That of weight i; `squares`: what is left at its best, and by how much it may rise."""
+    """That of weight i: where the sum of squares has risen by so much from its best."""
     from scipy.optimize import brentq  # loading the plugins must not take its time
 
     others, size = np.delete(columns, i, axis=1), float(np.linalg.norm(columns[:, i]))
     if not size > 0.0:
         return 0.0, float("inf")
-    least, reach = squares[0], float(np.sqrt(squares[1]))
+    reach = float(np.sqrt(rise))
+
+    def left(amount: float) -> float:
+        return float(non_negative(others, target - columns[:, i] * amount)[1])
+
+    # Solved as all others are: of numbers without noise the digits of another way would be a rise.
+    least = left(best)
 
     def above(amount: float) -> float:
         """Deviations beyond the end, nearly a straight line along the way."""
-        left = non_negative(others, target - columns[:, i] * amount)[1]
-        return float(np.sqrt(max(left - least, 0.0))) - reach
+        return float(np.sqrt(max(left(amount) - least, 0.0))) - reach
 
     def end(outer: float) -> float:
         # Of an end two digits of its distance are printed.

@@ -284,7 +284,8 @@ def refined_frequency(record: MendedSignals, basis: Basis, rounds: int = 10) -> 
         # What is left of the squares, without a second pass through the record.
         squares = max(float(square[0, 0] - solution @ right[:, 0]), 0.0)
         left = squares / max(count - len(solution), 1)
-        variance = left * float(np.linalg.pinv(normal)[-1, -1])
+        # Rounding alone may turn the sign, where the frequency is next to undetermined.
+        variance = left * max(float(np.linalg.pinv(normal)[-1, -1]), 0.0)
         basis = replace(basis, omega=basis.omega + step)
         # Well within its own standard deviation no step is worth another round.
         if abs(step) < max(1e-10 * width, 1e-3 * np.sqrt(variance)):

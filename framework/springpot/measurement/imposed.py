@@ -109,6 +109,12 @@ class Loading:
         kept = self if rest is None else rest
         return kept if kept._moves else None
 
+    @property
+    def goes_one_way(self) -> bool:
+        """Whether it never comes back, so that it passes each of its values once."""
+        back = min(np.ptp(np.maximum.accumulate(each) - each) for each in (self.value, -self.value))
+        return bool(back <= STEADY * np.abs(self.value).max())
+
     @cached_property
     def _moves(self) -> bool:
         return bool(np.ptp(self.value) > 0.0 or self.value[0] != 0.0)
@@ -279,7 +285,8 @@ def _of_what_is_smooth(value: Real) -> float:
 def imposed_noise(value: Real, order: int = ORDER) -> float:
     """Standard deviation of white noise in a channel (n,) that was evenly sampled.
 
-    By the median of its differences of the eighth order, which corners do not move.
+    By the median of its differences of the eighth order, which corners do not move; 0 where there
+    are too few samples for one.
 
     Examples
     --------
@@ -289,6 +296,8 @@ def imposed_noise(value: Real, order: int = ORDER) -> float:
     >>> round(imposed_noise(np.sin(0.1 * np.arange(2000)) + noise), 3)
     0.01
     """
+    if len(value) <= order:
+        return 0.0
     # Of white noise of variance one such a difference has the variance 2n over n.
     own = sqrt(comb(2 * order, order))
     return NORMAL * float(np.median(np.abs(np.diff(value, order)))) / own

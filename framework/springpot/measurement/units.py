@@ -38,7 +38,7 @@ FORCE_UNITS = {
     "kgf": 9.80665,
     "dyn": 1e-5,
     "daN": 10.0,
-}
+} | {"nN": 1e-9, "pN": 1e-12}
 LENGTH_UNITS = {
     "m": 1.0,
     "mm": 1e-3,

@@ -153,7 +153,8 @@ def sentence(
         # Where many do so equally well their names say nothing of the cause.
         if len(leading) > VERDICT.most_alike:
             names = f"{leading[0]}, as any of {len(leading) - 1} others,"
-        helps = f"{names} helps ({after}) but is not all"
+        rest = ", but a pattern is left" if left <= VERDICT.misfit else " but is not all"
+        helps = f"{names} helps ({after}){rest}"
         if apart:
             return f"{size}; {apart}; {helps}{place}"
         return f"{size}, and no single known effect explains it: {helps}{place}"
@@ -242,7 +243,7 @@ def answer_of(
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
     apart = said_apart(parts, tests, best.rows(parts, noise, tests))
-    rival = beside_one_ramp(parts, named, leading_of(named))
+    rival = beside_one_way(parts, named, leading_of(named))
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
@@ -547,23 +548,25 @@ def _candidate(each: Hypothesis, chance: float, alike: Sequence[str], after: Err
     )
 
 
-def beside_one_ramp(
+def beside_one_way(
     parts: Sequence[TestPart], candidates: Sequence[Candidate], leading: Sequence[str]
 ) -> str:
-    """The specimen that is not linear, beside leading effects of one ramp that are none of it.
+    """The specimen that is not linear, beside leading effects of one motion that are none of it.
 
-    The displacement passes each place once, at one speed: a force that a part of the rig adds from
-    there on and one of the specimen are the same to it, but for the shape that each was given.
+    A displacement that never comes back passes each place once: a force that a part of the rig adds
+    from there on and one of the specimen are the same to it, but for the shape that each was given.
 
     Empty where there are more tests, another kind of test, or no such specimen that helps.
     """
-    if len(parts) != 1 or not isinstance(parts[0], InTimePart) or parts[0].test.kind != "startup":
+    if len(parts) != 1 or not isinstance(parts[0], InTimePart) or parts[0].test.after_step:
+        return ""
+    if not parts[0].test.loading.recorded.goes_one_way:
         return ""
     own = [each for each in candidates if each.physics.layer is Layer.MATERIAL]
     best = next((each for each in own if each.delta_bic > SEARCH.decisive), None)
     if best is None or {each.effect for each in own} & {*leading}:
         return ""
     return (
-        f", or a specimen that is not linear ({best.effect}: {times(best.over_floor)}), which one"
-        " ramp does not tell apart: ramp at another rate, or back"
+        f", or a specimen that is not linear ({best.effect}: {times(best.over_floor)}), which a"
+        " motion one way does not tell apart: move at another rate, or back"
     )

@@ -85,6 +85,12 @@ class Block:
         return any(row[i].strip() not in MISSING for i in places for row in self.rows)
 
     @property
+    def untitled(self) -> list[int]:
+        """The numbers, from 1, of columns without a title that hold numbers."""
+        places = [i for i, each in enumerate(self.headings) if not each.title]
+        return [i + 1 for i in places if any(holds_number(row[i]) for row in self.rows)]
+
+    @property
     def is_dynamic(self) -> bool:
         """Whether there are a frequency and a complex modulus."""
         return is_dynamic(self.roles)

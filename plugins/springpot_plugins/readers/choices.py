@@ -350,14 +350,16 @@ FIRST_COLUMNS = ("omega[rad/s]", "storage[Pa]", "loss[Pa]")
 """The order in which most programs write them; weights may follow."""
 
 
-def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> DataError:
+def ask_meaning(
+    says: str, block_lacks: str, headings: Sequence[Heading], untitled: Sequence[int] = ()
+) -> DataError:
     """The error of a table that lacks something, with how to say it where that would mend it.
 
     A hint must not lead to wrong numbers without a word when it is typed as it stands: it says what
-    it assumes.
+    it assumes. Columns that are `untitled` and hold numbers are known by their number, from 1.
     """
     if block_lacks == f"missing {FREQUENCY}":
-        return _ask_frequency(says, headings)
+        return _ask_frequency(says, headings, untitled)
     moduli = [each for each in headings if each.role is None and stated_unit(each) in MODULUS_UNITS]
     if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
         return _ask_which_modulus(says, moduli, headings)
@@ -402,7 +404,7 @@ _SWEPT = frozenset(
 """What is swept at one frequency."""
 
 
-def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
+def _ask_frequency(says: str, headings: Sequence[Heading], untitled: Sequence[int]) -> OpenQuestion:
     """The question for the frequency: which column holds it, or that it is the same in all rows."""
     clock = next(
         (i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None
@@ -414,6 +416,7 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
         return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
     same = Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})
     unknown = {key: title for key, title in unknown_in(headings).items() if title}
+    unknown |= {str(number): f"column {number}, without a title," for number in untitled}
     # A constant is the nearest answer only where something else is swept: a column that nobody
     # knows may be the frequency, and a constant in its place would be wrong without a word.
     if not unknown or any(each.role in _SWEPT for each in headings):
@@ -473,12 +476,21 @@ CLOCK = "of which the first begins at 0, as a time does"
 """What columns are that a clock leads."""
 
 
-def ask_columns(count: int, leading: str = "", separator: str = ",") -> OpenQuestion:
-    """The question for columns that have no names, the first of which may be LOOP or CLOCK."""
-    spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+def ask_columns(
+    count: int, leading: str = "", separator: str = ",", first: int = 1
+) -> OpenQuestion:
+    """The question for columns that have no names.
+
+    The first of them may be LOOP or CLOCK; another one, `first`, may be what was set.
+    """
+    order = [first, *(i for i in range(1, count + 1) if i != first)]
     usual = FIRST_COLUMNS
+    places = zip(order, FIRST_COLUMNS, strict=False)
+    spec = f"'FILE?{','.join(f'{i}={each}' for i, each in places)}'"
     message = f"{count} columns of numbers without names"
-    if leading == LOOP:
+    if first != 1:
+        message += f", of which number {first} goes in even steps, as what is set does"
+    if leading == LOOP and first == 1:
         message += f", {LOOP}"
         if count > 2:
             message += f"; of a sweep open {spec}"
@@ -503,10 +515,8 @@ def ask_columns(count: int, leading: str = "", separator: str = ",") -> OpenQues
             ", where frequency, storage and loss are needed; of tables one below the other write a"
             f' line of titles above each, such as "frequency [Hz]{between}G\' [Pa]"{OR_IN_TIME}'
         )
-    message = message.replace("FIRST", "1").replace("SECOND", "2")
-    return OpenQuestion(
-        message, ask_each({str(i): f"column {i}" for i in range(1, count + 1)}, usual)
-    )
+    message = message.replace("FIRST", str(order[0])).replace("SECOND", str(order[1]))
+    return OpenQuestion(message, ask_each({str(i): f"column {i}" for i in order}, usual))
 
 
 def unknown_in(headings: Sequence[Heading]) -> dict[str, str]:

@@ -296,7 +296,7 @@ def _not_dynamic(block: Block) -> DataError:
     where = ""
     if block.name:
         where = f"part '{block.name}' is no dynamic test: "
-    return ask_meaning(f"{where}{block.holds()}", block.lacks(), block.headings)
+    return ask_meaning(f"{where}{block.holds()}", block.lacks(), block.headings, block.untitled)
 
 
 def _roles_chosen(block: Block, choice: Choice) -> set[str]:

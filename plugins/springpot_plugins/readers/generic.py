@@ -12,15 +12,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
+from springpot.measurement.rounding import is_even
 
 from .above import facts_of, pairs_in, with_conditions_above
 from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS, found_in
 from .choices import (
     CLOCK,
+    FIRST_COLUMNS,
     LOOP,
     ask_clock,
     ask_columns,
@@ -172,7 +175,10 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     width = len(block.headings)
     # With names the question can show them; without, only the number of the columns is known.
     if block.headings == numbered(width):
-        raise ask_columns(width, _leading(block, choice), grid.separator)
+        leading = _leading(block, choice)
+        # A clock that begins at 0 needs no other.
+        first = 1 if leading == CLOCK else _set_column(block, choice)
+        raise ask_columns(width, leading, grid.separator, first)
     if block.is_steady:
         raise DataError(block.holds())
     terms = [i for i, each in enumerate(block.headings) if each.role == "relaxation_time"]
@@ -196,6 +202,29 @@ def _leading(block: Block, choice: Choice) -> str:
     if onward and not back and first[0] == 0.0:
         return CLOCK
     return ""
+
+
+def _set_column(block: Block, choice: Choice) -> int:
+    """The number of the column that was set: the first in even steps, of three or more; else 1."""
+    try:
+        columns = columns_of(block, with_choice(block.headings, choice))
+        values = [each.numbers(gaps=True) for each in columns]
+    except DataError:
+        return 1
+    if len(values) < len(FIRST_COLUMNS):
+        return 1
+    return next((i for i, each in enumerate(values, 1) if _is_set(each)), 1)
+
+
+def _is_set(values: NDArray[np.float64]) -> bool:
+    """Whether a column goes in even steps or in even factors, up or down; the last may be cut."""
+    inner = values[:-1]
+    # A few may be even by chance.
+    if len(inner) < 2 * len(FIRST_COLUMNS) or not np.isfinite(inner).all():
+        return False
+    if inner[-1] < inner[0]:
+        inner = inner[::-1]
+    return is_even(inner) or bool((inner > 0.0).all() and is_even(np.log(inner)))
 
 
 def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:

@@ -227,16 +227,19 @@ def beside(
 ) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
     """Names and units, one cell a row, where the first name is of none of the rows, or lacks."""
     width = len(rows[0])
-    if len(names) == width + 1 and names[0].strip().endswith(":"):
+    bare = uncommented(names, width)
+    if len(bare) == width + 1 and bare[0].strip().endswith(":"):
         # "Interval data:" stands before the names, and nothing before the numbers.
-        return names[1:], [_without_blank_start(row) for row in between]
+        return bare[1:], [_without_key(uncommented(row, width), width) for row in between]
     if len(names) == width - 1 and all(len(row) == width for row in rows) and _are_row_names(rows):
         return ["", *names], between
     return names, between
 
 
-def _without_blank_start(row: Sequence[str]) -> Sequence[str]:
-    if row and not row[0].strip():
+def _without_key(row: Sequence[str], width: int) -> Sequence[str]:
+    """A row without the blank, or the word such as "Units:", that stands before its columns."""
+    first = "".join(row[:1]).strip()
+    if not first or (len(row) == width + 1 and first.endswith(":")):
         return row[1:]
     return row
 

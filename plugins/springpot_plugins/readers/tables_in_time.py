@@ -165,7 +165,10 @@ _THERE_AND_BACK = 2
 
 def lacking(block: Block, columns: Sequence[Column]) -> DataError:
     """What a table with a time needs to be a test."""
-    there = ", ".join(each.title for each in block.headings[:12])
+    first, rest = block.headings[:12], block.headings[12:]
+    there = ", ".join(each.title for each in first)
+    if rest:
+        there += f" and {len(rest)} more"
     roles = {each.name for each in columns}
     if roles >= {"displacement", "force"}:
         for each in columns:

@@ -85,6 +85,7 @@ UNITS: dict[str, dict[str, float]] = {
     "storage_compliance": COMPLIANCE_UNITS,
     "loss_compliance": COMPLIANCE_UNITS,
     "relaxation": MODULUS_UNITS,
+    "flow": dict.fromkeys(_inverses("s"), STRAIN_UNITS["-"]),
     "compliance": COMPLIANCE_UNITS,
     "phase": ANGLE_UNITS,
     "loss_factor": STRAIN_UNITS,

@@ -194,3 +194,50 @@ def test_of_two_moduli_beside_a_loss_angle_the_second_may_be_the_loss(tmp_path):
     assert hint == "2=storage[MPa],3=loss[MPa]"
     found = open_measurement(f"{path}?{hint}")
     np.testing.assert_allclose(found.loss, 0.3 * SWEEP, rtol=1e-6)
+
+
+@pytest.mark.parametrize("place", [2, 3])
+@pytest.mark.parametrize("was_set", [0.1 + 0.1 * np.arange(8), [*SWEEP[:0:-1], 1.2]])
+def test_of_numbers_without_names_what_goes_in_even_steps_leads_the_hint(tmp_path, place, was_set):
+    """Frequencies behind the moduli, up or down; the last step may be cut at an end."""
+    columns = [3.0 + np.sqrt(SWEEP), 1.0 + 0.3 * np.sin(SWEEP)]
+    columns.insert(place - 1, np.array(was_set))
+    path = tmp_path / "sweep.txt"
+    np.savetxt(path, np.column_stack(columns))
+    with pytest.raises(DataError, match=f"number {place} goes in even steps") as asked:
+        open_measurement(path)
+    hint = str(asked.value).split("sweep.txt?")[1].split("'")[0]
+    found = open_measurement(f"{path}?{hint}")
+    np.testing.assert_allclose(np.sort(found.omega), np.sort(was_set))
+
+
+def test_a_column_without_a_title_may_be_the_frequency(tmp_path):
+    path = rig(tmp_path, ",G' [Pa],G'' [Pa]", SWEEP, 3.0 + SWEEP, 0.3 * SWEEP)
+    with pytest.raises(DataError, match="if column 1, without a title, is it, in Hz") as asked:
+        open_measurement(path)
+    hint = str(asked.value).split("rig.csv?")[1].split("'")[0]
+    np.testing.assert_allclose(open_measurement(f"{path}?{hint}").frequency, SWEEP)
+
+
+def test_a_word_before_the_names_in_a_remark_is_none_of_them(tmp_path):
+    """As AFMs export them, the units in a remark with such a word as well."""
+    path = tmp_path / "curve.txt"
+    head = "# speed: 1.0\n# columns: time height force\n# units: s um nN\n#\n"
+    rows = "\n".join(f"{t} {x} {f}" for t, x, f in zip(CLOCK, MOVED, PULLED, strict=True))
+    path.write_text(head + rows + "\n")
+    [test] = open_in_time(f"{path}?height=displacement[um]")
+    np.testing.assert_allclose(test.response, PULLED)
+    assert test.units.stiffness == "nN/um"
+
+
+def test_a_shear_rate_with_its_unit_in_the_name_is_steady_flow(tmp_path):
+    path = rig(tmp_path, "sample_id,shear_rate_1/s,stress_Pa", SWEEP, SWEEP, np.sqrt(SWEEP))
+    with pytest.raises(DataError, match="steady flow, no dynamic test"):
+        open_measurement(path)
+
+
+def test_a_list_of_columns_that_is_cut_says_how_many_are_left_out(tmp_path):
+    titles = ["time [s]", "Displacement (mm)", *(f"sensor {i}" for i in range(12))]
+    path = rig(tmp_path, ",".join(titles), CLOCK, MOVED, *[PULLED] * 12)
+    with pytest.raises(DataError, match=r"sensor 9 and 2 more\)$"):
+        open_in_time(path)
