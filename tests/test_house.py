@@ -320,7 +320,7 @@ DEEPEST = 20
 """Files of the longest chain of imports; may only fall (53 before imports named their files)."""
 TWICE = 0
 """Names of classes that stand for two things or more; may only fall."""
-MODULES, OF_PLUGINS = 272, 65
+MODULES, OF_PLUGINS = 271, 65
 """Files of the framework, and of the plugins; may only fall."""
 FACTS = {
     "benchmark/exporting.py": "PRECISION",
