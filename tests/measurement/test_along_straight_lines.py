@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Loading, TimeTest
+from springpot.measurement.course import lines, straightened
 from springpot.measurement.imposed import controlled
-from springpot.measurement.straight import lines, straightened
 
 TIME = np.linspace(0.0, 10.0, 600)
 NOISE = np.random.default_rng(3).normal(size=(2, 600))

@@ -340,8 +340,8 @@ def test_a_steady_motion_is_known_without_the_noise_of_its_transducer():
     assert any("taken off" in note for note in fit.notes)
 
 
-@pytest.mark.parametrize("changes", [{"felt": 0.02}, {"grows": 0.3}, {"noise": 0.0}])
-def test_what_was_felt_or_is_no_steady_motion_stays(changes):
+@pytest.mark.parametrize("changes", [{"felt": 0.02}, {"noise": 0.0}])
+def test_what_was_felt_stays(changes):
     moved, test = loop(**({"noise": 1e-4} | changes))
     assert "motion" not in test.provenance
     np.testing.assert_allclose(test.loading.recorded.value, moved, atol=6e-4)

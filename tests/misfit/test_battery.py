@@ -9,7 +9,7 @@ import springpot
 from soaked import soaked
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.frame import near_an_alarm
-from springpot.misfit.residual_tests import TESTS, battery
+from springpot.misfit.residual_tests import TESTS, _one_frequency_in_words, battery
 
 MODEL = springpot.parse_model("fractional-zener")
 TRUTH = np.array([100.0, 400.0, 60.0, 0.5])
@@ -122,3 +122,13 @@ SETTLED = [(0.0005, 2000), (0.05, 2000), (0.009, 20000)]
 @pytest.mark.parametrize(("chance", "draws"), OPEN + SETTLED)
 def test_more_is_drawn_only_where_the_verdict_is_open(chance, draws):
     assert near_an_alarm(chance, draws) is ((chance, draws) in OPEN)
+
+
+def test_an_error_at_one_frequency_is_told_with_its_place():
+    """And of one sweep alone, not of several."""
+    data = sweeps("normal", 3, PATTERNS["single points"])
+    place = data.units.at(float(data.frequency[20]))
+    frame = fitted_to_floor(MODEL, data).frame()
+    _, says = _one_frequency_in_words(frame)
+    assert says.startswith(f"at {place}, with its neighbours or alone, the residual is off by")
+    assert says.endswith(" sd")

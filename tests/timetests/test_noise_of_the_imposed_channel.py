@@ -7,7 +7,7 @@ from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.steady_start import gone_on
-from springpot.misfit import residual_scatter
+from springpot.misfit import coloured_noise
 from springpot.numerics import DEVIATIONS
 from springpot.registry import plugins
 from springpot.timetests import compare, diagnose
@@ -107,16 +107,16 @@ def test_corners_and_smooth_motion_are_no_noise():
 
 def test_a_noise_that_drowns_is_none_and_a_heard_one_as_large_as_it_may_well_be(monkeypatch):
     at = np.linspace(0.0, 1.0, 400)
-    monkeypatch.setattr(residual_scatter, "imposed_noise", lambda value: 0.3)
+    monkeypatch.setattr(coloured_noise, "imposed_noise", lambda value: 0.3)
 
     def noise_with_imposed(sd, control="displacement", moved=0.0):
         loading = Loading(at + moved, at)
         test = TimeTest(at, at, loading, control=control)
-        return residual_scatter.Imposed.of(test, 4.0, np.full(400, sd)).noise
+        return coloured_noise.Imposed.of(test, 4.0, np.full(400, sd)).noise
 
     # A variance is known to the root of two by their number.
-    most = 0.3 * np.sqrt(1.0 + DEVIATIONS * np.sqrt(2.0 / (residual_scatter.WORTH * 400)))
-    least = residual_scatter.HEARD
+    most = 0.3 * np.sqrt(1.0 + DEVIATIONS * np.sqrt(2.0 / (coloured_noise.WORTH * 400)))
+    least = coloured_noise.HEARD
     assert noise_with_imposed(0.99 * 1.2 / least) == pytest.approx(most)
     assert noise_with_imposed(1.01 * 1.2 / least) == 0.0
     assert noise_with_imposed(0.99 * 0.075 / least, "force") == pytest.approx(most)

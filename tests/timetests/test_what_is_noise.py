@@ -9,12 +9,9 @@ from scipy.signal import lfilter
 import springpot
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest, noise_of
-from springpot.misfit.coloured_noise import step_test
+from springpot.misfit.coloured_noise import Imposed, motion_test, powers_of, step_test
 from springpot.misfit.residual_scatter import (
-    Imposed,
     ResidualScatter,
-    motion_test,
-    powers_of,
     scatter_of,
     scatter_of_record,
     scatter_of_sweep,

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import comb, log, sqrt
+from math import ceil, comb, log, sqrt
 
 import numpy as np
 
@@ -48,6 +48,9 @@ class Loading:
     before : int
         Knots before the first sample: how it had gone on until then, or one where it rose from
         nothing.
+    unfelt : tuple of float
+        Standard deviation of the noise that was taken off a smooth course, and of how many numbers
+        that course is.
 
     Raises
     ------
@@ -65,6 +68,7 @@ class Loading:
     value: Real
     sampled: bool = False
     before: int = 0
+    unfelt: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         for name in ("time", "value"):
@@ -143,7 +147,8 @@ class Loading:
 
     def scaled(self, factor: float) -> Loading:
         """The same in another unit."""
-        return replace(self, value=self.value * factor)
+        noise, numbers = self.unfelt
+        return replace(self, value=self.value * factor, unfelt=(noise * abs(factor), numbers))
 
     @cached_property
     def motion(self) -> Between | None:
@@ -185,9 +190,13 @@ class Loading:
         """Times when nobody knows what is felt: at a jump by a spring, at a turn by a dashpot.
 
         Where it is to be `judged`, its first sample too if it was at rest before and moves from
-        there on; of a plan that of what moves is told.
+        there on; of a plan that of what moves is told. Of a smooth course without its noise the
+        ends too, which are told from one side.
         """
         times, _ = self.jumps
+        if self.unfelt[1]:
+            few = ceil(len(self.time) / self.unfelt[1])
+            times = np.union1d(times, self.time[[*range(few), *range(-few, 0)]])
         if self.smooth is None or self.smooth.motion is None:
             return times
         motion = self.smooth.motion

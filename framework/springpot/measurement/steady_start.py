@@ -318,7 +318,7 @@ def quiet(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
     stiffness = float(np.std(answer)) / max(float(np.std(smooth)), SMALLEST)
     # What stays uncertain of the motion has to be less than what the response itself leaves open.
     unsure = stiffness * noise * np.sqrt(columns.shape[1] / count)
-    if unsure > rms(response - answer) or _goes_with(response - answer, left, stiffness):
+    if unsure > rms(response - answer) or goes_with(response - answer, left, stiffness):
         return loading, {}
     share = 100.0 * noise / rms(smooth)
     says = f"steady, with {share:.2g} % of white noise that nothing answers to: taken off"
@@ -355,7 +355,7 @@ def without_noise(
         rest = np.zeros(len(course))
         for part in parts:
             rest[part] = _beside_creep(response[part])
-        if not _goes_with(rest, left, rms(response) / rms(course)):
+        if not goes_with(rest, left, rms(response) / rms(course)):
             share = 100.0 * rms(left) / rms(course)
             says = f"{how}, with {share:.2g} % of white noise that nothing answers to: taken off"
             return _bridged(clock, imposed, course, parts), {"motion": says}
@@ -426,7 +426,7 @@ def _refined(value: Real, turn: float) -> float:
     return turn
 
 
-def _goes_with(rest: Real, left: Real, stiffness: float) -> bool:
+def goes_with(rest: Real, left: Real, stiffness: float) -> bool:
     """Whether a response without its harmonics goes with what a motion has beside its own.
 
     Beyond chance, and by half of what the specimen's stiffness would answer to it at least.

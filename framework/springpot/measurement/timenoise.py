@@ -37,9 +37,9 @@ from springpot.rheology.points import STEADY, Real
 from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS, SEARCH, SIGNALS
+from .course import FEWEST as FEWEST_OF_LEVEL
 from .instrument import rounding_step
 from .measurement import Measurement
-from .straight import FEWEST as FEWEST_OF_LEVEL
 from .timetest import TimeTest
 
 ORDER = 4

@@ -15,13 +15,13 @@ from springpot.errors import DataError, plain
 from springpot.rheology.points import KELVIN, STEADY, Real
 
 from ..numerics import SMALLEST
+from .course import as_imposed, control_of
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, Loading, from_rest, is_released, since_nothing
 from .instrument import even_clock, without_hum
 from .rows import digest_of_columns
 from .steady_start import said_of_start
-from .straight import as_imposed, control_of
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -360,6 +360,7 @@ class TimeTest:
         columns |= {"knots": imposed.time, "imposed": imposed.value}
         units = (self.displacement_unit, self.force_unit)
         about = (self.control, *units, imposed.sampled, imposed.before, *sorted(self.aside))
+        about += imposed.unfelt if imposed.unfelt[1] else ()
         return digest_of_columns(about, columns, alone=("time", "knots"))
 
     def __repr__(self) -> str:

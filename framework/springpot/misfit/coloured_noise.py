@@ -11,17 +11,23 @@ missed beside it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, gamma_sf, normal_sf
-from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
+from springpot.measurement.course import answer_to_unfelt
+from springpot.measurement.imposed import imposed_noise
+from springpot.measurement.instrument import digit_of, is_even
+from springpot.measurement.steady_start import cycles_of
+from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
+from springpot.measurement.timetest import TimeTest
 from springpot.rheology.points import Real
 
-from ..numerics import MEDIAN_WORTH, NORMAL, SMALLEST, non_negative, projected_out
+from ..numerics import DEVIATIONS, MEDIAN_WORTH, NORMAL, SMALLEST, non_negative, projected_out
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -40,6 +46,13 @@ UPPER = 0.25
 
 A misfit spans eight samples or more.
 """
+WORTH = 0.15
+"""Share of the samples that the median of their differences is worth: by 600 simulated channels of
+100 to 3,000."""
+FEWEST_OF_NOISE = 100
+"""Samples below which the noise of a channel is not told."""
+HEARD = 0.05
+"""Share of the response's own noise below which nobody hears it."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +72,25 @@ class Colour:
     corner : float
         Frequency, in radians a sample, below which there is more 1/f noise than other; endless
         where there is no other, zero without any.
+    beside : ndarray, shape (n,), optional
+        What else there is, over what is new with each sample: of a record's cosine transform.
     """
 
     variance: float
     cosines: tuple[float, ...]
     corner: float
+    beside: Real | None = field(default=None, compare=False)
+
+    @classmethod
+    def of_memory(cls, size: float, memory: float, beside: Real) -> Colour:
+        """Noise of a size that remembers the sample before, and something else of a variance (n,).
+
+        The logarithm of such a spectrum is a sum of cosines that die away as its memory does.
+        """
+        order = np.arange(1, ORDERS + 1)
+        new = size**2 * (1.0 - memory**2)
+        cosines = tuple((2.0 * memory**order / order).tolist())
+        return cls(new, cosines, 0.0, beside / new)
 
     @property
     def count(self) -> int:
@@ -72,7 +99,11 @@ class Colour:
 
     def spectrum(self, omega: Real) -> Real:
         """Variance at frequencies (n,) of the cosine transform of a record."""
-        return self.shape(_cosines(omega), _rise(omega, self.corner))
+        power = self.shape(_cosines(omega), _rise(omega, self.corner))
+        if self.beside is None:
+            return power
+        known = frequencies(len(self.beside))
+        return power + self.variance * np.interp(omega, known, self.beside)
 
     def shape(self, cosines: Real, rise: Real) -> Real:
         """The same by the cosines (n, c) of these frequencies, and what 1/f noise adds there."""
@@ -346,3 +377,94 @@ def motion_test(residual: Real, spectrum: Real, of_motion: tuple[Real, Real]) ->
     left = max(float(value @ value - np.sum(followed)), SMALLEST) / (n - count)
     rest = residual - powers @ np.linalg.lstsq(powers, residual, rcond=None)[0]
     return float(f_sf(explained / left, count - linear, n - count)), rest
+
+
+class Imposed(NamedTuple):
+    """What a channel that was imposed may leave its traces by in the noise of the other.
+
+    Attributes
+    ----------
+    period : tuple of int
+        Of the motion; see `period_test`. None of an uneven one.
+    coarse : bool
+        Whether it has few values: what a model makes of their rounding has lines.
+    noise : float
+        Of the channel, as large as it may well be; zero where the response's own drowns it.
+    powers : tuple of ndarray
+        As of `powers_of`, of an uneven one alone.
+    steps : tuple of int
+        The first sample behind each step of a load that was held before and after.
+    unfelt : ndarray, shape (n,), optional
+        Variance of what is answered to the error of a smooth motion, over that of the noise; see
+        `answer_to_unfelt`.
+    """
+
+    period: tuple[int, int]
+    coarse: bool
+    noise: float
+    powers: tuple[Real, Real] | None
+    steps: tuple[int, ...] = ()
+    unfelt: Real | None = None
+
+    @classmethod
+    def of(cls, test: TimeTest, stiffness: float, sd: Real) -> Imposed:
+        """What was imposed in a test, whose response has noise (n,) of its own."""
+        value, count, even = test.loading.recorded.value, len(test.time), is_even(test.time)
+        noise, powers, unfelt = 0.0, None, None
+        if test.loading.unfelt[0] > 0.0:
+            unfelt = answer_to_unfelt(test.loading, test.response) / float(np.mean(sd**2))
+            if float(np.mean(unfelt)) >= HEARD**2:
+                noise = test.loading.unfelt[0]
+        elif even and len(value) >= FEWEST_OF_NOISE:
+            noise = _noise_above(test, stiffness, sd)
+        if test.kind == "history" and even and FEWEST <= len(value) == count:
+            powers = powers_of(value, noise > 0.0)
+        after = np.unique([later for _, later, _ in test.loading.steps_between])
+        steps = tuple(np.searchsorted(test.time, after).tolist())
+        coarse = digit_of(value) > 0.0
+        return cls(cycles_of(test.loading, count), coarse, noise, powers, steps, unfelt)
+
+
+def _noise_above(test: TimeTest, stiffness: float, sd: Real) -> float:
+    """The noise of the imposed channel, as large as it may well be.
+
+    Zero where the response's own drowns it, or where they were not sampled together.
+    """
+    loading = test.loading.recorded
+    if not np.array_equal(loading.time, test.time):
+        return 0.0
+    size, factor = imposed_noise(loading.value), stiffness
+    if test.control == "force":
+        factor = 1.0 / factor
+    if size * factor < HEARD * float(np.median(sd)):
+        return 0.0
+    error = float(np.sqrt(2.0 / (WORTH * len(test.time))))
+    return size * float(np.sqrt(1.0 + DEVIATIONS * error))
+
+
+def powers_of(value: Real, noisy: bool) -> tuple[Real, Real]:
+    """What a linear model may miss of a motion (n, p), and what else goes with it (n, q).
+
+    Products of place and speed up to the third degree, by samples a little apart: of its noise a
+    model has answered to the nearest ones, too. A linear model that answers to noise of the motion
+    is fitted too soft, and misses as much of place, speed and acceleration (Fuller 1987,
+    Measurement Error Models, chapter 1).
+
+    Parameters
+    ----------
+    value : ndarray, shape (n,)
+        The motion as it was read.
+    noisy : bool
+        Whether its noise is heard in the response; else a linear model has no excuse.
+    """
+    around = np.pad(value, ORDER, mode="edge")
+    before, after = around[: -2 * ORDER], around[2 * ORDER :]
+    place, speed, turning = (
+        each / max(float(np.abs(each).max()), SMALLEST)
+        for each in (value, after - before, after - 2.0 * value + before)
+    )
+    degrees = [(i, total - i) for total in (2, 3) for i in range(total + 1)]
+    products = np.stack([place**i * speed**j for i, j in degrees], axis=1)
+    if noisy:
+        return np.stack([place, speed, turning], axis=1), products
+    return np.zeros((len(value), 0)), np.column_stack([place, speed, products])

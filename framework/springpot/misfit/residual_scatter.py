@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view as windows
@@ -30,17 +29,13 @@ from springpot.distributions import (
     prewhitened,
     spectrum_of,
 )
-from springpot.measurement.imposed import imposed_noise
-from springpot.measurement.instrument import LINE, digit_of, is_even
+from springpot.measurement.instrument import LINE
 from springpot.measurement.scatter import tails_of
-from springpot.measurement.steady_start import cycles_of
-from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
-from springpot.measurement.timetest import TimeTest
+from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
 from springpot.thresholds import SIGNALS, WHERE
 
 from ..numerics import (
-    DEVIATIONS,
     FOURTH_WORTH,
     MEDIAN_WORTH,
     NORMAL,
@@ -49,11 +44,11 @@ from ..numerics import (
     rms,
 )
 from .coloured_noise import (
-    FEWEST as FEWEST_OF_COLOUR,
     LEVEL,
     SLOWEST,
     UPPER,
     Colour,
+    Imposed,
     colour_of,
     fisher_test,
     frequencies,
@@ -91,13 +86,6 @@ TAILS = 3.0
 further off, and not in the middle of others, is an outlier."""
 EFFICIENT = 18.0 / 35.0
 """Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
-WORTH = 0.15
-"""Share of the samples that the median of their differences is worth: by 600 simulated channels of
-100 to 3,000."""
-FEWEST_OF_NOISE = 100
-"""Samples below which the noise of a channel is not told."""
-HEARD = 0.05
-"""Share of the response's own noise below which nobody hears it."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +192,9 @@ class ResidualScatter:
         return np.asarray(prewhitened(residual, self.memory) / self.size, dtype=float)
 
 
-def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> ResidualScatter:
+def scatter_of(
+    residual: Real, usual: float = 0.0, worth: float = 0.0, beside: Real | None = None
+) -> ResidualScatter:
     """The noise in a residual over its presumed noise.
 
     Parameters
@@ -215,6 +205,8 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
         Excess that is no misfit, as of rounding that repeats itself.
     worth : float
         Independent numbers that tell the presumed noise, if others than these do.
+    beside : ndarray, shape (m,), optional
+        Variance that there may be beside the noise, at frequencies of its cosine transform.
 
     Returns
     -------
@@ -234,12 +226,14 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     excess = 2.0 * max(_gain_of_smooth_misfit(residual), _gain_of_jump(residual))
     found = ResidualScatter(*alone, excess - usual, _chance_of_worst_part(residual, above[1]))
     if found.doubtful:
-        colour = _colour_beside(residual, power, spectrum_of(omega, *above))
+        colours = [_colour_beside(residual, power, spectrum_of(omega, *above))]
+        if beside is not None:
+            colours.append(Colour.of_memory(*above, beside))
+        told = [_coloured(residual, colour, found, usual) for colour in colours if colour]
         # Another colour may excuse what a memory does not, and accuses of nothing.
-        if colour is not None:
-            coloured = _coloured(residual, colour, found, usual)
-            if coloured.chance > found.chance:
-                return coloured
+        coloured = max(told, key=lambda each: each.chance, default=found)
+        if coloured.chance > found.chance:
+            return coloured
     return replace(found, size=above[0], memory=above[1]) if found.misfit else found
 
 
@@ -271,7 +265,7 @@ def scatter_of_record(
         # Where digits repeat they err less than elsewhere, and if they are most of what is left no
         # part is missed by that.
         return replace(found, local=1.0) if share > 0.5 else found
-    found, (chance, rest) = scatter_of(residual, worth=worth), (1.0, residual)
+    found, (chance, rest) = scatter_of(residual, 0.0, worth, imposed.unfelt), (1.0, residual)
     if imposed.steps and len(residual) >= FEWEST:
         stepped, calm = step_test(residual, imposed.steps)
         if stepped < min(found.chance, SIGNALS.ruled_out):
@@ -330,6 +324,9 @@ def _coloured(
     excess = 2.0 * (max(smooth, _gain_of_jump(white)) - alone) - usual
     # What is missed in one part of a record is no noise of all of it.
     found = replace(plain, excess=excess, colour=colour)
+    if colour.beside is not None:
+        # What is known to be there, and slow, is not of one size in each part.
+        found = replace(found, local=max(plain.local, _chance_of_worst_part(white, 0.0)))
     if not found.misfit:
         # All that is left is noise.
         scale = float(np.mean(transformed(residual) ** 2 / spectrum))
@@ -647,86 +644,3 @@ def _worst_part(values: Real, memory: float, worth: float) -> float:
             size, usual_worth = size / rough, EFFICIENT * of_part
         chances.append(chance_of_squares(of_part * size, of_part, usual_worth))
     return PARTS * min(chances)
-
-
-class Imposed(NamedTuple):
-    """What a channel that was imposed may leave its traces by in the noise of the other.
-
-    Attributes
-    ----------
-    period : tuple of int
-        Of the motion; see `period_test`. None of an uneven one.
-    coarse : bool
-        Whether it has few values: what a model makes of their rounding has lines.
-    noise : float
-        Of the channel, as large as it may well be; zero where the response's own drowns it.
-    powers : tuple of ndarray
-        As of `powers_of`, of an uneven one alone.
-    steps : tuple of int
-        The first sample behind each step of a load that was held before and after.
-    """
-
-    period: tuple[int, int]
-    coarse: bool
-    noise: float
-    powers: tuple[Real, Real] | None
-    steps: tuple[int, ...] = ()
-
-    @classmethod
-    def of(cls, test: TimeTest, stiffness: float, sd: Real) -> Imposed:
-        """What was imposed in a test, whose response has noise (n,) of its own."""
-        value, count, even = test.loading.recorded.value, len(test.time), is_even(test.time)
-        noise, powers = 0.0, None
-        if even and len(value) >= FEWEST_OF_NOISE:
-            noise = _noise_above(test, stiffness, sd)
-        if test.kind == "history" and even and FEWEST_OF_COLOUR <= len(value) == count:
-            powers = powers_of(value, noise > 0.0)
-        after = np.unique([later for _, later, _ in test.loading.steps_between])
-        steps = tuple(np.searchsorted(test.time, after).tolist())
-        coarse = digit_of(value) > 0.0
-        return cls(cycles_of(test.loading, count), coarse, noise, powers, steps)
-
-
-def _noise_above(test: TimeTest, stiffness: float, sd: Real) -> float:
-    """The noise of the imposed channel, as large as it may well be.
-
-    Zero where the response's own drowns it, or where they were not sampled together.
-    """
-    loading = test.loading.recorded
-    if not np.array_equal(loading.time, test.time):
-        return 0.0
-    size, factor = imposed_noise(loading.value), stiffness
-    if test.control == "force":
-        factor = 1.0 / factor
-    if size * factor < HEARD * float(np.median(sd)):
-        return 0.0
-    error = float(np.sqrt(2.0 / (WORTH * len(test.time))))
-    return size * float(np.sqrt(1.0 + DEVIATIONS * error))
-
-
-def powers_of(value: Real, noisy: bool) -> tuple[Real, Real]:
-    """What a linear model may miss of a motion (n, p), and what else goes with it (n, q).
-
-    Products of place and speed up to the third degree, by samples a little apart: of its noise a
-    model has answered to the nearest ones, too. A linear model that answers to noise of the motion
-    is fitted too soft, and misses as much of place, speed and acceleration (Fuller 1987,
-    Measurement Error Models, chapter 1).
-
-    Parameters
-    ----------
-    value : ndarray, shape (n,)
-        The motion as it was read.
-    noisy : bool
-        Whether its noise is heard in the response; else a linear model has no excuse.
-    """
-    around = np.pad(value, ORDER, mode="edge")
-    before, after = around[: -2 * ORDER], around[2 * ORDER :]
-    place, speed, turning = (
-        each / max(float(np.abs(each).max()), SMALLEST)
-        for each in (value, after - before, after - 2.0 * value + before)
-    )
-    degrees = [(i, total - i) for total in (2, 3) for i in range(total + 1)]
-    products = np.stack([place**i * speed**j for i, j in degrees], axis=1)
-    if noisy:
-        return np.stack([place, speed, turning], axis=1), products
-    return np.zeros((len(value), 0)), np.column_stack([place, speed, products])

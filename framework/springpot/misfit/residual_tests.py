@@ -230,10 +230,16 @@ def _one_frequency(frame: NoiseFrame, sample: Drawn) -> Real:
 
 
 def _one_frequency_in_words(frame: NoiseFrame) -> tuple[float, str]:
-    along = np.abs(frame.rest @ frame.narrow)
+    along, measurement = np.abs(frame.rest @ frame.narrow), frame.measurement
     size = float(np.max(along, initial=0.0))
-    words = "at one frequency, with its neighbours or alone, the residual is off by"
-    return size, f"{words} {plain(size, 2)} sd in all sweeps"
+    where = "at one frequency"
+    if size > 0.0:
+        # What is fixed at a frequency is largest there.
+        row = int(np.argmax(np.abs(frame.narrow[:, np.argmax(along)]))) % len(measurement)
+        where = f"at {measurement.units.at(float(measurement.frequency[row]))}"
+    sweeps = " in all sweeps" if len(sweeps_of(measurement)) > 1 else ""
+    words = f"{where}, with its neighbours or alone, the residual is off by"
+    return size, f"{words} {plain(size, 2)} sd{sweeps}"
 
 
 def _largest(frame: NoiseFrame, sample: Drawn) -> Real | None:

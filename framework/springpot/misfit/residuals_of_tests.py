@@ -36,10 +36,10 @@ from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real, complex_form, real_form
 
 from ..numerics import COARSE, NEGLIGIBLE, SMALLEST, evenly, rms
+from .coloured_noise import Imposed
 from .frame import NoiseFrame
 from .residual_scatter import (
     FEWEST,
-    Imposed,
     ResidualScatter,
     scatter_of,
     scatter_of_record,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from springpot.distributions import effective_share, f_sf
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.result import Identification
 from springpot.identification.value import PartResult
+from springpot.measurement.course import followed
 from springpot.misfit.residual_scatter import ResidualScatter, times_noise
 from springpot.misfit.residuals_of_tests import InTimePart, Test, TestPart
 from springpot.rheology.effect import Effect
@@ -351,12 +353,14 @@ def noise_answer(part: TestPart, model: Model, theta: Real, reference: float) ->
     if not isinstance(part, InTimePart) or part.imposed.noise == 0.0:
         return quiet
     # Of independent noise the answers add as squares do: those to some kicks stand for all.
-    kicks = np.zeros(len(part.at))
-    kicks[APART::APART] = part.imposed.noise
-    kicks[2 * APART :: 2 * APART] *= -1.0
-    loading = part.test.loading
+    loading, kicks = part.test.loading, np.zeros(len(part.at))
+    # Those that a smooth course has followed reach as far as it is smooth.
+    reach = ceil(len(kicks) / loading.unfelt[1]) if loading.unfelt[1] else 1
+    apart = APART * reach
+    kicks[apart::apart] = part.imposed.noise
+    kicks[2 * apart :: 2 * apart] *= -1.0
     kicked = loading.value.copy()
-    kicked[loading.before :] += kicks
+    kicked[loading.before :] += followed(loading, kicks)
     moved = replace(part.test, loading=replace(loading, value=kicked))
     rows = np.arange(len(part.at))
     before = part.answer(model, theta, reference, rows).value

@@ -1,0 +1,65 @@
+"""Records of a motion that is smooth, does not repeat and was read with noise or in digits."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.measurement import TimeTest
+
+STEP, COUNT = 0.002, 1500
+SPRING, DASHPOT = 200.0, 0.8
+
+
+def moved(rng):
+    """Place, speed and acceleration of forty waves up to 20 Hz, in mm."""
+    t = STEP * np.arange(COUNT)
+    turns = 2.0 * np.pi * rng.uniform(0.2, rng.uniform(5.0, 20.0), 40)
+    waves = rng.normal(size=40) / (1.0 + turns / 6.0)
+    turned = waves[:, None] * np.exp(1j * (np.outer(turns, t) + rng.uniform(0.0, 6.0, (40, 1))))
+    place = turned.sum(0).imag
+    return [
+        part / np.std(place) for part in (place, (turns @ turned).real, -(turns**2 @ turned).imag)
+    ]
+
+
+def record(rng, mass, digits, share):
+    """A test of a spring and a dashpot beside a mass in kg."""
+    place, speed, push = moved(rng)
+    force = SPRING * place + DASHPOT * speed + 1e-3 * mass * push
+    read = place + share * rng.normal(size=COUNT)
+    if digits:
+        read = np.round(place, 3)
+    force += 0.01 * np.std(force) * rng.normal(size=COUNT)
+    return TimeTest.of_history(STEP * np.arange(COUNT), read, force, "mm", "N")
+
+
+@pytest.mark.parametrize("digits", [False, True])
+def test_a_mass_is_found_and_nothing_else_that_swallows_noise(digits):
+    test = record(np.random.default_rng(1), 100.0, digits, 0.005)
+    mass = springpot.identify(test, "kelvin + inertia").parameters["inertia.m"]
+    assert mass.low < 100.0 < mass.high < 1.02 * mass.low
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("digits", [False, True])
+def test_intervals_hold_what_noise_of_the_motion_would_hide(digits):
+    held, count = 0, 30
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        mass = rng.uniform(20.0, 150.0)
+        test = record(rng, mass, digits, 10.0 ** rng.uniform(-3.2, -1.8))
+        told = springpot.identify(test, "kelvin + inertia").parameters["inertia.m"]
+        held += told.low <= mass <= told.high
+    print(f"{held} of {count} intervals hold the mass, digits {digits}")
+    assert held >= 0.85 * count
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(4))
+def test_a_mass_is_named_where_it_is_and_not_where_it_is_not(seed):
+    rng = np.random.default_rng(seed)
+    with_mass, without = (record(rng, mass, False, 0.005) for mass in (100.0, 0.0))
+    found = springpot.diagnose(with_mass, "kelvin")
+    assert found.verdict == "effect-missing"
+    assert "inertia" in found.leading
+    assert springpot.diagnose(without, "kelvin").verdict in {"adequate", "inconclusive"}
