@@ -373,7 +373,7 @@ def ask_meaning(
         0,
     )
     if block_lacks.endswith("of the displacement") and moved:
-        title, unit = headings[moved - 1].title, normal_unit(headings[moved - 1].unit or "")
+        title, unit = called(headings, moved), normal_unit(headings[moved - 1].unit or "")
         spec = f"{to_type(headings, moved)}=amplitude[{unit}]"
         says = f"{says}; if {title} is it, counted from the middle, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("amplitude", "column", {title: spec})])
@@ -410,13 +410,14 @@ def _ask_frequency(says: str, headings: Sequence[Heading], untitled: Sequence[in
         (i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None
     )
     if clock is not None:
-        unit, title = normal_unit(headings[clock - 1].unit or ""), headings[clock - 1].title
+        unit = normal_unit(headings[clock - 1].unit or "")
         spec = f"{to_type(headings, clock)}=frequency[{unit}]"
+        title = called(headings, clock)
         says = f"{says}; if {title} is it, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
     same = Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})
     unknown = {key: title for key, title in unknown_in(headings).items() if title}
-    unknown |= {str(number): f"column {number}, without a title," for number in untitled}
+    unknown |= {str(number): called(headings, number) for number in untitled}
     # A constant is the nearest answer only where something else is swept: a column that nobody
     # knows may be the frequency, and a constant in its place would be wrong without a word.
     if not unknown or any(each.role in _SWEPT for each in headings):
@@ -517,6 +518,11 @@ def ask_columns(
         )
     message = message.replace("FIRST", str(order[0])).replace("SECOND", str(order[1]))
     return OpenQuestion(message, ask_each({str(i): f"column {i}" for i in order}, usual))
+
+
+def called(headings: Sequence[Heading], number: int) -> str:
+    """How a column is called, by its number from 1 where it has no title."""
+    return headings[number - 1].title or f"column {number} (without a title)"
 
 
 def unknown_in(headings: Sequence[Heading]) -> dict[str, str]:

@@ -29,7 +29,7 @@ from springpot.rheology import Real
 from .above import with_conditions_above
 from .blocks import Block, blocks_of
 from .channels import UNITS as CHANNELS, channel_of, found_in
-from .choices import ask_clock, with_choice
+from .choices import ask_clock, called, with_choice
 from .dynamic import columns_of
 from .excel import called_by_sheet, recognises as is_workbook, sheets_in
 from .generic import without_names
@@ -227,7 +227,8 @@ def _instead(block: Block, columns: Sequence[Column], place: int) -> str:
     """What to make of a force against a distance, as of a sample compressed at a constant speed."""
     title = block.headings[place]
     unit = stated_unit(title)
-    what = f"no column of displacement beside the force, but '{title.title}'"
+    named = f"'{title.title}'" if title.title else called(block.headings, place + 1)
+    what = f"no column of displacement beside the force, but {named}"
     distance = _numbers(columns, title.title)
     if _moves_once(distance):
         what += (

@@ -213,7 +213,7 @@ def test_of_numbers_without_names_what_goes_in_even_steps_leads_the_hint(tmp_pat
 
 def test_a_column_without_a_title_may_be_the_frequency(tmp_path):
     path = rig(tmp_path, ",G' [Pa],G'' [Pa]", SWEEP, 3.0 + SWEEP, 0.3 * SWEEP)
-    with pytest.raises(DataError, match="if column 1, without a title, is it, in Hz") as asked:
+    with pytest.raises(DataError, match=r"if column 1 \(without a title\) is it, in Hz") as asked:
         open_measurement(path)
     hint = str(asked.value).split("rig.csv?")[1].split("'")[0]
     np.testing.assert_allclose(open_measurement(f"{path}?{hint}").frequency, SWEEP)
@@ -241,3 +241,23 @@ def test_a_list_of_columns_that_is_cut_says_how_many_are_left_out(tmp_path):
     path = rig(tmp_path, ",".join(titles), CLOCK, MOVED, *[PULLED] * 12)
     with pytest.raises(DataError, match=r"sensor 9 and 2 more\)$"):
         open_in_time(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (",G',G''\nrad/s,Pa,Pa\n1,2,3\n2,3,4\n3,4,5\n", "if column 1 (without a title) is it"),
+        (
+            ",Force,Time\nmm,N,s\n0,2,0\n0.1,3,1\n0.3,4,2\n0.4,6,3\n",
+            "but column 1 (without a title), which moves one way",
+        ),
+    ],
+)
+def test_a_column_with_a_unit_and_no_title_is_called_by_its_number(tmp_path, text, told):
+    path = tmp_path / "rig.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DataError) as asked:
+        open_in_time(path) or open_measurement(path)
+    assert told in str(asked.value)
+    hint = str(asked.value).split("rig.csv?")[1].split("'")[0]
+    assert open_in_time(f"{path}?{hint}") or open_measurement(f"{path}?{hint}")
