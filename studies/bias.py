@@ -25,7 +25,7 @@ from paper.asking import asking
 from paper.draw import COLOURS, INK, can_draw, legend_above, sheet
 from springpot import plugins
 from springpot.benchmark import save_table
-from springpot.benchmark.bias import TRIED, Bias, bias_of, bias_table
+from springpot.benchmark.traits import TRIED, Bias, bias_of, bias_table
 from springpot.errors import ModelError
 from springpot.identification import Optimiser
 

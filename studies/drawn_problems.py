@@ -15,8 +15,8 @@ import numpy as np
 
 from springpot import parse_model
 from springpot.benchmark import Study
-from springpot.benchmark.features import descents, uniform
 from springpot.benchmark.plan import problem_of
+from springpot.benchmark.traits import descents, uniform
 from springpot.errors import SpringpotError
 from springpot.identification.problem import Problem, SpecimenProblem
 from springpot.identification.space import rounded_up

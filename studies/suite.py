@@ -21,14 +21,14 @@ import numpy as np
 from paper.draw import COLOURS, INK, MARKERS, can_draw, legend_above, sheet
 from springpot import plugins
 from springpot.benchmark import Study
-from springpot.benchmark.features import (
+from springpot.benchmark.plan import Plan, RaceCase, problem_of, reference_of
+from springpot.benchmark.traits import (
     Features,
     descents,
     features_of,
     parts_of,
     uniform,
 )
-from springpot.benchmark.plan import Plan, RaceCase, problem_of, reference_of
 from springpot.identification.native import BoundedDescent
 from springpot.identification.problem import Problem, SpecimenProblem
 from springpot.identification.recorder import Recorder

@@ -37,9 +37,8 @@ from springpot.identification.problem import Problem, SpecimenProblem
 from springpot.identification.recorder import BudgetSpent, Recorder
 from springpot.identification.runs import Optimiser, run
 from springpot.rheology import Real
-from springpot_plugins.optimisers import auto
-from springpot_plugins.optimisers.auto import NEGLIGIBLE, Auto
-from springpot_plugins.optimisers.leastsquares import LeastSquares, Misfit
+from springpot_plugins.optimisers import descents
+from springpot_plugins.optimisers.descents import NEGLIGIBLE, Auto, LeastSquares, Misfit
 from suite_repeated import ALONE, BUDGET, CHOICE, FAILED, PAGE, interval, rewritten
 
 ROOT = Path(__file__).parents[1]
@@ -348,7 +347,7 @@ def judged(problems: list[tuple[int, Made]]) -> tuple[Table, Table]:
 
 def write(rules: Rules) -> None:
     """Keep the rules where `auto` reads them; who takes turns stays as it is."""
-    kept = auto.rules()
+    kept = descents.rules()
     count = sum(number for _, number in LEARNT)
     text = f"# Learnt by studies/suite_choice.py from {count} drawn problems.\n\n"
     for name in ("longest", "patience", "progress"):

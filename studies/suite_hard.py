@@ -24,8 +24,8 @@ import numpy as np
 from drawn_problems import SWEEPS, described, place, searched
 from paper.asking import asked
 from springpot.benchmark import Findings, Store, Study, save_table
-from springpot.benchmark.features import descents, uniform
 from springpot.benchmark.plan import reference_of
+from springpot.benchmark.traits import descents, uniform
 from springpot.identification.problem import SpecimenProblem
 from springpot.measurement import DataSet
 from suite import SUITES, TARGET, measured, plan, write

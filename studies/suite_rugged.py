@@ -26,12 +26,12 @@ import numpy as np
 from drawn_problems import SWEEPS, searched
 from paper.asking import asked
 from springpot.benchmark import Findings, Store, Study, save_table, store_path
-from springpot.benchmark.features import descents, uniform
+from springpot.benchmark.traits import descents, uniform
 from springpot.identification import BudgetSpent, Recorder
 from springpot.identification.problem import SpecimenProblem
 from springpot.measurement import DataSet
 from springpot.rheology import Real
-from springpot_plugins.optimisers.leastsquares import LeastSquares, Misfit
+from springpot_plugins.optimisers.descents import LeastSquares, Misfit
 from suite import sized
 from suite_hard import PARTS, goal_of, make, measure
 from suite_race import by_part

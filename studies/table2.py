@@ -24,7 +24,7 @@ from springpot import Measurement, identify, plugins
 from springpot.benchmark import Study, Table, save_table
 from springpot.measurement import DataSet
 from springpot.report.page import Entry
-from springpot_plugins.datasets.computed import SCALE, TRUTH, artificial
+from springpot_plugins.datasets.shipped import SCALE, TRUTH, artificial
 
 DRAWS = 20
 LEVELS = (0.01, 0.02)

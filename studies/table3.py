@@ -21,7 +21,7 @@ from paper.results import Results, absolute_rms, relative_rms
 from springpot import Measurement, open_measurement, plugins
 from springpot.benchmark import Study, Table, save_table
 from springpot.report.page import Entry
-from springpot_plugins.datasets.computed import MAKRIS, TABLE_3
+from springpot_plugins.datasets.shipped import MAKRIS, TABLE_3
 
 MAKRIS_DATA, MAXWELL_DATA = "reconstruction-makris-1992", "reconstruction-makris-table3-maxwell"
 TITLES = {MAKRIS_DATA: "eq. (54) with Makris' parameters", MAXWELL_DATA: "Maxwell row of Table 3"}

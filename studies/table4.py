@@ -20,7 +20,7 @@ from paper.results import Results, relative_rms
 from springpot import open_measurement
 from springpot.benchmark import Study, Table, save_table
 from springpot.report.page import Entry
-from springpot_plugins.datasets.computed import TABLE_4
+from springpot_plugins.datasets.shipped import TABLE_4
 
 DATA = {f"reconstruction-pdms-table4-{key}": (key, model) for key, (model, _) in TABLE_4.items()}
 SHOWN = ("fractional-kelvin", "fractional-maxwell", "fractional-kelvin4", "fractional-zener")

@@ -21,7 +21,7 @@ from paper.results import Results, relative_rms
 from springpot import open_measurement
 from springpot.benchmark import Study, Table, save_table
 from springpot.report.page import Entry
-from springpot_plugins.datasets.computed import TABLE_5
+from springpot_plugins.datasets.shipped import TABLE_5
 
 DATA = {key: f"reconstruction-pdms-table5-{key}" for key in TABLE_5}
 AMPLITUDES = ("0.1mrad", "1mrad", "10mrad")

@@ -23,7 +23,7 @@ from springpot import Measurement, open_measurement, parse_model
 from springpot.benchmark import Study, Table, save_table
 from springpot.report.page import Entry
 from springpot.rheology import Real
-from springpot_plugins.datasets.computed import TABLE_6
+from springpot_plugins.datasets.shipped import TABLE_6
 
 MODEL = "fractional-maxwell"
 ROWS = {

@@ -215,7 +215,7 @@ def main() -> None:
         writer.writerow(HEADERS)
         writer.writerows(row.cells() for row in found)
     try:
-        from springpot.report.timetests import figure_tests
+        from springpot.report.residuals import figure_tests
 
         middle = next(
             (fit for t, fit in joint if t == 160 and fit.model.name == "maxwell-6"), joint[0][1]

@@ -10,7 +10,7 @@ import pytest
 from benchmark_fakes import Walk
 
 from springpot import plugins
-from springpot.benchmark.bias import Ripples, bias_of, bias_table
+from springpot.benchmark.traits import Ripples, bias_of, bias_table
 from springpot.errors import StudyError
 from springpot.identification import Card, Optimiser
 

@@ -13,8 +13,8 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from springpot.benchmark.bias import Formless, Ripples
 from springpot.benchmark.expensive import OnThreads, Site, asked, expensive_table, paced_run
+from springpot.benchmark.traits import Formless, Ripples
 from springpot.errors import StudyError
 from springpot.identification import AskingOptimiser, Card, Enquiry, Optimiser, run
 from springpot_plugins.optimisers import libraries

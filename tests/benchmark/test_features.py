@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.benchmark import features
-from springpot.benchmark.features import Features, features_of, parts_of, uniform
+from springpot.benchmark import traits
+from springpot.benchmark.traits import Features, features_of, parts_of, uniform
 
 OPTIMUM = np.array([1.25, 0.0])
 
@@ -31,7 +31,7 @@ def valley(slopes=(10.0, 0.5), sign=1.0):
 def test_a_valley_by_hand(monkeypatch):
     """Four of ten descents find it; of the wrong ones three end alike, but for a thousandth."""
     ends = np.array([0.0, 0.0, 1e-4, 5e-5, 1.0, 1.0005, 1.0009, 2.0, 3.0, 4.0])
-    monkeypatch.setattr(features, "descents", lambda problem, points: (points, ends))
+    monkeypatch.setattr(traits, "descents", lambda problem, points: (points, ends))
     found = features_of(valley(), OPTIMUM, 0.0, 1e-4)
     assert found.parameters == 2
     assert found.conditioning == pytest.approx(1.0)

@@ -10,7 +10,7 @@ from benchmark_fakes import Walk, artificial, small_study
 
 from springpot import plugins
 from springpot.benchmark import Findings, Store, run_study
-from springpot.benchmark.columns import trial_columns
+from springpot.benchmark.exporting import trial_columns
 from springpot.benchmark.gate.baseline import baseline_of
 from springpot.benchmark.plan import WorkOrder, drawn
 from springpot.benchmark.standings import study_tables

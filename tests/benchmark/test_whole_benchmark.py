@@ -15,9 +15,8 @@ import pytest
 from benchmark_fakes import TRUTH, Walk, artificial, measurement
 
 from springpot.benchmark import Findings, Store, Study
-from springpot.benchmark.columns import trace_columns, trial_columns
 from springpot.benchmark.comparison import with_truth
-from springpot.benchmark.exporting import WRITERS
+from springpot.benchmark.exporting import WRITERS, trace_columns, trial_columns
 from springpot.benchmark.gate import baseline, regression
 from springpot.benchmark.standings import study_tables
 from springpot.benchmark.study_report import study_html

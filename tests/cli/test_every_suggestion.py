@@ -222,7 +222,7 @@ SCENARIOS = {
     "report/inspection.py:in_time_text": of_command("inspect", "record.csv"),
     "report/inspection.py:next_step": of_command("inspect", "warm.csv"),
     "report/plugin_cards.py:optimiser": of_command("list", "optimisers"),
-    "web/studies.py:_store_of": of_call("web/studies.py:_store_of", "none"),
+    "web/folders.py:_store_of": of_call("web/folders.py:_store_of", "none"),
     "web/tasks.py:dataset": of_call("web/tasks.py:dataset", None, "none"),
 }
 """What makes each place show its command: a command line, or a call."""

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from springpot.identification import measured_quantities
-from springpot.identification.measured_quantities import ENDS, FALL, FEWEST
+from springpot.identification.measured_quantities import CURVE, FALL
 from springpot.measurement import Measurement, Units
+from springpot.numerics import FEWEST
 
 X = np.linspace(-2.0, 3.0, 21)
 
@@ -45,11 +46,11 @@ def swept(count, **conditions):
     return Measurement(omega, 3.0 + 1.0j * omega, units=Units("kPa", "-"), conditions=conditions)
 
 
-@pytest.mark.parametrize("count", [FEWEST, FEWEST - 1])
+@pytest.mark.parametrize("count", [CURVE, CURVE - 1])
 def test_a_curve_has_as_many_points_as_it_takes_to_read_it(count):
     level = np.repeat([20.0, 30.0], count)
     found = list(measured_quantities.curves(swept(count, temperature=level), "frequency"))
-    assert len(found) == (2 if count == FEWEST else 0)
+    assert len(found) == (2 if count == CURVE else 0)
     for sweep, temperature in zip(found, (20.0, 30.0), strict=False):
         assert sweep.at == {"temperature": temperature}
         np.testing.assert_allclose(np.exp(sweep.x), np.geomspace(1.0, 100.0, count) / (2 * np.pi))
@@ -108,7 +109,7 @@ def test_a_linear_limit_is_where_storage_has_fallen_by_a_twentieth(power):
 )
 def test_a_limit_that_is_not_there_lies_above_or_below(last, says):
     x, storage = np.linspace(np.log(0.01), np.log(0.5), 12), np.full(12, 7.0)
-    storage[-ENDS:] = last
+    storage[-FEWEST:] = last
     # The median of three: one point that is off says nothing.
     storage[0], storage[-1] = 2.0, 20.0
     sweep = measured_quantities.OneSweep(x, storage, storage, {})

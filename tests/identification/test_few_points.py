@@ -5,9 +5,9 @@ import pytest
 
 import springpot
 from springpot.identification import default_objective
-from springpot.identification.material import SPARE
 from springpot.identification.native import fit
 from springpot.misfit import any_material
+from springpot.numerics import FEWEST
 
 
 def zener(count: int, noise: float, seed: int = 0) -> springpot.Measurement:
@@ -26,7 +26,7 @@ def zener(count: int, noise: float, seed: int = 0) -> springpot.Measurement:
 def test_a_spectrum_leaves_numbers_over_that_tell_the_scatter(count, noise):
     data = zener(count, noise)
     found = fit(any_material(), data, default_objective(data))
-    assert len(found.theta) <= 2 * count - SPARE
+    assert len(found.theta) <= 2 * count - FEWEST
     # What is left out is of no weight: the curve is still followed to a small part of the noise of
     # any instrument.
     assert np.sqrt(found.cost / (2 * count)) < 0.01

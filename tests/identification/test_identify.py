@@ -9,7 +9,7 @@ from native_problems import OMEGA, TRUTHS, noisy, setup
 import springpot
 from springpot.errors import DataError
 from springpot.identification import Fit, Uncertainty, fit, identify
-from springpot.identification.notes import notes_on
+from springpot.identification.fitting import notes_on
 from springpot.identification.searching import _grown, _without_effects
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model

@@ -10,7 +10,7 @@ import pytest
 import springpot
 from springpot.distributions import student
 from springpot.errors import DataError
-from springpot.identification import notes, prediction
+from springpot.identification import fitting, prediction
 from springpot.identification.uncertainty import RANK, Uncertainty
 from springpot.measurement import Units
 from springpot.rheology.parameters import Dimension, Parameter
@@ -67,7 +67,7 @@ def test_a_parameter_at_its_bound_is_told(lower, upper, side, says):
         model=SimpleNamespace(parameters=(parameter,)),
         measurement=SimpleNamespace(units=Units("kN/m", "mm")),
     )
-    found = list(notes._bounds(SimpleNamespace(fit=fit, at_bound=np.array([side]))))
+    found = list(fitting._bounds(SimpleNamespace(fit=fit, at_bound=np.array([side]))))
     assert len(found) == (says is not None)
     if says:
         assert found[0].startswith(says)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from springpot.identification import (
+    fitting,
     intervals,
     leastsquares,
     levels_alone,
     material_fit,
-    notes,
     population,
     problem,
     robust,
@@ -83,7 +83,7 @@ def test_repeats_at_a_level_tell_its_scatter_by_one_degree_of_freedom_a_pair():
 
 @pytest.mark.parametrize(("dof", "told"), [(0, 1), (1, 0)])
 def test_as_many_parameters_as_numbers_are_told(dof, told):
-    assert len(list(notes._undetermined(SimpleNamespace(dof=dof)))) == told
+    assert len(list(fitting._undetermined(SimpleNamespace(dof=dof)))) == told
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_an_order_is_what_the_unit_of_another_depends_on(lower, upper, power, or
     parameter = Parameter("n", "n", Dimension(), lower, upper, "linear")
     other = Parameter("c", "c", Dimension(1, power), 0.0, np.inf)
     fit = SimpleNamespace(model=SimpleNamespace(parameters=(parameter, other)))
-    assert notes._orders_of(fit) == ({"n"} if order else set())
+    assert fitting._orders_of(fit) == ({"n"} if order else set())
 
 
 def test_limits_hold_a_share_of_specimens_at_the_same_confidence():

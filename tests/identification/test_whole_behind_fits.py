@@ -12,12 +12,12 @@ from test_whole_identification import DATA, EXACT, MODEL, OMEGA, made
 
 from springpot.identification import (
     convex,
+    fitting,
     free_factors,
     intervals,
     kept,
     known_factors,
     levels_alone,
-    notes,
     regularisation,
     space,
     starts,
@@ -167,7 +167,7 @@ def test_uncertainty_of_a_fit(name, stays):
         "absolute": [absolute.scale, absolute.quantile, absolute.covariance],
         "told": [known.correlation, known.prior_residual, known.slopes, low, high],
         "widening": [known.widening(i) for i in range(4)],
-        "notes": notes.notes_on(known, low, high),
+        "notes": fitting.notes_on(known, low, high),
         "uses sd": uncertainty.uses_sd(fitted),
     }
     if name != "exact":

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import TimeTest
-from springpot.measurement.rounding import even_clock
+from springpot.measurement.instrument import even_clock
 from springpot.registry import parse_model
 from springpot.timetests import recorded
 

@@ -5,8 +5,8 @@ import pytest
 
 import springpot
 from springpot.measurement import Measurement, average_repeats
+from springpot.measurement.instrument import noise_before_rounding, shared_rounding
 from springpot.measurement.replicates import noise_of_repeats
-from springpot.measurement.rounding import noise_before_rounding, shared_rounding
 from springpot.measurement.scatter import steps_as_written
 
 OMEGA = np.geomspace(1.0, 300.0, 40)

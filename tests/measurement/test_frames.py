@@ -9,7 +9,7 @@ import pytest
 
 import springpot
 from springpot.errors import DataError
-from springpot.measurement import Measurement, Units, frames
+from springpot.measurement import Measurement, Units, rows
 
 OMEGA = 2.0 * np.pi * np.array([1.0, 2.0, 3.0])
 TABLE = Measurement(
@@ -25,7 +25,7 @@ TABLE = Measurement(
 
 
 def test_headings_are_those_of_a_file() -> None:
-    found = frames.columns_of(TABLE)
+    found = rows.columns_of(TABLE)
     assert {name: np.asarray(column).tolist() for name, column in found.items()} == {
         "frequency [Hz]": [1.0, 2.0, 3.0],
         "storage [kN/m]": [3.0, 4.0, 5.0],
@@ -54,7 +54,7 @@ class Frame(dict):
 
 
 def test_all_columns_come_back(monkeypatch) -> None:
-    monkeypatch.setattr(frames, "library", lambda name: SimpleNamespace(DataFrame=Frame))
+    monkeypatch.setattr(rows, "library", lambda name: SimpleNamespace(DataFrame=Frame))
     again = Measurement.from_dataframe(TABLE.to_dataframe())
     assert again.digest() == TABLE.digest()
     assert (again.units, again.name) == (TABLE.units, TABLE.name)
@@ -66,7 +66,7 @@ def test_all_columns_come_back(monkeypatch) -> None:
 def test_a_table_needs_a_frequency_and_both_moduli_with_their_units() -> None:
     given = {"frequency [rpm]": [60.0], "storage [MPa]": [1.0], "loss [MPa]": [2.0]}
     warm = Frame({**given, "temperature [K]": [300.0], "storage_sd [MPa]": [1.0]})
-    found = frames.arguments_of(warm)
+    found = rows.arguments_of(warm)
     assert found["omega"].tolist() == pytest.approx([2.0 * np.pi])
     assert found["stiffness"].tolist() == [1.0 + 2.0j]
     assert found["conditions"]["temperature"].tolist() == pytest.approx([26.85])
@@ -75,19 +75,17 @@ def test_a_table_needs_a_frequency_and_both_moduli_with_their_units() -> None:
     assert found["units"] == Units("MPa", "-", "Hz")
     for name in given:
         with pytest.raises(DataError, match="the table has no column"):
-            frames.arguments_of(warm.renamed(name, "more [-]"))
+            rows.arguments_of(warm.renamed(name, "more [-]"))
     for name, without in (("frequency [rpm]", "frequency"), ("temperature [K]", "temperature")):
         with pytest.raises(DataError):
-            frames.arguments_of(warm.renamed(name, without))
+            rows.arguments_of(warm.renamed(name, without))
     with pytest.raises(DataError, match="no heading such as"):
-        frames.arguments_of(warm.renamed("loss [MPa]", "loss [MPa"))
+        rows.arguments_of(warm.renamed("loss [MPa]", "loss [MPa"))
 
 
 def test_each_variable_has_its_unit(monkeypatch) -> None:
-    monkeypatch.setattr(
-        frames, "library", lambda name: SimpleNamespace(Dataset=lambda *given: given)
-    )
-    values, columns, told = frames.dataset(TABLE)
+    monkeypatch.setattr(rows, "library", lambda name: SimpleNamespace(Dataset=lambda *given: given))
+    values, columns, told = rows.dataset(TABLE)
     assert {name: column[2] for name, column in values.items()} == {
         "stiffness": {"units": "kN/m"},
         "sd": {"units": "kN/m"},
@@ -96,7 +94,7 @@ def test_each_variable_has_its_unit(monkeypatch) -> None:
         "omega": "rad/s", "amplitude": "mm", "age": "-", "batch": "-", "repeat": "-"
     }  # fmt: skip
     assert told == {"name": "all columns"}
-    values, columns, _ = frames.dataset(Measurement(OMEGA, TABLE.stiffness))
+    values, columns, _ = rows.dataset(Measurement(OMEGA, TABLE.stiffness))
     assert (list(values), list(columns)) == (["stiffness"], ["omega"])
 
 

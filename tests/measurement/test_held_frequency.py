@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.errors import DataError
 from springpot.measurement import sweeps_of
-from springpot.measurement.mixed_tests import runs_of
+from springpot.measurement.mixed_up import runs_of
 
 CELSIUS = np.linspace(20.0, 60.0, 41)
 

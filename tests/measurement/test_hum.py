@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import TimeTest
-from springpot.measurement.hum import hum_in
+from springpot.measurement.instrument import hum_in
 from springpot.measurement.timenoise import said_of_strays, strays
 
 TIME = np.arange(900) / 300.0

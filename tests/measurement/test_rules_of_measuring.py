@@ -16,7 +16,6 @@ from springpot.measurement import (
     TimeTest,
     Units,
     measurement as measurement_module,
-    mixed_tests,
     mixed_up,
     noise_of,
     reader,
@@ -182,9 +181,9 @@ def test_a_long_list_of_values_is_cut_before_its_last():
     ],
 )
 def test_a_time_stands_for_sweeps_where_frequencies_come_again(ages, frequencies, age, monkeypatch):
-    monkeypatch.setattr(mixed_tests, "frequency_numbers", lambda data: np.array(frequencies))
-    data = SimpleNamespace(conditions={mixed_tests.TIME: np.array(ages, float)})
-    assert mixed_tests._stands_for_sweeps(data, mixed_tests.TIME) is age
+    monkeypatch.setattr(mixed_up, "frequency_numbers", lambda data: np.array(frequencies))
+    data = SimpleNamespace(conditions={mixed_up.TIME: np.array(ages, float)})
+    assert mixed_up._stands_for_sweeps(data, mixed_up.TIME) is age
 
 
 @pytest.mark.parametrize(("moved", "told"), [(0.0, 0.0), (1e-3, 1.0)])

@@ -16,7 +16,7 @@ from springpot.measurement import (
     imposed,
     independence,
     measurement,
-    mixed_tests,
+    mixed_up,
     replicates,
     rows,
     scatter,
@@ -67,7 +67,7 @@ def test_what_a_layer_lacks_of_its_length_is_a_less_tanh_a(a):
     ],
 )
 def test_values_within_a_hundredth_are_one_unless_they_count(values, held):
-    assert mixed_tests._was_held(np.array(values)) is held
+    assert mixed_up._was_held(np.array(values)) is held
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_levels_are_sweeps_where_each_has_two_frequencies_in_the_mean(levels, fr
         conditions={"temperature": 300.0 + 20.0 * np.array(levels)},
         omega=np.array(frequencies, dtype=float),
     )
-    found = mixed_tests._by_level(data, "temperature", np.arange(4))
+    found = mixed_up._by_level(data, "temperature", np.arange(4))
     assert len(found) == parts
     if parts == 2:
         for number, part in enumerate(found):

@@ -6,8 +6,8 @@ What was set parts the rows, what was swept or only wandered does not.
 import numpy as np
 
 from springpot import Measurement
-from springpot.measurement import mixed_tests
-from springpot.measurement.mixed_tests import runs_of
+from springpot.measurement import mixed_up
+from springpot.measurement.mixed_up import runs_of
 
 FREQUENCIES = np.geomspace(1.0, 100.0, 12)
 
@@ -83,6 +83,6 @@ def test_a_run_is_known_by_its_step_and_by_what_tells_it_from_the_others():
     }
     data = Measurement(np.array([1.0, 2.0, 1.0, 2.0]), np.full(4, 1.0 + 1.0j), labels=labels)
     rows = np.array([0, 1])
-    assert mixed_tests._conditions(data, rows, 2) == {"step": "1", "batch": "x"}
+    assert mixed_up._conditions(data, rows, 2) == {"step": "1", "batch": "x"}
     # Of one run alone there is nothing that it must be told from.
-    assert mixed_tests._conditions(data, rows, 1) == {"step": "1"}
+    assert mixed_up._conditions(data, rows, 1) == {"step": "1"}

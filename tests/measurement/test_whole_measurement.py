@@ -11,10 +11,10 @@ from springpot.measurement import (
     geometry,
     harmonics_of,
     independence,
-    mixed_tests,
+    instrument,
+    mixed_up,
     noise_of,
     replicates,
-    rounding,
     scatter,
     units,
 )
@@ -296,11 +296,11 @@ def test_what_a_sweep_holds(case, stays):
     residual = data.stiffness - zener(data.omega)
     stays(
         {
-            "runs": [[run.name, run.rows, run.conditions] for run in mixed_tests.runs_of(data)],
-            "sweeps": mixed_tests.sweeps_of(data),
-            "settings": mixed_tests.settings_of(data),
-            "together": mixed_tests.tests_together(data),
-            "temperatures": mixed_tests.temperatures_differ(data),
+            "runs": [[run.name, run.rows, run.conditions] for run in mixed_up.runs_of(data)],
+            "sweeps": mixed_up.sweeps_of(data),
+            "settings": mixed_up.settings_of(data),
+            "together": mixed_up.tests_together(data),
+            "temperatures": mixed_up.temperatures_differ(data),
             "mean": [mean.mean.stiffness, mean.deviations(), mean.own_gain],
             "noise": noise,
             "thin": replicates.thinned(data).omega,
@@ -320,13 +320,13 @@ def test_what_a_sweep_holds(case, stays):
             "shape": scatter.robust_noise_shape(data, residual, even)[0],
             "uneven": scatter.robust_noise_shape(data, residual, even, True)[0],
             "rounding": [
-                rounding.rounding_step(data.storage),
+                instrument.rounding_step(data.storage),
                 scatter.at_least_rounding(np.full(len(data), 1e-9 + 1e-9j), data),
             ],
             "levels": {name: data.levels(name) for name in data.conditions},
             "first half": answer(lambda: select(data, {"omega": "..5"}).omega),
             "rows": answer(lambda: without(data, {"row": "2..4"}).omega),
-            "rows of one": [mixed_tests.largest_test(data, name) for name in data.labels],
+            "rows of one": [mixed_up.largest_test(data, name) for name in data.labels],
         }
     )
 

@@ -14,8 +14,8 @@ from springpot.identification.problem import Problem
 from springpot.identification.recorder import BudgetSpent, Recorder
 from springpot.identification.runs import run
 from springpot.registry import plugins
-from springpot_plugins.optimisers import auto
-from springpot_plugins.optimisers.leastsquares import LeastSquares, Misfit
+from springpot_plugins.optimisers import descents
+from springpot_plugins.optimisers.descents import LeastSquares, Misfit
 
 BUDGET = 600
 
@@ -28,18 +28,18 @@ def problem(name: str) -> Problem:
 
 @pytest.mark.soak
 def test_what_it_looks_at_are_the_descents_of_its_rules():
-    limit = int(auto.Auto().share * BUDGET)
-    whole = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace
-    descents = Recorder(problem("mass-and-delay"), limit)
+    limit = int(descents.Auto().share * BUDGET)
+    whole = run(descents.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace
+    seen = Recorder(problem("mass-and-delay"), limit)
     with contextlib.suppress(BudgetSpent):
-        auto.descents(descents, limit, np.random.default_rng(3))
-    assert [step for step in whole if step[0] <= limit] == descents.trace
-    assert descents.trace
+        descents.descents(seen, limit, np.random.default_rng(3))
+    assert [step for step in whole if step[0] <= limit] == seen.trace
+    assert seen.trace
 
 
 def ruled(monkeypatch, **changes):
-    known = dict(auto.rules()) | changes
-    monkeypatch.setattr(auto, "rules", lambda: known)
+    known = dict(descents.rules()) | changes
+    monkeypatch.setattr(descents, "rules", lambda: known)
 
 
 def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch):
@@ -48,11 +48,11 @@ def test_a_descent_is_cut_short_and_the_next_one_is_of_another_kind(monkeypatch)
         {"begins": "logarithms", "method": "lm", "logarithmic": True},
     ]
     ruled(monkeypatch, longest=4, descents=kinds)
-    kinds, made = auto.kinds(), Recorder(problem("mass-and-delay"), BUDGET)
+    kinds, made = descents.kinds(), Recorder(problem("mass-and-delay"), BUDGET)
     for methods in ("trf", "lm", "trf"):
         way, before = next(kinds), made.evaluations
         assert (way.kind.method, way.sized) == (methods, methods == "lm")
-        auto.descended(made, way, np.random.default_rng(1), BUDGET)
+        descents.descended(made, way, np.random.default_rng(1), BUDGET)
         assert made.evaluations == before + 4
 
 
@@ -60,7 +60,7 @@ def test_a_descent_that_leads_no_further_is_given_up(monkeypatch):
     # Nobody falls by nine tenths at every evaluation.
     ruled(monkeypatch, patience=3, progress=1e-9)
     made = Recorder(problem("mass-and-delay"), BUDGET)
-    auto.descended(made, next(auto.kinds()), np.random.default_rng(1), BUDGET)
+    descents.descended(made, next(descents.kinds()), np.random.default_rng(1), BUDGET)
     assert made.evaluations == 4
 
 
@@ -70,7 +70,7 @@ def test_starts_that_are_drawn_by_logarithms_have_sizes_of_any_order(monkeypatch
     made, way = Recorder(problem("mass-and-delay"), BUDGET, diary=diary), LeastSquares()
     rng = np.random.default_rng(1)
     for _ in range(100):
-        auto.descended(made, auto.Way(way, sized=True), rng, BUDGET)
+        descents.descended(made, descents.Way(way, sized=True), rng, BUDGET)
     points, sized = np.array([point for point, _ in diary]), Misfit(made).logarithmic
     share = (points - made.lower) / (made.upper - made.lower)
     # The lower end is a billionth of the upper one: half of the orders are below its root.
@@ -80,10 +80,10 @@ def test_starts_that_are_drawn_by_logarithms_have_sizes_of_any_order(monkeypatch
 
 @pytest.mark.soak
 def test_it_says_which_optimiser_it_goes_on_with_and_why():
-    done = run(auto.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3))
+    done = run(descents.Auto(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3))
     (remark,) = done.remarks
     name = remark.partition(" was chosen to take turns")[0]
-    assert name in auto.rules()["optimisers"]
+    assert name in descents.rules()["optimisers"]
     assert "descents ended as low as the best" in remark
     assert done.evaluations == BUDGET
 
@@ -99,22 +99,22 @@ def test_the_remark_is_a_note_of_the_identification():
 )
 def test_descents_that_end_in_rounding_are_alike(ends, alike):
     seen = [SimpleNamespace(least=end, begun=7.0) for end in ends]
-    assert auto.told(seen).startswith(f"{alike} of {len(ends)} descents")
+    assert descents.told(seen).startswith(f"{alike} of {len(ends)} descents")
 
 
 def test_the_first_that_is_installed_takes_turns(monkeypatch):
     ruled(monkeypatch, optimisers=["no-such-optimiser", "cma-es"])
-    assert auto.chosen() == "cma-es"
+    assert descents.chosen() == "cma-es"
     ruled(monkeypatch, optimisers=["no-such-optimiser"])
     with pytest.raises(ModelError, match="no-such-optimiser"):
-        auto.chosen()
+        descents.chosen()
 
 
 def test_one_of_them_comes_with_springpot():
     extra = ("minion-", "dfo-", "minuit-", "pymoo-", "optimagic-")
-    assert any(not name.startswith(extra) for name in auto.rules()["optimisers"])
+    assert any(not name.startswith(extra) for name in descents.rules()["optimisers"])
 
 
 def test_its_share_is_a_share():
     with pytest.raises(OptionError, match="share"):
-        auto.Auto(share=1.5)
+        descents.Auto(share=1.5)

@@ -8,8 +8,8 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import PROMISED, open_measurement, select
-from springpot_plugins.datasets import computed, folders, measured, springpot_datasets
-from springpot_plugins.datasets.computed import TRUTH
+from springpot_plugins.datasets import folders, shipped, springpot_datasets
+from springpot_plugins.datasets.shipped import TRUTH
 
 SHARED = Path(
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
@@ -67,9 +67,9 @@ def test_artificial_kelvin_data_are_those_of_eq_22():
 @pytest.mark.parametrize("model", TRUTH)
 def test_noise_has_its_seed_its_size_and_its_sides(model):
     exact = opened(f"artificial-{model}")
-    one, again = opened(f"artificial-{model}-noise1"), computed.artificial(model, 0.01)
+    one, again = opened(f"artificial-{model}-noise1"), shipped.artificial(model, 0.01)
     assert one.stiffness.tobytes() == again.stiffness.tobytes()
-    assert one.stiffness.tobytes() != computed.artificial(model, 0.01, seed=1).stiffness.tobytes()
+    assert one.stiffness.tobytes() != shipped.artificial(model, 0.01, seed=1).stiffness.tobytes()
     for name, bound in (
         ("noise1", 0.011),
         ("noise2", 0.022),
@@ -79,7 +79,7 @@ def test_noise_has_its_seed_its_size_and_its_sides(model):
         error = np.abs(opened(f"artificial-{model}-{name}").stiffness / exact.stiffness - 1)
         assert 0.1 * bound < error.max() < bound
     with pytest.raises(DataError, match="no artificial data"):
-        computed.artificial("maxwell")
+        shipped.artificial("maxwell")
 
 
 def test_makris_reconstruction_is_eq_54():
@@ -107,7 +107,7 @@ def test_an_absent_branch_in_table_4_is_its_limit():
     for name in ("standard", "zener"):
         found = opened(f"reconstruction-pdms-table4-{name}")
         assert np.isfinite(found.stiffness).all()
-    assert len(computed._reconstructions()) == 1 + 4 + 3 + 6 + 7
+    assert len(shipped._reconstructions()) == 1 + 4 + 3 + 6 + 7
 
 
 def test_nist_fluid_has_uncertainties_temperatures_and_the_printed_values():
@@ -117,14 +117,14 @@ def test_nist_fluid_has_uncertainties_temperatures_and_the_printed_values():
     assert found.stiffness[0] == 1.124 + 96.363j
     assert found.sd[0] == 0.329 + 1.281j
     assert "10.6028/NIST.SP.260-147" in found.provenance["citation"]
-    whole = measured._of_nist()[0].open()
+    whole = shipped._of_nist()[0].open()
     assert np.unique(whole.conditions["temperature"]).tolist() == [0, 10, 20, 30, 40, 50]
     assert np.median(np.abs(whole.conditions["nist_storage"] / whole.storage - 1)) < 0.02
 
 
 def test_rheodata_is_offered_or_said_to_be_missing(monkeypatch):
-    monkeypatch.setattr(measured, "find_spec", lambda name: None)
-    for data in measured._of_rheodata():
+    monkeypatch.setattr(shipped, "find_spec", lambda name: None)
+    for data in shipped._of_rheodata():
         assert "pip install" in data.unavailable
         with pytest.raises(DataError, match="pip install"):
             data.open()
@@ -138,7 +138,7 @@ def test_rheodata_frequency_sweep():
 
 
 def test_choosing_rows():
-    whole = measured._of_nist()[0].open()
+    whole = shipped._of_nist()[0].open()
     assert len(select(whole, {"temperature": "20.3"})) == 16
     with pytest.raises(
         DataError, match=r"no temperature near 25 \(there are: 0, 10, 20, 30, 40, 50\)"

@@ -10,7 +10,7 @@ import pytest
 
 from paper_problems import artificial
 from springpot import plugins
-from springpot.benchmark.bias import Formless
+from springpot.benchmark.traits import Formless
 from springpot.identification import Recorder, run
 from springpot.testing import check_optimiser
 from springpot_plugins.optimisers import evolution, libraries, swarm

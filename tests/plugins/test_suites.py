@@ -13,9 +13,9 @@ import pytest
 
 import springpot
 from springpot.benchmark import Study, run_study
-from springpot.benchmark.features import Features, features_of, parts_of
 from springpot.benchmark.plan import problem_of, reference_of
 from springpot.benchmark.store import Store
+from springpot.benchmark.traits import Features, features_of, parts_of
 from springpot.errors import DataError
 from springpot.measurement import TimeTest
 

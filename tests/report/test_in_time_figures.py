@@ -17,7 +17,7 @@ from springpot.timetests import identify, predict_test
 
 def test_every_axis_names_what_it_shows():
     pytest.importorskip("matplotlib")
-    from springpot.report.timetests import figure_tests
+    from springpot.report.residuals import figure_tests
 
     model, t, omega = (
         parse_model("maxwell"),
@@ -61,7 +61,7 @@ def test_a_sweep_among_tests_in_time_has_the_views_of_one_alone():
 @pytest.mark.parametrize(("decades", "scale"), [(2.0, "log"), (0.5, "linear")])
 def test_a_response_of_more_than_a_decade_has_a_logarithmic_axis(decades: float, scale: str):
     pytest.importorskip("matplotlib")
-    from springpot.report.timetests import figure_tests
+    from springpot.report.residuals import figure_tests
 
     t = np.geomspace(0.1, 10.0, 20)
     test = TimeTest.of_relaxation(t, 10.0 ** -np.linspace(0.0, decades, 20), "kPa")
@@ -88,7 +88,7 @@ def test_a_legend_names_no_floor_that_is_not_drawn(material: list[float], named:
 
 def test_a_predicted_record_is_drawn_once_and_any_other_test_along_both_times():
     pytest.importorskip("matplotlib")
-    from springpot.report.timetests import figure_prediction
+    from springpot.report.residuals import figure_prediction
 
     model, t = parse_model("zener"), np.geomspace(0.1, 10.0, 20)
     theta, swung = model.theta(k1=1.0, k2=2.0, c=3.0), np.linspace(0.0, 6.0, 60)

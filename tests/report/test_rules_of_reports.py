@@ -10,7 +10,7 @@ import pytest
 from springpot.identification.value import LOST
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
-from springpot.report import answers, fit_text, html, invention, ladder_text, sweeps
+from springpot.report import answers, canvas, fit_text, html, invention, ladder_text
 from springpot.report.canvas import CANVAS, blank
 from springpot.report.inspection import LONG, sweeps_text
 from springpot.report.views import DrawnFit, Scene, cole_cole
@@ -160,7 +160,7 @@ def test_loss_over_storage_is_drawn_by_decades_only_where_both_are_positive(part
 def test_a_chain_of_neighbours_is_no_level_where_it_is_as_wide_as_what_lies_between(between, parts):
     chain = np.linspace(0.0, 2.0, 6)
     celsius = np.concatenate([chain, chain[-1] + between + chain])
-    found = sweeps._split("temperature", celsius, np.tile(np.arange(6.0), 2), np.arange(12))
+    found = canvas._split("temperature", celsius, np.tile(np.arange(6.0), 2), np.arange(12))
     assert len(found) == parts
 
 

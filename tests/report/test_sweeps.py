@@ -9,8 +9,8 @@ import pytest
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import canvas, figures, views
+from springpot.report.canvas import SWEEPS, travels
 from springpot.report.residuals import keys
-from springpot.report.sweeps import SWEEPS, travels
 from springpot.report.views import DrawnFit, Scene, axis_of, sweeps_of
 
 pytest.importorskip("matplotlib")

@@ -12,7 +12,7 @@ from springpot.errors import ModelError
 from springpot.measurement.units import Units
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, artificial, simulate
-from springpot.structure.next_test import further_tests
+from springpot.structure.answers import further_tests
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

@@ -19,7 +19,6 @@ from springpot.structure import (
     damper,
     motion,
     motion_of,
-    next_test,
     reading,
     shown,
 )
@@ -303,7 +302,7 @@ def test_steps_are_parted_until_the_shortest_period_has_sixteen(periods, parts, 
 
 def test_a_further_test_is_told_in_hertz():
     points = SimpleNamespace(log_omega=np.log(2.0 * np.pi * np.array([0.5, 3.0])))
-    assert next_test._hertz(SimpleNamespace(points=points), 1) == pytest.approx(3.0)
+    assert answers._hertz(SimpleNamespace(points=points), 1) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize(("samples", "step"), [(4000, 0.01), (100, 0.01), (100, 0.5)])

@@ -8,7 +8,7 @@ import pytest
 
 from springpot.registry import parse_model
 from springpot.rheology import Continuum, Model, Parameter, stiffness
-from springpot.testing import effects, optimisers
+from springpot.testing import effects, others
 
 FREE = Model("any", Continuum(), "any linear passive material at all", "Ferry 1980, ch. 3")
 
@@ -96,6 +96,6 @@ def test_a_model_fails_an_optimiser_from_the_sixth_call_on(monkeypatch, calls, t
                 problem(np.ones(2))
         return SimpleNamespace(status="converged")
 
-    monkeypatch.setattr(optimisers, "_run", ends_well)
-    monkeypatch.setattr(optimisers, "watched", lambda problem, watcher: watcher)
-    assert bool(list(optimisers._faults(None))) is told
+    monkeypatch.setattr(others, "_run", ends_well)
+    monkeypatch.setattr(others, "watched", lambda problem, watcher: watcher)
+    assert bool(list(others._faults(None))) is told

@@ -27,7 +27,7 @@ from springpot.testing import (
     networks,
 )
 from springpot.testing.networks import kept_random_state
-from springpot.testing.optimisers import _batch
+from springpot.testing.others import _batch
 
 pytest_plugins = ["pytester"]
 

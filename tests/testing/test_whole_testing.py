@@ -23,7 +23,7 @@ from springpot.rheology import (
     Parameter,
     Response,
 )
-from springpot.testing import contract, effects, networks, optimisers, readers
+from springpot.testing import contract, effects, networks, others
 
 PARAMETERS = (
     Parameter("k", "k", STIFFNESS, 0.0),
@@ -43,23 +43,23 @@ def test_numbers_that_are_drawn_for_a_contract(stays):
             "points": [networks.POINTS.log_omega, networks.POINTS.amplitude],
             "temperature": networks.POINTS.temperature,
             "measured": networks.sample_measurement(),
-            "problem": optimisers.sample_problem().evaluate(np.array([1.0, 0.3, 0.2, 0.5])),
-            "problem's data": optimisers.sample_problem().measurement,
-            "box": [optimisers.sample_problem().lower, optimisers.sample_problem().upper],
+            "problem": others.sample_problem().evaluate(np.array([1.0, 0.3, 0.2, 0.5])),
+            "problem's data": others.sample_problem().measurement,
+            "box": [others.sample_problem().lower, others.sample_problem().upper],
         }
     )
 
 
 def test_files_that_a_reader_is_tried_on(stays, tmp_path):
-    files = list(readers._files([b"0123456789", b"", b"abc"]))
-    versions = dict(readers._versions())
+    files = list(others._files([b"0123456789", b"", b"abc"]))
+    versions = dict(others._versions())
     stays(
         {
             "files": [[len(each), hashlib.sha1(each).hexdigest()[:8]] for each in files],
             "versions": versions,
         }
     )
-    longest = [len(each) for each in readers._files([b"." * 20_000])]
+    longest = [len(each) for each in others._files([b"." * 20_000])]
     assert max(longest) == 1 << 14
 
 
@@ -567,25 +567,25 @@ def test_what_a_reader_does_with_samples_and_garbage(stays, tmp_path):
     }
     answer = {}
     for name, reader in all_of_them.items():
-        asked = [list(readers._complaints_about(reader, b"x", path.write_bytes(b"x") and path))]
+        asked = [list(others._complaints_about(reader, b"x", path.write_bytes(b"x") and path))]
         if name != "faulty":
-            asked.append(list(readers._choice(reader, [b"1", b"2"], path)))
+            asked.append(list(others._choice(reader, [b"1", b"2"], path)))
         if name not in ("faulty", "two lines", "wordless"):
-            asked.append(list(readers._samples(reader, [b"1", b"2"], path)))
+            asked.append(list(others._samples(reader, [b"1", b"2"], path)))
         answer[name] = asked
-    answer["without"] = list(readers._samples(Sounding(data), [], path))
-    answer["writing"] = list(readers._samples(Sounding(data, text=str), [], path))
+    answer["without"] = list(others._samples(Sounding(data), [], path))
+    answer["writing"] = list(others._samples(Sounding(data, text=str), [], path))
     stays(answer)
 
 
 def test_the_same_fault_of_a_reader_is_told_once(tmp_path):
-    [found] = readers._garbage(Sounding(), [b"sample"], tmp_path / "sample.dat")
+    [found] = others._garbage(Sounding(), [b"sample"], tmp_path / "sample.dat")
     assert found == "read gives no Measurement (a file that begins b'')"
 
 
 def test_what_differs_after_a_round_trip(stays):
     one = measured(sd=np.full(2, 1 + 1j), conditions={"temperature": np.array([1.0, 2.0])})
-    others = (
+    changed = (
         one,
         replace(one, units=Units("Pa")),
         replace(one, omega=one.omega * (1 + 1e-15)),
@@ -597,7 +597,7 @@ def test_what_differs_after_a_round_trip(stays):
         replace(one, labels={"specimen": np.array(["a", "b"])}),
         replace(one, repeat=np.array([0, 1])),
     )
-    stays([[list(readers._differences(a, b)) for a, b in ((one, o), (o, one))] for o in others])
+    stays([[list(others._differences(a, b)) for a, b in ((one, o), (o, one))] for o in changed])
 
 
 def test_a_reader_may_refuse_what_its_format_cannot_hold(stays, tmp_path):
@@ -615,7 +615,7 @@ def test_a_reader_may_refuse_what_its_format_cannot_hold(stays, tmp_path):
 
     def told(refuse, sure=1.0, read=read):
         reader = Sounding(read, sure, text=lambda data: text(data, refuse))
-        return list(readers._round_trip(reader, path))
+        return list(others._round_trip(reader, path))
 
     stays(
         [
@@ -626,7 +626,7 @@ def test_a_reader_may_refuse_what_its_format_cannot_hold(stays, tmp_path):
             told(
                 lambda data: False, read=lambda content, choice: replace(read(content, 0), sd=None)
             ),
-            list(readers._round_trip(Sounding(), path)),
+            list(others._round_trip(Sounding(), path)),
         ]
     )
 
@@ -647,8 +647,8 @@ def same(**changed):
     ],
 )
 def test_runs_are_the_same_to_the_bit(changed, alike):
-    assert optimisers._same(same(), same(**changed)) == alike
-    assert optimisers._same(same(**changed), same()) == alike
+    assert others._same(same(), same(**changed)) == alike
+    assert others._same(same(**changed), same()) == alike
 
 
 def test_each_kind_is_checked_with_what_its_contract_asks_for(monkeypatch):
@@ -680,8 +680,8 @@ def test_each_kind_is_checked_with_what_its_contract_asks_for(monkeypatch):
 
 def test_garbage_is_made_of_samples_else_of_what_a_reader_writes_else_of_a_table(monkeypatch):
     taken = []
-    monkeypatch.setattr(readers, "_files", lambda samples: taken.append(samples) or [])
+    monkeypatch.setattr(others, "_files", lambda samples: taken.append(samples) or [])
     writing, reading = Sounding(measured(), text=lambda data: "text"), Sounding(measured())
     for reader, samples in ((writing, [b"1"]), (writing, []), (reading, [])):
-        assert list(readers._garbage(reader, samples, None)) == []
-    assert taken == [[b"1"], [b"text"], [readers.TABLE]]
+        assert list(others._garbage(reader, samples, None)) == []
+    assert taken == [[b"1"], [b"text"], [others.TABLE]]

@@ -5,7 +5,7 @@ import pytest
 
 from springpot import parse_model
 from springpot.measurement import Loading, TimeTest
-from springpot.measurement.rounding import digit_of, roundings
+from springpot.measurement.instrument import digit_of, roundings
 from springpot.registry import plugins
 from springpot.timetests import diagnose
 

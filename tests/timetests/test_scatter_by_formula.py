@@ -11,7 +11,6 @@ from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.residual_scatter import (
     FEWEST,
     LEVEL,
-    LOCAL,
     PARTS,
     TENFOLD,
     ResidualScatter,
@@ -24,6 +23,7 @@ from springpot.misfit.residual_scatter import (
     scatter_of_sweep,
     times_noise,
 )
+from springpot.thresholds import SIGNALS
 from springpot.timetests.disturbances import _jumps, likeliest_jump, periodogram
 
 
@@ -146,7 +146,7 @@ def test_of_a_sweep_noise_alone_is_rarely_missed(rng, known):
     found = [scatter_of_sweep(rng.normal(size=60), known) for _ in range(400)]
     assert np.mean([each.local < 0.05 for each in found]) < 0.1
     assert np.median([each.size for each in found]) == pytest.approx(1.0, abs=0.05)
-    assert all(np.isinf(each.worth) for each in found if each.local >= LOCAL)
+    assert all(np.isinf(each.worth) for each in found if each.local >= SIGNALS.ruled_out)
 
 
 def test_a_ripple_or_twice_the_noise_is_told(rng):
@@ -160,8 +160,8 @@ def test_a_ripple_or_twice_the_noise_is_told(rng):
     assert fisher_test(both.reshape(2, -1)[:, :11])[0] == 1.0
     chances = [fisher_test(rng.normal(size=(2, n)))[0] for _ in range(500)]
     assert np.mean(np.array(chances) < 0.2) < 0.25
-    assert scatter_of_sweep(2.0 * rng.normal(size=60), True).local < LOCAL
-    assert scatter_of_sweep(2.0 * rng.normal(size=60), False).local >= LOCAL
+    assert scatter_of_sweep(2.0 * rng.normal(size=60), True).local < SIGNALS.ruled_out
+    assert scatter_of_sweep(2.0 * rng.normal(size=60), False).local >= SIGNALS.ruled_out
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5])

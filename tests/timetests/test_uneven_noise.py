@@ -12,8 +12,9 @@ from scipy.signal import lfilter
 import springpot
 from springpot import parse_model
 from springpot.measurement import noise_of
-from springpot.misfit.residual_scatter import LOCAL, _chance_of_worst_part, scatter_of
+from springpot.misfit.residual_scatter import _chance_of_worst_part, scatter_of
 from springpot.misfit.residuals_of_tests import parts_of_specimen
+from springpot.thresholds import SIGNALS
 from springpot.timetests import identify
 from springpot.timetests.hypotheses import FitResiduals
 
@@ -115,14 +116,14 @@ def test_noise_of_long_tails_misses_no_part(count, memory):
     new = np.random.default_rng(4).standard_t(4.0, size=(120, count + 100)) / np.sqrt(2.0)
     rows = lfilter([1.0], [1.0, -memory], new)[:, 100:] * np.sqrt(1.0 - memory**2)
     # As of normal noise. Held to be normal it misses one in 5, 6 and 1 of a hundred.
-    assert np.mean([_chance_of_worst_part(row, memory) < LOCAL for row in rows]) <= 0.01
+    assert np.mean([_chance_of_worst_part(row, memory) < SIGNALS.ruled_out for row in rows]) <= 0.01
 
 
 def test_beside_noise_of_long_tails_a_part_that_is_missed_is_told():
     t = np.arange(200)
     bump = 4.0 * np.exp(-0.5 * ((t - 100.0) / 6.0) ** 2)
     rows = bump + np.random.default_rng(5).standard_t(4.0, size=(60, 200)) / np.sqrt(2.0)
-    assert np.mean([_chance_of_worst_part(row, 0.0) < LOCAL for row in rows]) > 0.5
+    assert np.mean([_chance_of_worst_part(row, 0.0) < SIGNALS.ruled_out for row in rows]) > 0.5
 
 
 def swung(noise, rng, n=400):

@@ -26,7 +26,7 @@ from test_whole_timetests import (
 )
 
 from springpot.identification import convex
-from springpot.measurement import Loading, TimeTest, rounding
+from springpot.measurement import Loading, TimeTest, instrument
 from springpot.measurement.imposed import imposed_noise
 from springpot.measurement.mixed_up import sign_note
 from springpot.misfit import residual_scatter as scatter, where_in_time as where
@@ -86,7 +86,7 @@ def test_a_test_as_numbers(name, stays):
         found |= {
             "against": bool(sign_note(test, "force=-N")),
             "apparent": part.apparent and [part.apparent.omega, part.apparent.stiffness],
-            "digit": rounding.digit_of(test.response),
+            "digit": instrument.digit_of(test.response),
             "imposed": len(test.loading.value) > 9 and imposed_noise(test.loading.value),
         }
         scales = Scales.of([part])
@@ -192,7 +192,7 @@ def test_scatter_of_a_residual(name, stays):
             ],
             "size": [scatter.times_noise(residual, 1.0), where.rms(residual)],
             "power": scatter.powers(residual),
-            "rounded": rounding.digit_of(np.round(residual, 2)),
+            "rounded": instrument.digit_of(np.round(residual, 2)),
         },
         within=1e-3,
     )

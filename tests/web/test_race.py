@@ -11,7 +11,7 @@ from browsing import IN_A_BROWSER, Open
 
 from springpot.benchmark import Study, run_study
 from springpot.errors import DataError
-from springpot.web.studies import report_of, studies, study
+from springpot.web.folders import report_of, studies, study
 
 
 def test_a_study_is_told_with_its_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -11,7 +11,7 @@ import pytest
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.rheology.grammar import LONGEST
-from springpot.web import launch, leaving, tasks, trying, watching
+from springpot.web import folders, launch, leaving, tasks, trying
 from springpot.web.sessions import Specimen, State
 
 OMEGA = np.geomspace(0.1, 100.0, 12)
@@ -128,8 +128,8 @@ def test_a_plan_has_a_row_for_each_point_with_what_is_to_be_set(celsius):
 
 
 def test_rows_of_other_tests_stand_where_they_stood_as_long_as_there_are_any():
-    assert watching._moved([1, 2, 3], [1, 2]) == [0, 1, None]
-    assert watching._moved([1, 2], [1, 2, 3]) == [0, 1]
+    assert folders._moved([1, 2, 3], [1, 2]) == [0, 1, None]
+    assert folders._moved([1, 2], [1, 2, 3]) == [0, 1]
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,9 @@ from springpot.diagnosis.result import silent
 from springpot.errors import DataError, OptionError
 from springpot.measurement.measurement import Measurement
 from springpot.web import Workbench
+from springpot.web.folders import WATCHED, seen_in, watched
 from springpot.web.sessions import data_of, text_of
 from springpot.web.tasks import look
-from springpot.web.watching import WATCHED, seen_in, watched
 
 
 @pytest.fixture

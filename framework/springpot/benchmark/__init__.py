@@ -9,8 +9,7 @@ from springpot.lazy import offered
 if TYPE_CHECKING:
     from springpot.report.page import FORMATS as FORMATS, Table as Table, save_table as save_table
 
-    from .columns import frame as frame
-    from .exporting import Export as Export, export as export
+    from .exporting import Export as Export, export as export, frame as frame
     from .runner import Outcome as Outcome, run_study as run_study
     from .standings import (
         Findings as Findings,

@@ -17,11 +17,23 @@ from typing import Any
 from springpot.errors import SpringpotError, StudyError
 from springpot.writing import suggested
 
-from .columns import required
-
 SUITE = "springpot"
 NAMES = "functions.txt"
 """File in an export: number and name of each function, a line for each."""
+
+
+def required(name: str, purpose: str) -> Any:
+    """An optional library.
+
+    Raises
+    ------
+    StudyError
+        If it is not installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise StudyError(f"{purpose} needs {name}: pip install {name}") from None
 
 
 def register(names: dict[int, str], dimensions: Sequence[int]) -> None:

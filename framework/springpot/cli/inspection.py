@@ -21,7 +21,7 @@ from .common import (
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
-    from springpot.measurement.mixed_tests import ConditionRun
+    from springpot.measurement.mixed_up import ConditionRun
     from springpot.measurement.reader import Part
     from springpot.rheology.points import Real
 
@@ -74,7 +74,7 @@ def _inspect(data: str, geometry: str | None, as_json: bool, line: bool) -> None
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:
     """What a measurement holds, schema ``springpot.inspection/1``."""
-    from springpot.measurement.mixed_tests import runs_of
+    from springpot.measurement.mixed_up import runs_of
     from springpot.measurement.reader import parts_as_opened
 
     units = {"temperature": "degC", "amplitude": measurement.units.amplitude}

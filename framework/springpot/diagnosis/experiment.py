@@ -22,7 +22,7 @@ from springpot.identification.leastsquares import levenberg_marquardt, one_by_on
 from springpot.identification.native import FittedModel
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_up import sweeps_of
 from springpot.measurement.units import Units
 from springpot.misfit.error import plain
 from springpot.misfit.outliers import Outlier

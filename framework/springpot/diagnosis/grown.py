@@ -23,7 +23,7 @@ import numpy as np
 from springpot.identification.convex import is_passive
 from springpot.identification.known_factors import refused_laws
 from springpot.identification.leastsquares import Effort
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_up import sweeps_of
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_tests import Battery

@@ -18,7 +18,7 @@ from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.independence import distinct_log_omega, telling
 from springpot.measurement.measurement import CONDITIONS
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_up import sweeps_of
 from springpot.misfit.frame import (
     DRIFT_DEGREE,
     LEAST_SEEN,

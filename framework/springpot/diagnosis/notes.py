@@ -17,8 +17,7 @@ from springpot.identification.known_factors import refused_in_words
 from springpot.identification.value import Value
 from springpot.measurement.independence import at_one_frequency, moved_along
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import TIME
-from springpot.measurement.mixed_up import said_of_sign
+from springpot.measurement.mixed_up import TIME, said_of_sign
 from springpot.measurement.replicates import Averaged
 from springpot.measurement.units import PRESSURE_UNITS
 from springpot.misfit.drift_search import Course, moves_with_frequency

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_quantile
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import frequency_numbers, moved_along
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_up import sweeps_of
 from springpot.misfit.error import percent, times
 from springpot.misfit.floor import (
     below_floor,

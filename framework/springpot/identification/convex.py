@@ -18,9 +18,9 @@ import numpy as np
 
 from springpot.errors import SpringpotError
 from springpot.measurement.imposed import Loading, noise_of_transducer
+from springpot.measurement.instrument import is_even
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.measurement.rounding import is_even
 from springpot.measurement.timetest import TimeTest
 from springpot.numerics import DECADE, ENOUGH, PER_DECADE, SMALLEST, evenly, non_negative
 from springpot.rheology.effect import ALL, Effect, Layer

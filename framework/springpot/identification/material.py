@@ -22,6 +22,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.numerics import (
     BEYOND,
     DECADE,
+    FEWEST,
     MOST_STEPS,
     NEGLIGIBLE,
     PER_DECADE,
@@ -65,13 +66,6 @@ INNER = 6
 """Solutions for the weights where K is not linear in them, as behind a spring in series."""
 CLOSER = 0.25
 """Each refined lattice has lines this much closer than the one before."""
-SPARE = 3
-"""Measured numbers that a spectrum leaves over at least.
-
-So that its residual tells something of the scatter. Most
-data with noise make it use far fewer lines; few or exact ones would be followed by a line for every
-number.
-"""
 STEP = DECADE / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 FINE = STEP / 8
@@ -503,7 +497,7 @@ class SpectrumSearch:
         """The same with fewer lines, where those of weight are more than the data can bear."""
         # What is expected of a parameter counts as measured beside the data, and pays for it.
         free = np.sum(~np.any(self.expected != 0.0, axis=0))
-        most = max(1, numbers_of(self.weights) - SPARE - 2 - int(free))
+        most = max(1, numbers_of(self.weights) - FEWEST - 2 - int(free))
         if np.sum(trial.weights[2:] > 0.0) <= most:
             return trial
         # Of a refined lattice the strongest lines are often neighbours: those of the first lattice

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.numerics import MOST_STEPS, REWEIGHTINGS, rows_alike
+from springpot.numerics import FEWEST, MOST_STEPS, REWEIGHTINGS, rows_alike
 from springpot.rheology.parameters import AMPLITUDE, FORCE, STIFFNESS
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -20,12 +20,10 @@ from .value import Quantity, Value, energy_unit, in_logarithm, noun
 
 AROUND = 9
 """Points through which a parabola goes, and 6 of them tell its scatter."""
-FEWEST = 5
+CURVE = 5
 """Points of a curve from which anything is read."""
 FALL = 0.05
 """Share by which storage has fallen at the linear limit (ISO 6721-10, ASTM D7175: 5 or 10 %)."""
-ENDS = 3
-"""Points at an end of a sweep whose median tells what storage is there."""
 FITTED = 4.0
 """Falls up to so many times that are fitted: what comes later is another story."""
 
@@ -125,7 +123,7 @@ def curves(data: Measurement, along: str) -> Iterator[OneSweep]:
             (data.storage[rows] > 0.0) & (data.loss[rows] > 0.0) & (columns[along][rows] > 0.0)
         ]
         rows = rows[np.argsort(columns[along][rows], kind="stable")]
-        if len(np.unique(columns[along][rows])) < FEWEST:
+        if len(np.unique(columns[along][rows])) < CURVE:
             continue
         at = {
             name: float(np.mean(column[rows]))
@@ -144,7 +142,7 @@ def _groups(data: Measurement, held: Mapping[str, Real]) -> list[NDArray[np.intp
         if name == "frequency":
             keys.append(np.unique(np.round(np.log(column), 3), return_inverse=True)[1].ravel())
         # As many levels as leave a curve for each: more are what was measured beside it.
-        elif name in CONDITIONS or FEWEST * len(np.unique(column)) <= len(data):
+        elif name in CONDITIONS or CURVE * len(np.unique(column)) <= len(data):
             keys.append(data.levels(name))
     return rows_alike(*keys)
 
@@ -229,7 +227,9 @@ def of_amplitude(data: Measurement) -> Iterator[Quantity | str]:
 
 def _no_limit(sweep: OneSweep, unit: str) -> str:
     """Why a sweep shows no linear limit: it lies above all amplitudes, or below."""
-    first, last = (float(np.median(part)) for part in (sweep.storage[:ENDS], sweep.storage[-ENDS:]))
+    first, last = (
+        float(np.median(part)) for part in (sweep.storage[:FEWEST], sweep.storage[-FEWEST:])
+    )
     if last - first > np.log1p(-FALL):
         largest = f"{float(np.exp(sweep.x[-1])):.3g} {unit}".removesuffix(" -")
         return f"storage falls by less than {100 * FALL:g} % up to {largest}: no limit"
@@ -274,11 +274,11 @@ def linear_limit(x: Real, storage: Real) -> tuple[float, float, int] | None:
         None where it falls by less.
     """
     depth = -float(np.log1p(-FALL))
-    level = float(np.median(storage[:ENDS]))
+    level = float(np.median(storage[:FEWEST]))
     # The points before the fall are chosen by the last fit; they mostly stay from the second.
     for _ in range(REWEIGHTINGS):
         deep = np.flatnonzero(level - storage > FITTED * depth)
-        used = max(int(deep[0]) if len(deep) else len(x), FEWEST)
+        used = max(int(deep[0]) if len(deep) else len(x), CURVE)
         theta, covariance, dof = _onset(x[:used], storage[:used], level, depth)
         level = float(theta[0])
     place = float(theta[1])

@@ -18,7 +18,7 @@ from springpot.distributions import (
     fitted_memory,
     student,
 )
-from springpot.measurement.mixed_tests import longest_memory, sweeps_of
+from springpot.measurement.mixed_up import longest_memory, sweeps_of
 from springpot.measurement.units import Units
 from springpot.rheology.parameters import WIDEST, SearchForm, box_of
 from springpot.rheology.points import Real

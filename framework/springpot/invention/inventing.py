@@ -33,7 +33,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.rheology.written import FACTORS, Written, causal, passive, told
 from springpot.thresholds import INVENTION, VERDICT
-from springpot.writing import counted
+from springpot.writing import NAMED, counted
 
 from .result import (
     FoundLaw,
@@ -50,8 +50,6 @@ from .result import (
 )
 from .search import search_laws
 
-ASKED = 3
-"""Rivals of the likeliest law of which it is asked what would tell them from it."""
 _COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
 
 
@@ -305,7 +303,7 @@ def _next(verdict: Verdict, laws: Sequence[Weighed]) -> NextExperiment | None:
     if verdict != "class":
         return None
     asked: dict[str, Weighed] = {}
-    for each in laws[: 1 + ASKED]:
+    for each in laws[: 1 + NAMED]:
         # Told by their formulas: of one in two planes the likelier.
         asked.setdefault(formula_of(each.effect), each)
     fits = {formula: each.grown.refit for formula, each in asked.items()}

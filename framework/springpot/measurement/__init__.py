@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         steadied as steadied,
     )
     from .measurement import Measurement as Measurement, misspelt as misspelt
-    from .mixed_tests import (
+    from .mixed_up import (
         settings_of as settings_of,
         sweeps_of as sweeps_of,
         tests_together as tests_together,

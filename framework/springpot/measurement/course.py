@@ -18,7 +18,6 @@ from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
     ORDER,
-    SHORTEST,
     Loading,
     controlled,
     from_rest,
@@ -26,7 +25,8 @@ from .imposed import (
     is_white,
     since_nothing,
 )
-from .rounding import is_even, rounding_step
+from .instrument import is_even, rounding_step
+from .steady import SHORTEST
 from .steady_start import goes_with, gone_on, quiet, stepped_to, still, without_noise
 
 FEWEST = 2 * SHORTEST

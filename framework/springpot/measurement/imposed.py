@@ -20,14 +20,13 @@ from springpot.rheology.points import STEADY, Real
 
 from ..numerics import DEVIATIONS, NORMAL, SMALLEST, rms
 from ..thresholds import SIGNALS
-from .rounding import is_even, rounding_step
+from .instrument import is_even, rounding_step
+from .steady import SHORTEST
 
 NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05
 """Share of the record that a rise may take for the test to be called relaxation or creep."""
-SHORTEST = 8
-"""Samples of a period, or of what is held, at least."""
 ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 

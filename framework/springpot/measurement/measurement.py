@@ -345,7 +345,7 @@ class Measurement(Rows, Drawn):
         OptionError
             If pandas is not installed.
         """
-        from .frames import dataframe
+        from .rows import dataframe
 
         return dataframe(self)
 
@@ -357,7 +357,7 @@ class Measurement(Rows, Drawn):
         OptionError
             If xarray is not installed.
         """
-        from .frames import dataset
+        from .rows import dataset
 
         return dataset(self)
 
@@ -376,7 +376,7 @@ class Measurement(Rows, Drawn):
         DataError
             If a column or its unit is missing.
         """
-        from .frames import arguments_of
+        from .rows import arguments_of
 
         return cls(**arguments_of(frame))
 

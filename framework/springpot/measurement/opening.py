@@ -22,7 +22,7 @@ from springpot.writing import NAMED, near_names, suggested
 from .covered import OtherTest
 from .from_signals import OneTest, one_test
 from .measurement import Measurement
-from .mixed_tests import NOTE, runs_together
+from .mixed_up import NOTE, runs_together
 from .reader import (
     LISTED,
     Choice,

@@ -21,8 +21,9 @@ from springpot.thresholds import COURSE, OUTLIERS, REPEATS, VARIED
 from ..distributions import Links, effective_share, fitted_memory, prewhitened
 from ..numerics import SMALLEST, evenly, level_means, rms, set_numbers
 from .independence import frequency_numbers
+from .instrument import noise_before_rounding, shared_rounding
 from .measurement import CONDITIONS, Measurement
-from .mixed_tests import (
+from .mixed_up import (
     NOTE as TOGETHER,
     RUNS,
     largest_test,
@@ -30,7 +31,6 @@ from .mixed_tests import (
     sweeps_of,
     told_apart,
 )
-from .rounding import noise_before_rounding, shared_rounding
 from .rows import SAME_AMPLITUDE
 from .scatter import (
     LEAST_RELATIVE,

@@ -21,8 +21,8 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import OUTLIERS, SCATTER, SEARCH, VERDICT
 
 from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST, rows_alike
+from .instrument import rounding_step
 from .measurement import Measurement
-from .rounding import rounding_step
 
 Source = Literal["given", "repeats", "estimated"]
 

@@ -16,8 +16,8 @@ from springpot.rheology.points import STEADY, Complex, Real
 
 from ..numerics import ROUNDING
 
-FEWEST = 8
-"""Complete samples below which nothing is made of a record."""
+SHORTEST = 8
+"""Samples of a record, of a period, or of what is held, at least."""
 BLOCK = 1 << 16
 """Rows worked on at a time."""
 FORGET = 32 * BLOCK
@@ -138,10 +138,10 @@ def in_order(time: Real, displacement: Real, force: Real, name: str = "signals")
         time, displacement, force = time[keep], displacement[keep], force[keep]
     record = MendedSignals(time, displacement, force, name, tuple(notes))
     complete = sum(len(t) for t, _ in record.blocks())
-    if complete < FEWEST:
+    if complete < SHORTEST:
         raise DataError(
             f"{name}: {complete} complete samples of time, displacement and force; at least"
-            f" {FEWEST} are needed"
+            f" {SHORTEST} are needed"
         )
     if not record.span > 0:
         raise DataError(f"{name}: time stands still at {time[0]:g} s")

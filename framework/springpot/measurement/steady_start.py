@@ -21,7 +21,6 @@ from ..numerics import DEVIATIONS, NEGLIGIBLE, SMALLEST, rms, vertex
 from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
-    SHORTEST,
     Loading,
     imposed_noise,
     is_late,
@@ -29,7 +28,8 @@ from .imposed import (
     levels,
     share_held,
 )
-from .rounding import is_even, rounding_step
+from .instrument import is_even, rounding_step
+from .steady import SHORTEST
 
 PERIODS_AFTER = 2
 """Periods that are recorded beside those which are laid over one another at least."""

@@ -38,8 +38,8 @@ from springpot.writing import SHOWN
 
 from ..thresholds import OUTLIERS, SEARCH, SIGNALS
 from .course import FEWEST as FEWEST_OF_LEVEL
+from .instrument import rounding_step
 from .measurement import Measurement
-from .rounding import rounding_step
 from .timetest import TimeTest
 
 ORDER = 4

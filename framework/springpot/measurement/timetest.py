@@ -18,9 +18,8 @@ from ..numerics import SMALLEST
 from .course import as_imposed, control_of
 from .from_signals import stiffness_unit
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
-from .hum import without_hum
 from .imposed import SHORT, Loading, from_rest, is_released, since_nothing
-from .rounding import even_clock
+from .instrument import even_clock, without_hum
 from .rows import digest_of_columns
 from .steady_start import said_of_start
 from .units import (

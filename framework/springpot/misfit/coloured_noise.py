@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf, gamma_sf, normal_sf
 from springpot.measurement.course import answer_to_unfelt
 from springpot.measurement.imposed import imposed_noise
-from springpot.measurement.rounding import digit_of, is_even
+from springpot.measurement.instrument import digit_of, is_even
 from springpot.measurement.steady_start import cycles_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER, ORDER
 from springpot.measurement.timetest import TimeTest

@@ -18,7 +18,7 @@ from springpot.measurement.independence import (
     frequency_numbers,
 )
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.measurement.mixed_tests import TIME, settings_of
+from springpot.measurement.mixed_up import TIME, settings_of
 from springpot.measurement.units import TIME_UNITS
 from springpot.rheology.points import STEADY, Real
 from springpot.thresholds import COURSE, VERDICT

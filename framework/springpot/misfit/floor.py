@@ -24,7 +24,7 @@ from springpot.distributions import (
 from springpot.identification.searching import STARTS as STARTS_AGAIN
 from springpot.measurement.independence import SMOOTH_DEGREE
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import longest_memory, settings_of, sweeps_of
+from springpot.measurement.mixed_up import longest_memory, settings_of, sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
 from springpot.measurement.scatter import (
     Noise,

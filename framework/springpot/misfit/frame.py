@@ -26,7 +26,7 @@ from springpot.distributions import (
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import HELD_ALIKE, SMOOTH_DEGREE, frequency_numbers, telling
 from springpot.measurement.measurement import CONDITIONS, Measurement
-from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
+from springpot.measurement.mixed_up import sweeps_of, temperatures_differ
 from springpot.measurement.scatter import LEAST_RELATIVE, rounding_steps
 from springpot.rheology.points import Complex, Real, real_form
 from springpot.thresholds import EVIDENCE, REPEATS, VERDICT

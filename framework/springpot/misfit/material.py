@@ -21,7 +21,7 @@ from springpot.identification.convex import least_error
 from springpot.identification.material import is_material
 from springpot.identification.native import FittedModel
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import temperatures_differ
+from springpot.measurement.mixed_up import temperatures_differ
 from springpot.rheology.effect import Effect
 from springpot.rheology.elements import Continuum
 from springpot.rheology.model import Model
@@ -29,7 +29,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.writing import NAMED, number
 
-from ..numerics import FEWEST, SMALLEST, rms, rows_of_levels
+from ..numerics import BEYOND, COARSE, FEWEST, SMALLEST, rms, rows_of_levels
 from .error import Error, percent, times, with_unit
 from .refit import Refit, refit
 from .residual_tests import Battery, battery
@@ -39,10 +39,6 @@ POINTS_OF_EACH = 6
 """Points of a level from which a free spectrum can fail at it."""
 FOLLOWED = 0.1
 """Share of an error to which a spectrum follows a model that is a linear passive material itself.
-"""
-AROUND, PLACES = 100.0, 60
-"""Factor beyond the measured frequencies at which that is asked, as effects may shift them, and at
-how many.
 """
 NAME = "material"
 F = TypeVar("F", bound=FittedModel)
@@ -209,7 +205,7 @@ def is_of_material(model: Model, theta: Real, rate: tuple[float, float], error: 
     """
     if model.material.needs:
         return False
-    omega = np.geomspace(rate[0] / AROUND, rate[1] * AROUND, PLACES)
+    omega = np.geomspace(rate[0] / BEYOND, rate[1] * BEYOND, COARSE)
     alone = replace(model, effects=())
     stiffness = alone.stiffness(theta[: len(alone.parameters)], omega)
     # Beside an effect that takes all of the data nothing is left of the material.

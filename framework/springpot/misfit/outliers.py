@@ -23,10 +23,10 @@ from springpot.distributions import (
     gamma_sf,
 )
 from springpot.identification.problem import weighted
-from springpot.measurement.hum import HARMONICS, near_mains
 from springpot.measurement.independence import frequency_numbers, rounded_log_omega
+from springpot.measurement.instrument import HARMONICS, near_mains
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_up import sweeps_of
 from springpot.measurement.replicates import average_repeats, noise_of_repeats
 from springpot.measurement.timenoise import FEWEST
 from springpot.rheology.points import Real

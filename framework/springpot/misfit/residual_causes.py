@@ -21,7 +21,7 @@ from springpot.measurement.independence import (
     frequency_numbers,
 )
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import (
+from springpot.measurement.mixed_up import (
     TIME,
     largest_test,
     settings_of,

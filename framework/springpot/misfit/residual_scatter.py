@@ -29,10 +29,11 @@ from springpot.distributions import (
     prewhitened,
     spectrum_of,
 )
-from springpot.measurement.hum import LINE
+from springpot.measurement.instrument import LINE
 from springpot.measurement.scatter import tails_of
 from springpot.measurement.timenoise import FEWEST as FEWEST_OF_SCATTER
 from springpot.rheology.points import Real
+from springpot.thresholds import SIGNALS, WHERE
 
 from ..numerics import (
     FOURTH_WORTH,
@@ -77,8 +78,6 @@ Of simulated records of noise, 40 to 1,000 samples with memories from 0 to 0.6, 
 exceeds 12 and one in a thousand 18."""
 PARTS = 16
 """Parts of a record of which each alone may be missed."""
-LOCAL, HARDLY = 1e-3, 1e-2
-"""Chance of noise alone below which a record is plainly missed by more than that, and perhaps."""
 NEIGHBOURS, ROUGHER = 15, 2.0
 """Samples of which the differences of neighbours tell whether the noise is larger there, and ratio
 to the usual ones from which it is."""
@@ -130,12 +129,12 @@ class ResidualScatter:
     @property
     def misfit(self) -> bool:
         """Whether there is plainly more than noise."""
-        return self.chance < LOCAL
+        return self.chance < SIGNALS.ruled_out
 
     @property
     def doubtful(self) -> bool:
         """Whether there may well be more than noise."""
-        return self.chance < HARDLY
+        return self.chance < WHERE.levels_differ
 
     def chance_of(self, residual: Real, other: ResidualScatter) -> float:
         """That noise of this size leaves as much as a residual (n,), in which there is `other`.
@@ -269,7 +268,7 @@ def scatter_of_record(
     found, (chance, rest) = scatter_of(residual, 0.0, worth, imposed.unfelt), (1.0, residual)
     if imposed.steps and len(residual) >= FEWEST:
         stepped, calm = step_test(residual, imposed.steps)
-        if stepped < min(found.chance, LOCAL):
+        if stepped < min(found.chance, SIGNALS.ruled_out):
             found = replace(scatter_of(calm, worth=worth), local=stepped)
     if not (imposed.coarse or found.misfit):
         found = _beside_lines(residual, found, imposed.period, worth, followed)
@@ -280,7 +279,7 @@ def scatter_of_record(
     if chance >= found.chance:
         return found
     # What goes with the motion is no noise: that is what does not.
-    if chance < LOCAL:
+    if chance < SIGNALS.ruled_out:
         found = scatter_of(rest, worth=worth)
     return replace(found, local=chance)
 
@@ -300,7 +299,7 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     scale = float(np.mean(power[upper] / spectrum[upper]))
     # Where it is said to go on there is no less: but for the slowest, which a model has followed.
     below = power[SLOWEST // 4 : 2 * SLOWEST] / (scale * spectrum[SLOWEST // 4 : 2 * SLOWEST])
-    if 1.0 - chi2_sf(float(below.sum()), len(below)) < HARDLY:
+    if 1.0 - chi2_sf(float(below.sum()), len(below)) < WHERE.levels_differ:
         return None
     coloured, plain = (
         _log_likelihood(power, noise) + _gain_by_octaves(power / noise)
@@ -362,7 +361,7 @@ def scatter_of_sweep(residual: Real, known: bool, followed: float = 0.0) -> Resi
     local = min(1.0, 3.0 * min(large, smooth, ripple))
     # Where nothing is missed all that is left is noise: of few points, whose neighbours tell hardly
     # more than its order, at least as much.
-    if not known and local >= LOCAL:
+    if not known and local >= SIGNALS.ruled_out:
         least = apart
         if told:
             least, worth = SMALLEST, np.inf
@@ -391,7 +390,7 @@ def _beside_lines(
     for _ in range(PARTS):
         white = transformed(transformed(rest) / size, back=True)
         chance, line = fisher_test(white[None], sought, followed)
-        if chance >= LOCAL:
+        if chance >= SIGNALS.ruled_out:
             break
         first = min(first, chance)
         # It lies between two of these frequencies.
@@ -400,7 +399,7 @@ def _beside_lines(
         turn = waves[int(np.argmax(np.abs(waves @ white)))]
         basis = np.linalg.qr(np.column_stack([turn.real, turn.imag]))[0]
         rest = projected_out(rest, basis)
-    if first >= LOCAL:
+    if first >= SIGNALS.ruled_out:
         return noise
     own = scatter_of(rest, worth=worth)
     if n < FEWEST:
@@ -594,7 +593,7 @@ def _log_likelihood(power: Real, spectrum: Real) -> float:
 def _chance_of_worst_part(residual: Real, memory: float) -> float:
     """Chance that noise alone makes the worst part so large, against the usual size of all."""
     chance = _by_parts(residual, memory)
-    if chance >= HARDLY:
+    if chance >= WHERE.levels_differ:
         return chance
     # Noise of long tails may excuse a part, and accuses of nothing.
     even = autoregressive(_with_normal_tails(prewhitened(residual, memory)), memory)

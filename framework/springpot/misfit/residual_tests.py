@@ -18,9 +18,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement.hum import near_mains
+from springpot.measurement.instrument import near_mains
 from springpot.measurement.measurement import CONDITIONS
-from springpot.measurement.mixed_tests import sweeps_of
+from springpot.measurement.mixed_up import sweeps_of
 from springpot.measurement.replicates import Averaged, noise_of_repeats
 from springpot.plain_data import Plain
 from springpot.rheology.points import Real

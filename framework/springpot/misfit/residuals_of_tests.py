@@ -23,10 +23,10 @@ from springpot.identification.convex import (
 from springpot.identification.leastsquares import Residual as Residual
 from springpot.identification.problem import Objective
 from springpot.measurement.covered import OtherTest
+from springpot.measurement.instrument import roundings
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.recording import recorded, spread
-from springpot.measurement.rounding import roundings
 from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter, strays
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus

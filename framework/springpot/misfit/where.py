@@ -11,7 +11,7 @@ import numpy as np
 from springpot.distributions import chi2_sf
 from springpot.measurement.independence import HELD_ALIKE, frequency_numbers
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
+from springpot.measurement.mixed_up import sweeps_of, temperatures_differ
 from springpot.measurement.scatter import turned_sd
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, read

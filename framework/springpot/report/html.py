@@ -42,6 +42,8 @@ from .ladder_text import accepted_name, data_of, draw_ladder, remarks, steps_tab
 from .page import PageParts, bench_of, page
 from .residuals import (
     data_and_model,
+    figure_tests,
+    fits_in_time,
     framed,
     keys,
     other_views,
@@ -51,7 +53,6 @@ from .residuals import (
     with_noise_of,
 )
 from .text import percent, told_range
-from .timetests import figure_tests, fits_in_time
 from .views import DrawnFit, Scene
 
 SUFFIXES = (".html", ".htm")

@@ -63,9 +63,16 @@ from .ladder_text import (
     figure_ladder,
 )
 from .mastercurve import figure_mastercurve
-from .residuals import figure_compared, fits_of, symmetric, with_noise_of
+from .residuals import (
+    figure_compared,
+    figure_prediction,
+    figure_tests,
+    fits_in_time,
+    fits_of,
+    symmetric,
+    with_noise_of,
+)
 from .text import percent
-from .timetests import figure_prediction, figure_tests, fits_in_time
 from .views import ALONG_CLOCK, DrawnFit, Scene
 
 if TYPE_CHECKING:

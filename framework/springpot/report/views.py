@@ -20,8 +20,18 @@ from springpot.numerics import ENOUGH
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
-from .canvas import CANVAS, COLOURS, INK, QUIET, logarithmic
-from .sweeps import DrawnSweep, all_sweeps, chosen, travels, varies
+from .canvas import (
+    CANVAS,
+    COLOURS,
+    INK,
+    QUIET,
+    DrawnSweep,
+    all_sweeps,
+    chosen,
+    logarithmic,
+    travels,
+    varies,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import ROUNDING
 from .elements import Continuum, FixedPower
 from .grammar import Formula
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
@@ -30,10 +31,6 @@ def inside(newton: NDArray[np.inexact[Any]], u: Real, low: Real, high: Real) -> 
     # arrived, `u` is an end itself, and the middle would lead away again.
     within = ((newton > low) & (newton < high)) | (np.abs(newton - u) <= ROUNDING * (1 + np.abs(u)))
     return np.where(within, newton, 0.5 * (low + high))
-
-
-ROUNDING = 1e-14
-"""Of a place, relative: a further step would change the last digits only."""
 
 
 def settled(moved: Real, u: Real) -> bool:

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
         check_writer as check_writer,
     )
     from .effects import check_effect as check_effect, check_model as check_model
-    from .optimisers import check_optimiser as check_optimiser
-    from .readers import check_reader as check_reader
+    from .others import check_optimiser as check_optimiser, check_reader as check_reader
 
 __getattr__, __dir__ = offered(__name__)
 

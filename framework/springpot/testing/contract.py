@@ -37,8 +37,7 @@ from .networks import (
     name_and_summary,
     sample_measurement,
 )
-from .optimisers import check_optimiser
-from .readers import check_reader
+from .others import check_optimiser, check_reader
 
 
 def check_writer(

@@ -17,9 +17,15 @@ import numpy as np
 
 from springpot.identification.leastsquares import levenberg_marquardt, one_by_one
 from springpot.identification.result import Identification
-from springpot.measurement.hum import LINE, at_mains, of_a_motion, over_neighbours, periodogram
 from springpot.measurement.imposed import ORDER, imposed_noise
-from springpot.measurement.rounding import is_even
+from springpot.measurement.instrument import (
+    LINE,
+    at_mains,
+    is_even,
+    of_a_motion,
+    over_neighbours,
+    periodogram,
+)
 from springpot.misfit.coloured_noise import UPPER
 from springpot.misfit.error import plain
 from springpot.misfit.residual_scatter import TAILS, ResidualScatter, edge_of, rougher, scatter_of

@@ -18,9 +18,13 @@ import numpy as np
 from springpot.distributions import student
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.convex import ConvexSpectrum
-from springpot.identification.fitting import refuse_search, require_robust, start_at
+from springpot.identification.fitting import (
+    notes_on_specimens,
+    refuse_search,
+    require_robust,
+    start_at,
+)
 from springpot.identification.material import is_material
-from springpot.identification.notes import notes_on_specimens
 from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
 from springpot.identification.robust import until_at_rest

@@ -125,7 +125,7 @@ class Workbench:
             ) from None
         # Loaded here: importing springpot.web must not load a server.
         from .desk import Desk
-        from .watching import folder_of
+        from .folders import folder_of
 
         if watch and not folder_of(watch)[0].is_dir():
             raise OptionError(f"{watch}: there is no such folder to watch")

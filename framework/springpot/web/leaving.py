@@ -18,7 +18,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, plain
 from springpot.measurement.covered import OtherTest
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import runs_of
+from springpot.measurement.mixed_up import runs_of
 from springpot.measurement.opening import Test
 from springpot.measurement.reader import Part, parts_as_opened
 from springpot.misfit.residuals_of_tests import parts_of_specimen

@@ -36,6 +36,7 @@ from springpot.rheology.model import Family, Model
 from springpot.writing import suggested
 
 from . import leaving
+from .folders import report_of, studies, study, watched
 from .leaving import curves_in_time, understood
 from .sessions import (
     Opened,
@@ -53,7 +54,6 @@ from .sessions import (
     tests_in,
     text_of,
 )
-from .studies import report_of, studies, study
 from .trying import (
     Told,
     bound,
@@ -70,7 +70,6 @@ from .trying import (
     tried,
     with_law,
 )
-from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
 

@@ -11,10 +11,10 @@ from springpot.measurement import DataSet
 @hookimpl
 def springpot_datasets() -> Iterable[DataSet]:
     """All of them; nothing is loaded before it is used."""
-    from . import computed, folders, measured
+    from . import folders, shipped
 
     return (
-        *computed.datasets(),
-        *measured.datasets(),
+        *shipped.computed_sets(),
+        *shipped.measured_sets(),
         *folders.datasets(),
     )

@@ -14,8 +14,16 @@ from springpot.rheology import Effect
 @hookimpl
 def springpot_effects() -> Iterable[Effect]:
     """All of them."""
-    from . import amplitude, clock, compliance, loading, record, signal, specimen, stiffness, stops
+    from . import amplitude, instrument, loading, record, specimen, stiffness, stops
 
-    of_the_network = (stiffness, compliance, amplitude, signal, specimen)
-    of_the_test = (loading, clock, record, stops)
-    return [effect for file in (*of_the_network, *of_the_test) for effect in file.EFFECTS]
+    return [
+        *stiffness.EFFECTS,
+        *instrument.IN_SERIES,
+        *amplitude.EFFECTS,
+        *instrument.SIGNALS,
+        *specimen.EFFECTS,
+        *loading.EFFECTS,
+        *record.CLOCKS,
+        *record.EFFECTS,
+        *stops.EFFECTS,
+    ]

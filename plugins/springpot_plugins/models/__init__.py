@@ -15,14 +15,14 @@ from springpot.rheology.model import Family
 @hookimpl
 def springpot_models() -> Iterable[Model | Family]:
     """All of them."""
-    from . import asphalt, classical, fractional, paper, relaxation
+    from . import classical, fractional, paper, relaxation
 
     return (
         *paper.MODELS,
         *paper.FLUIDS,
         *classical.MODELS,
         *fractional.MODELS,
-        *asphalt.MODELS,
+        *fractional.ASPHALT,
         *relaxation.MODELS,
         *fractional.PASSIVE,
         *classical.FAMILIES,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @hookimpl
 def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
-    from . import auto, cube, evolution, leastsquares, nloptlib, scipy_searches, swarm
+    from . import cube, descents, evolution, searches, swarm
 
     return (
         swarm.PaperSwarm,
@@ -29,24 +29,24 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         evolution.DifferentialEvolution,
         evolution.StornPrice,
         evolution.LShade,
-        nloptlib.Crs,
-        nloptlib.Isres,
-        nloptlib.Esch,
-        nloptlib.DirectL,
-        nloptlib.Mlsl,
-        nloptlib.Sbplx,
-        nloptlib.Bobyqa,
-        nloptlib.NelderMead,
-        nloptlib.Lbfgs,
-        scipy_searches.DualAnnealing,
-        scipy_searches.ScipyDirect,
-        scipy_searches.BasinHopping,
-        scipy_searches.Cobyqa,
-        scipy_searches.Shgo,
-        leastsquares.LeastSquares,
-        leastsquares.AlternatingLeastSquares,
-        leastsquares.Native,
-        auto.Auto,
+        searches.Crs,
+        searches.Isres,
+        searches.Esch,
+        searches.DirectL,
+        searches.Mlsl,
+        searches.Sbplx,
+        searches.Bobyqa,
+        searches.NelderMead,
+        searches.Lbfgs,
+        searches.DualAnnealing,
+        searches.ScipyDirect,
+        searches.BasinHopping,
+        searches.Cobyqa,
+        searches.Shgo,
+        descents.LeastSquares,
+        descents.AlternatingLeastSquares,
+        descents.Native,
+        descents.Auto,
         cube.RandomSearch,
     )
 

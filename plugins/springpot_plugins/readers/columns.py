@@ -30,8 +30,7 @@ from springpot.measurement import (
     misspelt,
     temperature_in_celsius,
 )
-from springpot.measurement.mixed_tests import runs_together
-from springpot.measurement.mixed_up import EXCHANGED, FAR, SIGN, exchange_note
+from springpot.measurement.mixed_up import EXCHANGED, FAR, SIGN, exchange_note, runs_together
 from springpot.measurement.replicates import NOTE as AGAIN, again_note
 from springpot.rheology import Complex, Real
 

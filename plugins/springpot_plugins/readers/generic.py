@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
-from springpot.measurement.rounding import is_even
+from springpot.measurement.instrument import is_even
 
 from .above import facts_of, pairs_in, with_conditions_above
 from .blocks import Block, blocks_of, is_data, is_header, lacking

@@ -17,7 +17,7 @@ from springpot.identification.native import FittedModel
 from springpot.identification.value import Value
 from springpot.measurement.conversion import FILE
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import settings_of, told_apart
+from springpot.measurement.mixed_up import settings_of, told_apart
 from springpot.measurement.opening import Test
 from springpot.measurement.replicates import THINNED
 from springpot.measurement.units import Units
@@ -28,8 +28,8 @@ from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.writing import DIGITS as OF_RESIDUALS
 
+from ..canvas import SWEEPS, DrawnSweep, chosen
 from ..residuals import plane_name, plane_of
-from ..sweeps import SWEEPS, DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
 

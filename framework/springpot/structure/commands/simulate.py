@@ -122,7 +122,7 @@ def _further(frame: Frame, records: list[GroundMotion], wanted: bool) -> dict[st
     """What could be measured next, where that is asked for."""
     if not wanted:
         return {}
-    from springpot.structure.next_test import further_tests
+    from springpot.structure.answers import further_tests
 
     return {"next_experiment": further_tests(frame, records).to_dict()}
 
