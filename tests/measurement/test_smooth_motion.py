@@ -57,6 +57,13 @@ def test_what_the_specimen_answers_to_was_felt():
         assert smoothed(read, response)[0] is read
 
 
+def test_what_does_not_move_has_no_course():
+    rng = np.random.default_rng(4)
+    noise, response = rng.normal(size=(2, COUNT))
+    read = Loading(STEP * np.arange(COUNT), noise, sampled=True)
+    assert smoothed(read, response)[0] is read
+
+
 def test_what_was_sampled_unevenly_is_left_as_it_was_read():
     rng = np.random.default_rng(4)
     for rough, place, _ in with_noise(0.02, rng):

@@ -111,7 +111,7 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     if not loading.sampled or len(value) < SHORTEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
-    if not _stands_out(value, course, parts):
+    if not _stands_out(value, course, 2.0 * len(parts)):
         return loading, {}
     course, said = without_noise(
         loading.time, value, response, course, parts, "along straight lines"
@@ -121,12 +121,14 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     return replace(loading, value=course), said
 
 
-def _stands_out(value: Real, course: Real, parts: list[slice]) -> bool:
-    """Whether lines tell more of a channel (n,) than its mean does: of few samples all is noise."""
+def _stands_out(value: Real, course: Real, numbers: float) -> bool:
+    """Whether a course of so many numbers tells more of a channel (n,) than its mean does.
+
+    Of few samples all is noise, and so is all of what does not move.
+    """
     told, left = course - value.mean(), value - course
-    numbers = 2 * len(parts)
     spare = len(value) - numbers
-    if not parts or spare < 1:
+    if not numbers or spare < 1:
         return False
     ratio = float(told @ told) / (numbers - 1) / max(float(left @ left) / spare, SMALLEST)
     return bool(f_sf(ratio, numbers - 1, spare) < SIGNALS.ruled_out)
@@ -318,7 +320,7 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     course, answer = spline.course(value), spline.course(response)
     left, rest = value - course, response - answer
     noise = float(np.std(left))
-    if not is_white(left):
+    if not (is_white(left) and _stands_out(value, course, spline.freedom)):
         return loading, {}
     stiffness = float(np.std(answer)) / max(float(np.std(course)), SMALLEST)
     if goes_with(rest, left, stiffness):
