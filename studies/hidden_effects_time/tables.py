@@ -138,9 +138,9 @@ def write_tables(verdicts: Sequence[Verdict], folder: Path, seed: int, read: boo
         "",
         (
             f"`python studies/hidden_effect_time.py {option}--cases {len(verdicts)} --seed {seed}`:"
-            f" {len(verdicts)} {drawn} drawn anew, computed by inversion of Laplace transforms, with"
-            " one hidden effect, none, or one that the library lacks. Chi-square is what the base"
-            " model misses beyond noise; below 30 nothing can be expected to be seen."
+            f" {len(verdicts)} {drawn} drawn anew, computed by inversion of Laplace transforms,"
+            " with one hidden effect, none, or one that the library lacks. Chi-square is what the"
+            " base model misses beyond noise; below 30 nothing can be expected to be seen."
         ),
         "",
         "| | figure | cases |",

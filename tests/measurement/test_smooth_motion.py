@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from springpot.distributions import autoregressive
 from springpot.measurement import TimeTest
 from springpot.measurement.course import BENDS, answer_to_unfelt, likeliest, smoothed
 from springpot.measurement.imposed import Loading
@@ -41,6 +42,31 @@ def test_a_mass_is_told_that_noise_would_hide(share):
         told = np.linalg.lstsq(columns, response[1:-1], rcond=None)[0]
         assert "smooth" in said["motion"]
         assert told == pytest.approx([3.0, 0.01], rel=0.03)
+
+
+@pytest.mark.parametrize("memory", [0.3, 0.6])
+def test_noise_may_remember_the_sample_before(memory):
+    rng = np.random.default_rng(4)
+    place, push = next(motions(rng))
+    read = place + 0.01 * np.std(place) * autoregressive(rng.normal(size=COUNT), memory)
+    force = 3.0 * place + 0.01 * push
+    response = force + 0.01 * np.std(force) * rng.normal(size=COUNT)
+    loading, said = smoothed(Loading(STEP * np.arange(COUNT), read, sampled=True), response)
+    columns = np.column_stack([loading.value[1:-1], np.diff(loading.value, 2) / STEP**2])
+    told = np.linalg.lstsq(columns, response[1:-1], rcond=None)[0]
+    assert "noise with a memory" in said["motion"]
+    assert told == pytest.approx([3.0, 0.01], rel=0.03)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_a_rough_motion_stays_as_it_was_read(degree):
+    rng = np.random.default_rng(4)
+    rough = rng.normal(size=COUNT)
+    for _ in range(degree):
+        rough = autoregressive(rough, 0.9)
+    read = Loading(STEP * np.arange(COUNT), rough, sampled=True)
+    response = 3.0 * rough + 0.01 * rng.normal(size=COUNT)
+    assert smoothed(read, response)[0] is read
 
 
 def test_nothing_is_taken_off_a_motion_that_was_read_without_noise():

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from itertools import pairwise
-from math import comb, log
+from math import comb, log, sqrt
 from typing import Any
 
 import numpy as np
 
-from springpot.distributions import f_sf
+from springpot.distributions import LIKENESS, f_sf, prewhitened
 from springpot.rheology.points import Real
 
-from ..numerics import DIFFERENCE, ENOUGH, NEGLIGIBLE, PRINTED, SMALLEST, evenly, rms
+from ..numerics import DIFFERENCE, ENOUGH, NEGLIGIBLE, SMALLEST, evenly, rms
 from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
@@ -31,8 +31,9 @@ from .steady_start import goes_with, gone_on, quiet, stepped_to, still, without_
 
 FEWEST = 2 * SHORTEST
 """Samples at a level, at least, by which their noise is told from a course."""
-BENDS = 4
-"""Differences of a course that are as good as noise: those that a mass feels are two less."""
+BENDS, CLOSE = 4, 0.02
+"""Differences of a course that are as good as noise: those that a mass feels are two less; and how
+near the likeliest memory and the logarithm of a weight are sought."""
 
 
 def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
@@ -286,7 +287,9 @@ def _joined(clock: Real, value: Real, parts: list[slice]) -> list[slice]:
 
 
 def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
-    """A motion that is smooth without white noise that nothing answers to, and a note on it.
+    """A motion that is smooth without noise that nothing answers to, and a note on it.
+
+    White noise, or such as remembers the sample before.
 
     What is left is its expectation, given what was read: a fit to that is not bent by the noise, as
     one to what was read is (regression calibration: Carroll, Ruppert, Stefanski and Crainiceanu
@@ -317,17 +320,22 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     if rough <= max(0.5 * imposed_noise(value, ORDER // 2), NEGLIGIBLE * rms(value)):
         return loading, {}
     spline = likeliest(value)
+    if not is_white(spline.left(value)):
+        spline = likeliest(value, _memory_of(value))
     course, answer = spline.course(value), spline.course(response)
+    if not (is_white(spline.left(value)) and _stands_out(value, course, spline.freedom)):
+        return loading, {}
     left, rest = value - course, response - answer
     noise = float(np.std(left))
-    if not (is_white(left) and _stands_out(value, course, spline.freedom)):
-        return loading, {}
     stiffness = float(np.std(answer)) / max(float(np.std(course)), SMALLEST)
     if goes_with(rest, left, stiffness):
         return loading, {}
     share = 100.0 * noise / rms(course)
-    says = f"smooth, with {share:.2g} % of white noise that nothing answers to: taken off"
-    return replace(loading, value=course, unfelt=(noise, spline.freedom)), {"motion": says}
+    colour = "noise with a memory" if spline.memory else "white noise"
+    says = f"smooth, with {share:.2g} % of {colour} that nothing answers to: taken off"
+    # Of noise with a memory that much more is where it is slow.
+    slow = noise * sqrt((1.0 + spline.memory) / (1.0 - spline.memory))
+    return replace(loading, value=course, unfelt=(slow, spline.freedom)), {"motion": says}
 
 
 def answer_to_unfelt(loading: Loading, clock: Real, response: Real) -> Real:
@@ -385,44 +393,52 @@ class Spline:
         Samples, and how many of them two knots are apart.
     weight : float
         Of the squares of the differences of its coefficients.
+    memory : float
+        Correlation of the noise of neighbouring samples.
     """
 
     count: int
     apart: int
     weight: float
+    memory: float = 0.0
 
     @cached_property
     def _columns(self) -> Any:
-        return _columns(self.count, self.apart)
+        return _columns(self.count, self.apart, self.memory)
 
     @cached_property
     def _factor(self) -> Real:
         from scipy.linalg import cholesky_banded
 
-        bands = self._columns[1]
+        bands = self._columns[2]
         return np.asarray(cholesky_banded(bands[0] + self.weight * bands[1], lower=True))
 
     def coefficients(self, value: Real) -> Real:
         """Those (p,) of values (n,)."""
         from scipy.linalg import cho_solve_banded
 
-        return np.asarray(cho_solve_banded((self._factor, True), self._columns[0].T @ value))
+        told = self._columns[1].T @ prewhitened(value, self.memory)
+        return np.asarray(cho_solve_banded((self._factor, True), told))
 
     def course(self, value: Real) -> Real:
         """The spline at the samples (n,), of values there."""
         return np.asarray(self._columns[0] @ self.coefficients(value))
+
+    def left(self, value: Real) -> Real:
+        """What it leaves of values (n,) there, without what that remembers."""
+        return np.asarray(prewhitened(value - self.course(value), self.memory))
 
     def improbability(self, value: Real) -> float:
         """Minus twice the logarithm of the likelihood of values (n,), but for a constant.
 
         Free of the polynomials that are not penalised (Patterson and Thompson 1971).
         """
-        found = self.coefficients(value)
-        squares = float(np.sum((value - self._columns[0] @ found) ** 2))
-        squares += self.weight * float(np.sum(np.diff(found, BENDS) ** 2))
-        spare = self.count - BENDS
+        found, spare = self.coefficients(value), self.count - BENDS
+        new = prewhitened(value - self._columns[0] @ found, self.memory)
+        squares = float(new @ new) + self.weight * float(np.sum(np.diff(found, BENDS) ** 2))
         size = spare * log(max(squares, SMALLEST) / spare)
         size += 2.0 * float(np.sum(np.log(self._factor[0])))
+        size += (self.count - 1) * log(1.0 - self.memory**2)
         return size - (len(found) - BENDS) * log(self.weight)
 
     @property
@@ -434,29 +450,33 @@ class Spline:
 
 
 @lru_cache(maxsize=2)
-def _columns(count: int, apart: int) -> tuple[Any, Real]:
-    """B-splines (n, p) at samples, and the bands (2, 2 BENDS, p) of what squares come to.
+def _columns(count: int, apart: int, memory: float) -> tuple[Any, Any, Real]:
+    """B-splines (n, p) at samples, those of what is new with each, and bands of what these square.
 
-    Those of the values, and those of the differences of coefficients.
+    Of (2, 2 BENDS + 1, p), the latter those of the differences of coefficients.
     """
     from scipy.interpolate import BSpline
+    from scipy.sparse import diags_array
 
     degree = 2 * BENDS - 1
     size = (count - 2) // apart + 1 + degree
     at = np.arange(count) / apart
     columns = BSpline.design_matrix(at, np.arange(-degree, size + 1.0), degree)
-    gram, bands = columns.T @ columns, np.zeros((2, degree + 1, size))
-    for k in range(degree + 1):
+    new = 1.0 / sqrt(1.0 - memory**2)
+    here = np.append(1.0, np.full(count - 1, new))
+    told = diags_array([here, np.full(count - 1, -memory * new)], offsets=[0, -1]) @ columns
+    gram, bands = told.T @ told, np.zeros((2, degree + 2, size))
+    for k in range(degree + 2):
         bands[0, k, : size - k] = gram.diagonal(k)
     factors = [(-1.0) ** i * comb(BENDS, i) for i in range(BENDS + 1)]
     for i, one in enumerate(factors):
         for k, other in enumerate(factors[i:]):
             bands[1, k, i : size - BENDS + i] += one * other
-    return columns, bands
+    return columns, told, bands
 
 
-def likeliest(value: Real) -> Spline:
-    """The spline of evenly sampled values (n,) by its likelihood.
+def likeliest(value: Real, memory: float = 0.0) -> Spline:
+    """The spline of evenly sampled values (n,) by its likelihood, beside noise with a memory.
 
     Its knots are as far apart as the likeliest one follows anything.
 
@@ -466,21 +486,40 @@ def likeliest(value: Real) -> Spline:
     >>> round(likeliest(np.sin(np.arange(400) / 10.0) + noise).freedom)
     52
     """
-    from scipy.optimize import minimize_scalar
-
     apart, far = 1, 2
     while far > 1:
-        tried = partial(Spline, len(value), apart)
-        best = minimize_scalar(
-            lambda size, tried=tried: tried(np.exp(size)).improbability(value),
-            bounds=(log(NEGLIGIBLE), -log(NEGLIGIBLE)),
-            method="bounded",
-            options={"xatol": PRINTED},
-        )
-        found = tried(float(np.exp(best.x)))
+        found = _weighed(value, apart, memory)
         # A weight goes with the distance of two knots to the power of what is penalised.
         far = int(found.weight ** (0.5 / BENDS))
         if BENDS * far * apart >= len(value):
             break
         apart *= far
     return found
+
+
+def _weighed(value: Real, apart: int, memory: float) -> Spline:
+    """The likeliest spline with knots so many samples apart."""
+    from scipy.optimize import minimize_scalar
+
+    best = minimize_scalar(
+        lambda size: Spline(len(value), apart, np.exp(size), memory).improbability(value),
+        bounds=(log(NEGLIGIBLE), -log(NEGLIGIBLE)),
+        method="bounded",
+        options={"xatol": CLOSE},
+    )
+    return Spline(len(value), apart, float(np.exp(best.x)), memory)
+
+
+def _memory_of(value: Real) -> float:
+    """The likeliest memory of the noise of a smooth channel (n,); of a long one, of its middle."""
+    from scipy.optimize import minimize_scalar
+
+    first = max(len(value) - ENOUGH, 0) // 2
+    some = value[first : first + ENOUGH]
+    best = minimize_scalar(
+        lambda memory: _weighed(some, 1, memory).improbability(some),
+        bounds=(0.0, LIKENESS),
+        method="bounded",
+        options={"xatol": CLOSE},
+    )
+    return float(best.x)
