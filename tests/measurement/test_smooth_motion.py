@@ -1,5 +1,7 @@
 """A motion that is smooth and not steady is taken without the noise of its transducer."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -150,3 +152,16 @@ def test_ends_of_a_smooth_course_are_not_judged():
     assert unsure[:few].all()
     assert unsure[-few:].all()
     assert not unsure[few + 1 : -few - 1].any()
+
+
+def test_a_course_of_a_long_record_takes_little_memory():
+    count = 5_000
+    read = np.sin(np.linspace(0.0, 60.0, count)) + 0.01 * np.random.default_rng(1).normal(
+        size=count
+    )
+    likeliest(read[:COUNT])
+    tracemalloc.start()
+    likeliest(read)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 90 * read.nbytes

@@ -449,7 +449,7 @@ class Spline:
         return float(self._factor.shape[1] - rise / DIFFERENCE)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=1)
 def _columns(count: int, apart: int, memory: float) -> tuple[Any, Any, Real]:
     """B-splines (n, p) at samples, those of what is new with each, and bands of what these square.
 
@@ -464,7 +464,10 @@ def _columns(count: int, apart: int, memory: float) -> tuple[Any, Any, Real]:
     columns = BSpline.design_matrix(at, np.arange(-degree, size + 1.0), degree)
     new = 1.0 / sqrt(1.0 - memory**2)
     here = np.append(1.0, np.full(count - 1, new))
-    told = diags_array([here, np.full(count - 1, -memory * new)], offsets=[0, -1]) @ columns
+    told = columns
+    # Of white noise they are the same, and of a long record as large as all else that is read.
+    if memory:
+        told = diags_array([here, np.full(count - 1, -memory * new)], offsets=[0, -1]) @ columns
     gram, bands = told.T @ told, np.zeros((2, degree + 2, size))
     for k in range(degree + 2):
         bands[0, k, : size - k] = gram.diagonal(k)
