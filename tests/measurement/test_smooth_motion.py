@@ -1,5 +1,7 @@
 """A motion that is smooth and not steady is taken without the noise of its transducer."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -83,6 +85,13 @@ def test_what_the_specimen_answers_to_was_felt():
         assert smoothed(read, response)[0] is read
 
 
+def test_what_does_not_move_has_no_course():
+    rng = np.random.default_rng(4)
+    noise, response = rng.normal(size=(2, COUNT))
+    read = Loading(STEP * np.arange(COUNT), noise, sampled=True)
+    assert smoothed(read, response)[0] is read
+
+
 def test_what_was_sampled_unevenly_is_left_as_it_was_read():
     rng = np.random.default_rng(4)
     for rough, place, _ in with_noise(0.02, rng):
@@ -143,3 +152,16 @@ def test_ends_of_a_smooth_course_are_not_judged():
     assert unsure[:few].all()
     assert unsure[-few:].all()
     assert not unsure[few + 1 : -few - 1].any()
+
+
+def test_a_course_of_a_long_record_takes_little_memory():
+    count = 5_000
+    read = np.sin(np.linspace(0.0, 60.0, count)) + 0.01 * np.random.default_rng(1).normal(
+        size=count
+    )
+    likeliest(read[:COUNT])
+    tracemalloc.start()
+    likeliest(read)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 90 * read.nbytes

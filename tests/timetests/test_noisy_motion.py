@@ -5,6 +5,9 @@ import pytest
 
 import springpot
 from springpot.measurement import TimeTest
+from springpot.misfit.residuals_of_tests import part_of
+from springpot.registry import plugins
+from springpot.timetests.hypotheses import noise_answer
 
 STEP, COUNT = 0.002, 1500
 SPRING, DASHPOT = 200.0, 0.8
@@ -71,3 +74,14 @@ def test_a_mass_is_named_where_it_is_and_not_where_it_is_not(seed):
     assert found.verdict == "effect-missing"
     assert "inertia" in found.leading
     assert springpot.diagnose(without, "kelvin").verdict in {"adequate", "inconclusive"}
+
+
+def test_what_is_answered_to_noise_is_told_of_a_record_of_few_samples():
+    rng, t = np.random.default_rng(1), STEP * np.arange(40)
+    place = np.sin(60.0 * t)
+    read, force = (part + 0.01 * rng.normal(size=40) for part in (place, place))
+    part = part_of(TimeTest.of_history(t, read, SPRING * force, "mm", "N"))
+    answer = noise_answer(part, plugins().model("kelvin"), np.array([SPRING, DASHPOT]), 293.15)
+    assert part.imposed.noise > 0.0
+    assert np.isfinite(answer).all()
+    assert answer.any()

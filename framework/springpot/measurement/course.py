@@ -112,7 +112,7 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     if not loading.sampled or len(value) < SHORTEST or not _is_noisy(value):
         return loading, {}
     course, parts = lines(loading.time, value)
-    if not _stands_out(value, course, parts):
+    if not _stands_out(value, course, 2.0 * len(parts)):
         return loading, {}
     course, said = without_noise(
         loading.time, value, response, course, parts, "along straight lines"
@@ -122,12 +122,14 @@ def straightened(loading: Loading, response: Real) -> tuple[Loading, dict[str, s
     return replace(loading, value=course), said
 
 
-def _stands_out(value: Real, course: Real, parts: list[slice]) -> bool:
-    """Whether lines tell more of a channel (n,) than its mean does: of few samples all is noise."""
+def _stands_out(value: Real, course: Real, numbers: float) -> bool:
+    """Whether a course of so many numbers tells more of a channel (n,) than its mean does.
+
+    Of few samples all is noise, and so is all of what does not move.
+    """
     told, left = course - value.mean(), value - course
-    numbers = 2 * len(parts)
     spare = len(value) - numbers
-    if not parts or spare < 1:
+    if not numbers or spare < 1:
         return False
     ratio = float(told @ told) / (numbers - 1) / max(float(left @ left) / spare, SMALLEST)
     return bool(f_sf(ratio, numbers - 1, spare) < SIGNALS.ruled_out)
@@ -320,9 +322,9 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     spline = likeliest(value)
     if not is_white(spline.left(value)):
         spline = likeliest(value, _memory_of(value))
-    if not is_white(spline.left(value)):
-        return loading, {}
     course, answer = spline.course(value), spline.course(response)
+    if not (is_white(spline.left(value)) and _stands_out(value, course, spline.freedom)):
+        return loading, {}
     left, rest = value - course, response - answer
     noise = float(np.std(left))
     stiffness = float(np.std(answer)) / max(float(np.std(course)), SMALLEST)
@@ -447,7 +449,7 @@ class Spline:
         return float(self._factor.shape[1] - rise / DIFFERENCE)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=1)
 def _columns(count: int, apart: int, memory: float) -> tuple[Any, Any, Real]:
     """B-splines (n, p) at samples, those of what is new with each, and bands of what these square.
 
@@ -462,7 +464,10 @@ def _columns(count: int, apart: int, memory: float) -> tuple[Any, Any, Real]:
     columns = BSpline.design_matrix(at, np.arange(-degree, size + 1.0), degree)
     new = 1.0 / sqrt(1.0 - memory**2)
     here = np.append(1.0, np.full(count - 1, new))
-    told = diags_array([here, np.full(count - 1, -memory * new)], offsets=[0, -1]) @ columns
+    told = columns
+    # Of white noise they are the same, and of a long record as large as all else that is read.
+    if memory:
+        told = diags_array([here, np.full(count - 1, -memory * new)], offsets=[0, -1]) @ columns
     gram, bands = told.T @ told, np.zeros((2, degree + 2, size))
     for k in range(degree + 2):
         bands[0, k, : size - k] = gram.diagonal(k)

@@ -356,7 +356,8 @@ def noise_answer(part: TestPart, model: Model, theta: Real, reference: float) ->
     loading, kicks = part.test.loading, np.zeros(len(part.at))
     # Those that a smooth course has followed reach as far as it is smooth.
     reach = ceil(len(kicks) / loading.unfelt[1]) if loading.unfelt[1] else 1
-    apart = APART * reach
+    # Of a short record at least one is tried, and not at its end.
+    apart = min(APART * reach, len(kicks) // 2)
     kicks[apart::apart] = part.imposed.noise
     kicks[2 * apart :: 2 * apart] *= -1.0
     kicked = loading.value.copy()

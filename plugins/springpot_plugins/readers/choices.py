@@ -525,6 +525,12 @@ def called(headings: Sequence[Heading], number: int) -> str:
     return headings[number - 1].title or f"column {number} (without a title)"
 
 
+def all_called(headings: Sequence[Heading], untitled: Sequence[int]) -> list[str]:
+    """How columns are called, less those that neither have a title nor hold numbers."""
+    numbers = [i for i, each in enumerate(headings, 1) if each.title or i in untitled]
+    return [called(headings, number) for number in numbers]
+
+
 def unknown_in(headings: Sequence[Heading]) -> dict[str, str]:
     """The titles of the columns that nobody knows, by what is typed for them."""
     return {to_type(headings, i): h.title for i, h in enumerate(headings, 1) if h.role is None}

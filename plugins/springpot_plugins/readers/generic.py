@@ -25,6 +25,7 @@ from .choices import (
     CLOCK,
     FIRST_COLUMNS,
     LOOP,
+    all_called,
     ask_clock,
     ask_columns,
     ask_each,
@@ -184,7 +185,7 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     terms = [i for i, each in enumerate(block.headings) if each.role == "relaxation_time"]
     if terms and not block.roles & {"time", *FREQUENCIES}:
         raise ask_clock(block.headings[terms[0]], terms[0] + 1)
-    raise _ask_which(block.headings)
+    raise _ask_which(block.headings, block.untitled)
 
 
 def _leading(block: Block, choice: Choice) -> str:
@@ -313,9 +314,9 @@ def _names(row: Sequence[str], width: int) -> bool:
     return len(row) == width and filled and not any(map(holds_number, row))
 
 
-def _ask_which(headings: Sequence[Heading]) -> OpenQuestion:
+def _ask_which(headings: Sequence[Heading], untitled: Sequence[int]) -> OpenQuestion:
     """The question for columns with names of which too few are known."""
-    shown = ", ".join(dict.fromkeys(each.title for each in headings))
+    shown = ", ".join(dict.fromkeys(all_called(headings, untitled)))
     hint = proposal(headings) or "say which, such as 'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
     roles = {str(heading.role) for heading in headings if heading.role}
     lacks = "no frequency, storage and loss"

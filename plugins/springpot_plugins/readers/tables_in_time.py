@@ -29,7 +29,7 @@ from springpot.rheology import Real
 from .above import with_conditions_above
 from .blocks import Block, blocks_of
 from .channels import UNITS as CHANNELS, channel_of, found_in
-from .choices import ask_clock, called, with_choice
+from .choices import all_called, ask_clock, called, with_choice
 from .dynamic import columns_of
 from .excel import called_by_sheet, recognises as is_workbook, sheets_in
 from .generic import without_names
@@ -165,8 +165,9 @@ _THERE_AND_BACK = 2
 
 def lacking(block: Block, columns: Sequence[Column]) -> DataError:
     """What a table with a time needs to be a test."""
-    first, rest = block.headings[:12], block.headings[12:]
-    there = ", ".join(each.title for each in first)
+    titles = all_called(block.headings, block.untitled)
+    first, rest = titles[:12], titles[12:]
+    there = ", ".join(first)
     if rest:
         there += f" and {len(rest)} more"
     roles = {each.name for each in columns}

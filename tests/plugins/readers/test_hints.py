@@ -261,3 +261,18 @@ def test_a_column_with_a_unit_and_no_title_is_called_by_its_number(tmp_path, tex
     assert told in str(asked.value)
     hint = str(asked.value).split("rig.csv?")[1].split("'")[0]
     assert open_in_time(f"{path}?{hint}") or open_measurement(f"{path}?{hint}")
+
+
+@pytest.mark.parametrize(
+    ("titles", "told"),
+    [
+        ("omega [rad/s],,,", "column 2 (without a title), column 3 (without a title);"),
+        ("time (s),,force (N),", "(columns: time (s), column 2 (without a title), force (N))"),
+    ],
+)
+def test_columns_are_listed_by_what_they_are_called(tmp_path, titles, told):
+    path = tmp_path / "rig.csv"
+    path.write_text(titles + "\n1,2,3,\n2,3,5,\n4,4,6,\n5,6,8,\n", encoding="utf-8")
+    with pytest.raises(DataError) as asked:
+        open_in_time(path) or open_measurement(path)
+    assert told in str(asked.value)
