@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import comb, log, sqrt
-from typing import Any
 
 import numpy as np
 
 from springpot.distributions import LIKENESS, f_sf, prewhitened
 from springpot.rheology.points import Real
 
-from ..numerics import DIFFERENCE, ENOUGH, NEGLIGIBLE, SMALLEST, evenly, rms
+from ..numerics import DEVIATIONS, DIFFERENCE, ENOUGH, NEGLIGIBLE, SMALLEST, evenly, rms
 from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
@@ -319,9 +318,7 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     # Of a sine of three samples two thirds of what half the order leaves; of noise as much.
     if rough <= max(0.5 * imposed_noise(value, ORDER // 2), NEGLIGIBLE * rms(value)):
         return loading, {}
-    spline = likeliest(value)
-    if not is_white(spline.left(value)):
-        spline = likeliest(value, _memory_of(value))
+    spline = _in_parts(value)
     course, answer = spline.course(value), spline.course(response)
     if not (is_white(spline.left(value)) and _stands_out(value, course, spline.freedom)):
         return loading, {}
@@ -350,12 +347,23 @@ def answer_to_unfelt(loading: Loading, clock: Real, response: Real) -> Real:
     turns = np.pi * np.arange(len(course)) / len(course)
     inner = course[1:-1]
     speed, push = 0.5 * (course[2:] - course[:-2]), course[2:] - 2.0 * inner + course[:-2]
-    columns = np.column_stack([inner, speed, push, np.ones_like(inner)])
-    answered = response[np.isin(clock, inside)]
-    known = columns[np.isin(inside, clock)]
-    spring, dashpot, mass, _ = np.linalg.lstsq(known, answered, rcond=None)[0]
+    columns = np.column_stack([np.ones_like(inner), inner, speed, push])
+    known, answered = columns[np.isin(inside, clock)], response[np.isin(clock, inside)]
+    (_, spring, dashpot, mass), unsure = _regressed(known, answered)
+    if mass < -DEVIATIONS * unsure:
+        # What relaxes stiffens with the frequency, up to where the course moves and no further.
+        _, spring, dashpot = _regressed(known[:, :3], answered)[0]
+        mass, turns = 0.0, np.minimum(turns, float(np.std(push) / np.std(speed)))
     squares = (spring - mass * (2.0 - 2.0 * np.cos(turns))) ** 2 + (dashpot * np.sin(turns)) ** 2
     return np.asarray((noise * _passed(len(course), numbers)) ** 2 * squares, dtype=np.float64)
+
+
+def _regressed(columns: Real, value: Real) -> tuple[Real, float]:
+    """Amounts of columns (n, p) in values (n,), and the standard deviation of the last of them."""
+    basis, triangle = np.linalg.qr(columns)
+    along = basis.T @ value
+    spread = float(np.std(value - basis @ along))
+    return np.linalg.solve(triangle, along), spread / abs(float(triangle[-1, -1]))
 
 
 def followed(loading: Loading, noise: Real) -> Real:
@@ -403,26 +411,33 @@ class Spline:
     memory: float = 0.0
 
     @cached_property
-    def _columns(self) -> Any:
-        return _columns(self.count, self.apart, self.memory)
-
-    @cached_property
     def _factor(self) -> Real:
         from scipy.linalg import cholesky_banded
 
-        bands = self._columns[2]
-        return np.asarray(cholesky_banded(bands[0] + self.weight * bands[1], lower=True))
+        values, differences = _bands(self.count, self.apart, self.memory)
+        return np.asarray(cholesky_banded(values + self.weight * differences, lower=True))
 
     def coefficients(self, value: Real) -> Real:
         """Those (p,) of values (n,)."""
         from scipy.linalg import cho_solve_banded
 
-        told = self._columns[1].T @ prewhitened(value, self.memory)
-        return np.asarray(cho_solve_banded((self._factor, True), told))
+        here, beside = _weights(self.count, self.memory)
+        told = here * value
+        told[1:] += beside * value[:-1]
+        told[:-1] += beside * value[1:]
+        parts = _by_interval(told, self.apart) @ _shares(self.apart)
+        sums = np.zeros(self._factor.shape[1])
+        for k, part in enumerate(parts.T):
+            sums[k : k + len(part)] += part
+        return np.asarray(cho_solve_banded((self._factor, True), sums))
 
     def course(self, value: Real) -> Real:
         """The spline at the samples (n,), of values there."""
-        return np.asarray(self._columns[0] @ self.coefficients(value))
+        return self._at_samples(self.coefficients(value))
+
+    def _at_samples(self, coefficients: Real) -> Real:
+        near = np.lib.stride_tricks.sliding_window_view(coefficients, 2 * BENDS)
+        return np.asarray((near @ _shares(self.apart).T).ravel()[: self.count])
 
     def left(self, value: Real) -> Real:
         """What it leaves of values (n,) there, without what that remembers."""
@@ -434,7 +449,7 @@ class Spline:
         Free of the polynomials that are not penalised (Patterson and Thompson 1971).
         """
         found, spare = self.coefficients(value), self.count - BENDS
-        new = prewhitened(value - self._columns[0] @ found, self.memory)
+        new = prewhitened(value - self._at_samples(found), self.memory)
         squares = float(new @ new) + self.weight * float(np.sum(np.diff(found, BENDS) ** 2))
         size = spare * log(max(squares, SMALLEST) / spare)
         size += 2.0 * float(np.sum(np.log(self._factor[0])))
@@ -449,33 +464,52 @@ class Spline:
         return float(self._factor.shape[1] - rise / DIFFERENCE)
 
 
-@lru_cache(maxsize=1)
-def _columns(count: int, apart: int, memory: float) -> tuple[Any, Any, Real]:
-    """B-splines (n, p) at samples, those of what is new with each, and bands of what these square.
-
-    Of (2, 2 BENDS + 1, p), the latter those of the differences of coefficients.
-    """
+@lru_cache(maxsize=8)
+def _shares(apart: int) -> Real:
+    """B-splines (apart, 2 BENDS) at the samples of each interval of knots."""
     from scipy.interpolate import BSpline
-    from scipy.sparse import diags_array
 
-    degree = 2 * BENDS - 1
-    size = (count - 2) // apart + 1 + degree
-    at = np.arange(count) / apart
-    columns = BSpline.design_matrix(at, np.arange(-degree, size + 1.0), degree)
-    new = 1.0 / sqrt(1.0 - memory**2)
-    here = np.append(1.0, np.full(count - 1, new))
-    told = columns
-    # Of white noise they are the same, and of a long record as large as all else that is read.
-    if memory:
-        told = diags_array([here, np.full(count - 1, -memory * new)], offsets=[0, -1]) @ columns
-    gram, bands = told.T @ told, np.zeros((2, degree + 2, size))
-    for k in range(degree + 2):
-        bands[0, k, : size - k] = gram.diagonal(k)
+    count = 2 * BENDS
+    knots = np.arange(1.0 - count, count + 1.0)
+    return np.asarray(BSpline.design_matrix(np.arange(apart) / apart, knots, count - 1).todense())
+
+
+def _by_interval(value: Real, apart: int) -> Real:
+    """Values (n,) of which each row holds those of one interval; none beyond the last."""
+    return np.pad(value, (0, -len(value) % apart)).reshape(-1, apart)
+
+
+def _weights(count: int, memory: float) -> tuple[Real, float]:
+    """Of the square of each of so many samples, and of the product of neighbours."""
+    new = 1.0 / (1.0 - memory**2)
+    here = np.full(count, (1.0 + memory**2) * new)
+    here[[0, -1]] = new
+    return here, -memory * new
+
+
+@lru_cache(maxsize=1)
+def _bands(count: int, apart: int, memory: float) -> Real:
+    """Of squares of the values, and of the differences of coefficients, (2, 2 BENDS + 1, p)."""
+    here, beside = _weights(count, memory)
+    weights = [_by_interval(here, apart), _by_interval(np.full(count - 1, beside), apart)]
+    intervals, order = len(weights[0]), 2 * BENDS
+    # The next sample of the last one of an interval is in the next.
+    now = np.pad(_shares(apart), ((0, 0), (0, 1)))
+    after = np.roll(now, -1, axis=0)
+    after[-1] = np.roll(now[0], 1)
+    bands = np.zeros((2, order + 1, intervals + order))
+    for i in range(order + 1):
+        for k in range(order + 1 - i):
+            squares = weights[0] @ (now[:, i] * now[:, i + k])
+            products = weights[1] @ (now[:, i] * after[:, i + k] + after[:, i] * now[:, i + k])
+            bands[0, k, i : i + intervals] += squares
+            bands[0, k, i : i + len(products)] += products
+    bands = bands[..., : intervals + order - 1]
     factors = [(-1.0) ** i * comb(BENDS, i) for i in range(BENDS + 1)]
     for i, one in enumerate(factors):
         for k, other in enumerate(factors[i:]):
-            bands[1, k, i : size - BENDS + i] += one * other
-    return columns, told, bands
+            bands[1, k, i : bands.shape[-1] - BENDS + i] += one * other
+    return bands
 
 
 def likeliest(value: Real, memory: float = 0.0) -> Spline:
@@ -498,6 +532,22 @@ def likeliest(value: Real, memory: float = 0.0) -> Spline:
             break
         apart *= far
     return found
+
+
+def _in_parts(value: Real) -> Spline:
+    """The likeliest spline beside noise of any memory; knots of a long one are as its parts ask."""
+    first = [0]
+    if len(value) > BENDS * ENOUGH:
+        first = np.linspace(0, len(value) - ENOUGH, BENDS).astype(int).tolist()
+    found = []
+    for part in (value[at : at + BENDS * ENOUGH // len(first)] for at in first):
+        found.append(likeliest(part))
+        if not is_white(found[-1].left(part)):
+            found[-1] = likeliest(part, _memory_of(part))
+    if len(found) == 1:
+        return found[0]
+    memory = float(np.median([each.memory for each in found]))
+    return _weighed(value, min(each.apart for each in found), memory)
 
 
 def _weighed(value: Real, apart: int, memory: float) -> Spline:
