@@ -12,7 +12,16 @@ import numpy as np
 from springpot.distributions import LIKENESS, f_sf, prewhitened
 from springpot.rheology.points import Real
 
-from ..numerics import DEVIATIONS, DIFFERENCE, ENOUGH, NEGLIGIBLE, SMALLEST, evenly, rms
+from ..numerics import (
+    DEVIATIONS,
+    DIFFERENCE,
+    ENOUGH,
+    NEGLIGIBLE,
+    SMALLEST,
+    evenly,
+    projected_out,
+    rms,
+)
 from ..thresholds import SIGNALS
 from .imposed import (
     NEARLY_ALL,
@@ -360,10 +369,10 @@ def answer_to_unfelt(loading: Loading, clock: Real, response: Real) -> Real:
 
 def _regressed(columns: Real, value: Real) -> tuple[Real, float]:
     """Amounts of columns (n, p) in values (n,), and the standard deviation of the last of them."""
-    basis, triangle = np.linalg.qr(columns)
-    along = basis.T @ value
-    spread = float(np.std(value - basis @ along))
-    return np.linalg.solve(triangle, along), spread / abs(float(triangle[-1, -1]))
+    found = np.asarray(np.linalg.lstsq(columns, value, rcond=None)[0], dtype=np.float64)
+    alone = projected_out(columns[:, -1], np.linalg.qr(columns[:, :-1])[0])
+    spread = rms(value - columns @ found)
+    return found, spread / max(float(np.linalg.norm(alone)), SMALLEST)
 
 
 def followed(loading: Loading, noise: Real) -> Real:
