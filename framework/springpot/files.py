@@ -253,11 +253,7 @@ class FileLimits(NamedTuple):
     bytes_a_second: float
     """For each of which there is one more second: text is parsed at two to four times this rate."""
     times: int
-    """Bytes of memory for each of a file.
-
-    A table needs about seven while its cells are text, and a record as many while the course of
-    its motion is sought.
-    """
+    """Bytes of memory for each of a file: a table needs about seven while its cells are text."""
     spare: int
     """Bytes of memory for any file: libraries that a reader imports, and an archive that
     unpacks.
@@ -270,7 +266,7 @@ FILES = FileLimits(
     containers=1_000_000,
     seconds=5.0,
     bytes_a_second=10e6,
-    times=15,
+    times=10,
     spare=200 << 20,
 )
 _DEEP_KEY = re.compile(r"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){50}""")

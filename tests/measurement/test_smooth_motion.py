@@ -115,7 +115,7 @@ def test_what_is_answered_to_the_error_of_a_course_is_told_at_each_frequency():
         ends = COUNT // 50
         power = dct(missed[ends:-ends], norm="ortho") ** 2
         told = answer_to_unfelt(loading, loading.time, noisy)[: len(power)]
-        edge = int(loading.unfelt[1])
+        edge = int(loading.unfelt.numbers)
         found.append([np.sum(power[part]) / np.sum(told[part]) for part in bands(edge)])
     # Of an octave below the edge of what is followed, and one about it.
     assert np.median(found, axis=0) == pytest.approx([1.0, 1.0], abs=0.6)
@@ -147,7 +147,7 @@ def test_ends_of_a_smooth_course_are_not_judged():
     force = 3.0 * place + 0.01 * push
     force += 0.01 * np.std(force) * rng.normal(size=COUNT)
     test = TimeTest.of_history(STEP * np.arange(COUNT), read, force, "mm", "N")
-    few = int(np.ceil(COUNT / test.loading.unfelt[1]))
+    few = int(np.ceil(COUNT / test.loading.unfelt.numbers))
     unsure = np.isin(test.time, test.loading.unsure(True))
     assert unsure[:few].all()
     assert unsure[-few:].all()

@@ -83,7 +83,7 @@ def test_the_budget_is_that_of_the_documentation(tmp_path):
         stream.truncate(30_000_000)
     found = budget_of(path)
     assert found.seconds == pytest.approx(5.0 + 3.0)
-    assert found.memory == 15 * 30_000_000 + 200 * 2**20
+    assert found.memory == 10 * 30_000_000 + 200 * 2**20
 
 
 @pytest.mark.soak_cases("stubborn", "loses_the_first_word")

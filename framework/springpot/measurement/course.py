@@ -27,21 +27,25 @@ from .imposed import (
     NEARLY_ALL,
     ORDER,
     Loading,
+    Unfelt,
     controlled,
     from_rest,
     imposed_noise,
     is_white,
+    noise_of_smooth,
     since_nothing,
 )
 from .instrument import is_even, rounding_step
 from .steady import SHORTEST
-from .steady_start import goes_with, gone_on, quiet, stepped_to, still, without_noise
+from .steady_start import goes_with, gone_on, quiet, stepped_to, still, taken_off, without_noise
 
 FEWEST = 2 * SHORTEST
 """Samples at a level, at least, by which their noise is told from a course."""
-BENDS, CLOSE = 4, 0.02
-"""Differences of a course that are as good as noise: those that a mass feels are two less; and how
-near the likeliest memory and the logarithm of a weight are sought."""
+BENDS, CLOSE, PARTS = 4, 0.02, 4
+"""Differences of a course that are as good as noise: those that a mass feels are two less. How near
+the likeliest memory and the logarithm of a weight are sought. Parts of a long record that tell how
+far its knots are apart: to seek that in all of it would take longer than to read it.
+"""
 
 
 def control_of(clock: Real, moved: Real, pulled: Real) -> tuple[str, dict[str, str]]:
@@ -323,25 +327,22 @@ def smoothed(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]
     few = len(value) < SHORTEST * BENDS
     if few or not loading.sampled or loading.before or not is_even(loading.time):
         return loading, {}
-    rough = imposed_noise(value)
-    # Of a sine of three samples two thirds of what half the order leaves; of noise as much.
-    if rough <= max(0.5 * imposed_noise(value, ORDER // 2), NEGLIGIBLE * rms(value)):
+    # Digits are noise as well.
+    if imposed_noise(value) <= max(noise_of_smooth(value), NEGLIGIBLE * rms(value)):
         return loading, {}
-    spline = _in_parts(value)
+    spline = _found(value)
     course, answer = spline.course(value), spline.course(response)
     if not (is_white(spline.left(value)) and _stands_out(value, course, spline.freedom)):
         return loading, {}
     left, rest = value - course, response - answer
-    noise = float(np.std(left))
     stiffness = float(np.std(answer)) / max(float(np.std(course)), SMALLEST)
     if goes_with(rest, left, stiffness):
         return loading, {}
-    share = 100.0 * noise / rms(course)
-    colour = "noise with a memory" if spline.memory else "white noise"
-    says = f"smooth, with {share:.2g} % of {colour} that nothing answers to: taken off"
     # Of noise with a memory that much more is where it is slow.
-    slow = noise * sqrt((1.0 + spline.memory) / (1.0 - spline.memory))
-    return replace(loading, value=course, unfelt=(slow, spline.freedom)), {"motion": says}
+    slow = float(np.std(left)) * sqrt((1.0 + spline.memory) / (1.0 - spline.memory))
+    noise = "noise with a memory" if spline.memory else "white noise"
+    unfelt = Unfelt(slow, spline.freedom)
+    return replace(loading, value=course, unfelt=unfelt), taken_off("smooth", left, course, noise)
 
 
 def answer_to_unfelt(loading: Loading, clock: Real, response: Real) -> Real:
@@ -381,14 +382,14 @@ def followed(loading: Loading, noise: Real) -> Real:
     Examples
     --------
     >>> t, noise = np.arange(400.0), np.random.default_rng(1).normal(size=400)
-    >>> float(np.std(followed(Loading(t, noise, unfelt=(1.0, 40.0)), noise)).round(1))
+    >>> float(np.std(followed(Loading(t, noise, unfelt=Unfelt(1.0, 40.0)), noise)).round(1))
     0.2
     """
     from scipy.fft import dct, idct
 
-    if not loading.unfelt[1]:
+    if not loading.unfelt.noise:
         return noise
-    passed = _passed(len(noise), loading.unfelt[1])
+    passed = _passed(len(noise), loading.unfelt.numbers)
     return np.asarray(idct(passed * dct(noise, norm="ortho"), norm="ortho"))
 
 
@@ -543,20 +544,22 @@ def likeliest(value: Real, memory: float = 0.0) -> Spline:
     return found
 
 
-def _in_parts(value: Real) -> Spline:
-    """The likeliest spline beside noise of any memory; knots of a long one are as its parts ask."""
-    first = [0]
-    if len(value) > BENDS * ENOUGH:
-        first = np.linspace(0, len(value) - ENOUGH, BENDS).astype(int).tolist()
-    found = []
-    for part in (value[at : at + BENDS * ENOUGH // len(first)] for at in first):
-        found.append(likeliest(part))
-        if not is_white(found[-1].left(part)):
-            found[-1] = likeliest(part, _memory_of(part))
-    if len(found) == 1:
-        return found[0]
+def _found(value: Real) -> Spline:
+    """The likeliest spline beside white noise, or beside such as has a memory if that is not white.
+
+    Of a long record its parts tell how far knots are apart, and the memory.
+    """
+    if len(value) <= PARTS * ENOUGH:
+        return _beside_any_noise(value)
+    places = np.linspace(0, len(value) - ENOUGH, PARTS).astype(int).tolist()
+    found = [_beside_any_noise(value[place : place + ENOUGH]) for place in places]
     memory = float(np.median([each.memory for each in found]))
     return _weighed(value, min(each.apart for each in found), memory)
+
+
+def _beside_any_noise(value: Real) -> Spline:
+    spline = likeliest(value)
+    return spline if is_white(spline.left(value)) else likeliest(value, _memory_of(value))
 
 
 def _weighed(value: Real, apart: int, memory: float) -> Spline:

@@ -6,10 +6,11 @@ Straight between its knots, and how that is read off a record.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, comb, log, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,6 +32,21 @@ ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
 
 
+class Unfelt(NamedTuple):
+    """What was taken off a motion that was read with noise, as no specimen felt it.
+
+    Attributes
+    ----------
+    noise : float
+        Standard deviation of the noise, as large as it is where it is slow; zero of none.
+    numbers : float
+        Of so many the course is: that part of the noise it has kept.
+    """
+
+    noise: float = 0.0
+    numbers: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Loading:
     """What was imposed.
@@ -48,9 +64,8 @@ class Loading:
     before : int
         Knots before the first sample: how it had gone on until then, or one where it rose from
         nothing.
-    unfelt : tuple of float
-        Standard deviation of the noise that was taken off a smooth course, and of how many numbers
-        that course is.
+    unfelt : Unfelt
+        The noise that was taken off, where the course is a smooth one.
 
     Raises
     ------
@@ -68,7 +83,7 @@ class Loading:
     value: Real
     sampled: bool = False
     before: int = 0
-    unfelt: tuple[float, float] = (0.0, 0.0)
+    unfelt: Unfelt = field(default_factory=Unfelt)
 
     def __post_init__(self) -> None:
         for name in ("time", "value"):
@@ -147,8 +162,8 @@ class Loading:
 
     def scaled(self, factor: float) -> Loading:
         """The same in another unit."""
-        noise, numbers = self.unfelt
-        return replace(self, value=self.value * factor, unfelt=(noise * abs(factor), numbers))
+        unfelt = self.unfelt._replace(noise=self.unfelt.noise * abs(factor))
+        return replace(self, value=self.value * factor, unfelt=unfelt)
 
     @cached_property
     def motion(self) -> Between | None:
@@ -194,8 +209,8 @@ class Loading:
         ends too, which are told from one side.
         """
         times, _ = self.jumps
-        if self.unfelt[1]:
-            few = ceil(len(self.time) / self.unfelt[1])
+        if self.unfelt.noise:
+            few = ceil(len(self.time) / self.unfelt.numbers)
             times = np.union1d(times, self.time[[*range(few), *range(-few, 0)]])
         if self.smooth is None or self.smooth.motion is None:
             return times
@@ -268,8 +283,8 @@ def is_command(clock: Real, value: Real, other: Real) -> bool:
     if imposed_noise(value, ORDER // 4) <= digit:
         # What answers to lines is none, be it by its noise or by itself.
         return noise > rms(rounding_step(other)) and digit * rms(other) < noise * rms(value)
-    noise, most = imposed_noise(other), _of_what_is_smooth(other)
-    own, digit = imposed_noise(value), _of_what_is_smooth(value)
+    noise, most = imposed_noise(other), _hidden_noise(other)
+    own, digit = imposed_noise(value), _hidden_noise(value)
     return noise > most and own <= digit and max(own, digit) * rms(other) < noise * rms(value)
 
 
@@ -282,13 +297,18 @@ def noise_of_transducer(value: Real) -> float:
     0.0
     """
     noise = imposed_noise(value)
-    return noise if noise > _of_what_is_smooth(value) else 0.0
+    return noise if noise > _hidden_noise(value) else 0.0
 
 
-def _of_what_is_smooth(value: Real) -> float:
+def _hidden_noise(value: Real) -> float:
     """What differences leave at most of a channel (n,) without noise but that of its digits."""
+    return max(noise_of_smooth(value), rms(rounding_step(value)))
+
+
+def noise_of_smooth(value: Real) -> float:
+    """What differences leave at most of a smooth channel (n,) without any noise."""
     # Of a sine of three samples two thirds of what half the order leaves; of noise as much.
-    return max(0.5 * imposed_noise(value, ORDER // 2), rms(rounding_step(value)))
+    return 0.5 * imposed_noise(value, ORDER // 2)
 
 
 def imposed_noise(value: Real, order: int = ORDER) -> float:

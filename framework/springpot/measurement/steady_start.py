@@ -320,9 +320,13 @@ def quiet(loading: Loading, response: Real) -> tuple[Loading, dict[str, str]]:
     unsure = stiffness * noise * np.sqrt(columns.shape[1] / count)
     if unsure > rms(response - answer) or goes_with(response - answer, left, stiffness):
         return loading, {}
-    share = 100.0 * noise / rms(smooth)
-    says = f"steady, with {share:.2g} % of white noise that nothing answers to: taken off"
-    return replace(loading, value=smooth), {"motion": says}
+    return replace(loading, value=smooth), taken_off("steady", left, smooth)
+
+
+def taken_off(how: str, left: Real, course: Real, noise: str = "white noise") -> dict[str, str]:
+    """The note on the noise (n,) that was taken off a course (n,)."""
+    share = 100.0 * float(np.std(left)) / rms(course)
+    return {"motion": f"{how}, with {share:.2g} % of {noise} that nothing answers to: taken off"}
 
 
 def still(clock: Real, imposed: Real, response: Real) -> tuple[Real, dict[str, str]]:
@@ -356,9 +360,7 @@ def without_noise(
         for part in parts:
             rest[part] = _beside_creep(response[part])
         if not goes_with(rest, left, rms(response) / rms(course)):
-            share = 100.0 * rms(left) / rms(course)
-            says = f"{how}, with {share:.2g} % of white noise that nothing answers to: taken off"
-            return _bridged(clock, imposed, course, parts), {"motion": says}
+            return _bridged(clock, imposed, course, parts), taken_off(how, left, course)
     return imposed, {}
 
 

@@ -360,7 +360,7 @@ class TimeTest:
         columns |= {"knots": imposed.time, "imposed": imposed.value}
         units = (self.displacement_unit, self.force_unit)
         about = (self.control, *units, imposed.sampled, imposed.before, *sorted(self.aside))
-        about += imposed.unfelt if imposed.unfelt[1] else ()
+        about += imposed.unfelt if imposed.unfelt.noise else ()
         return digest_of_columns(about, columns, alone=("time", "knots"))
 
     def __repr__(self) -> str:

@@ -411,11 +411,11 @@ class Imposed(NamedTuple):
         """What was imposed in a test, whose response has noise (n,) of its own."""
         value, count, even = test.loading.recorded.value, len(test.time), is_even(test.time)
         noise, powers, unfelt = 0.0, None, None
-        if test.loading.unfelt[0] > 0.0:
+        if test.loading.unfelt.noise > 0.0:
             unfelt = answer_to_unfelt(test.loading, test.time, test.response)
             unfelt = unfelt / float(np.mean(sd**2))
             if count == len(value) and float(np.mean(unfelt)) >= HEARD**2:
-                noise = test.loading.unfelt[0]
+                noise = test.loading.unfelt.noise
         elif even and len(value) >= FEWEST_OF_NOISE:
             noise = _noise_above(test, stiffness, sd)
         if test.kind == "history" and even and FEWEST <= len(value) == count:

@@ -265,7 +265,7 @@ def scatter_of_record(
         # Where digits repeat they err less than elsewhere, and if they are most of what is left no
         # part is missed by that.
         return replace(found, local=1.0) if share > 0.5 else found
-    found, (chance, rest) = scatter_of(residual, 0.0, worth, imposed.unfelt), (1.0, residual)
+    found, chance, rest = scatter_of(residual, 0.0, worth, imposed.unfelt), 1.0, residual
     if imposed.steps and len(residual) >= FEWEST:
         stepped, calm = step_test(residual, imposed.steps)
         if stepped < min(found.chance, SIGNALS.ruled_out):

@@ -355,7 +355,7 @@ def noise_answer(part: TestPart, model: Model, theta: Real, reference: float) ->
     # Of independent noise the answers add as squares do: those to some kicks stand for all.
     loading, kicks = part.test.loading, np.zeros(len(part.at))
     # Those that a smooth course has followed reach as far as it is smooth.
-    reach = ceil(len(kicks) / loading.unfelt[1]) if loading.unfelt[1] else 1
+    reach = ceil(len(kicks) / loading.unfelt.numbers) if loading.unfelt.noise else 1
     # Of a short record at least one is tried, and not at its end.
     apart = min(APART * reach, len(kicks) // 2)
     kicks[apart::apart] = part.imposed.noise
