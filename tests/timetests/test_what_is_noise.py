@@ -8,8 +8,16 @@ from scipy.signal import lfilter
 
 import springpot
 from springpot import parse_model
+from springpot.distributions import spectrum_of
 from springpot.measurement import Loading, TimeTest, noise_of
-from springpot.misfit.coloured_noise import Imposed, motion_test, powers_of, step_test
+from springpot.misfit.coloured_noise import (
+    Colour,
+    Imposed,
+    frequencies,
+    motion_test,
+    powers_of,
+    step_test,
+)
 from springpot.misfit.residual_scatter import (
     ResidualScatter,
     scatter_of,
@@ -294,3 +302,13 @@ def test_samples_on_the_way_of_a_step_are_not_behind_it(taken):
     rows = [row + i for row in range(20, 400, 20) for i in range(taken)]
     residual[rows] += 8.0
     assert step_test(residual, rows)[0] > 0.01
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.6])
+def test_noise_with_a_memory_beside_what_is_known_has_both_spectra_and_one_number(memory):
+    omega = frequencies(200)
+    known = 5.0 * np.exp(-10.0 * omega)
+    colour = Colour.of_memory(2.0, memory, known)
+    expected = spectrum_of(omega, 2.0, memory) + known
+    np.testing.assert_allclose(colour.spectrum(omega), expected, rtol=0.01)
+    assert colour.count == 1

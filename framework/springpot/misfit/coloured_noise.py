@@ -95,6 +95,9 @@ class Colour:
     @property
     def count(self) -> int:
         """Numbers beside its size."""
+        # What is beside it is known, and all of its cosines follow from one memory.
+        if self.beside is not None:
+            return 1
         return len(self.cosines) + (self.corner > 0.0)
 
     def spectrum(self, omega: Real) -> Real:
